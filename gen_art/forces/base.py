@@ -1,0 +1,78 @@
+"""The contract of a force: what a class may declare, and what the kernels ask of it."""
+
+from typing import ClassVar
+
+from gen_art.errors import UsageError
+from gen_art.registry import Parametric, Registry
+from gen_art.runtime import ti
+
+__all__ = ["FORCES", "Force", "force", "term_acceleration", "pushes"]
+
+FORCES = Registry("force")
+force = FORCES  # as a decorator: @ga.force("swirl")
+
+
+
+class Force(Parametric):
+    """Acts on one particle from its own state, the time and parameters.
+
+    A subclass declares parameters by `name: float = ga.param(...)` and any of these @ti.func methods, each called as
+    `(self, p, t, q)` with p the particle (position, velocity, mass, charge, radius, age, lifetime, key, declared
+    attributes), t the time in seconds and q the run-time parameters:
+
+    acceleration  (3,) m/s^2            force     (3,) N, divided by the particle's mass
+    electric      (3,) V/m              magnetic  (3,) T
+    damping       (2,) rate in 1/s and quadratic rate in 1/m, taken into the integrator exactly
+    potential     J, time-independent; -gradient is the force
+
+    Flags, which the ledger and `inspect` read: `conservative` (has a time-independent potential), `reciprocal`,
+    `dissipative`, `does_work`. `repeat` names an int parameter: the term is summed for q.index in 0 .. q.<repeat> - 1.
+    `depends_on_velocity` tells the integrators that a plain kick loses an order.
+    """
+
+    repeat: ClassVar[str | None] = None
+    conservative: ClassVar[bool] = False
+    reciprocal: ClassVar[bool] = False
+    dissipative: ClassVar[bool] = False
+    does_work: ClassVar[bool] = True
+    depends_on_velocity: ClassVar[bool] = False
+
+    def __init_subclass__(cls, **kwargs):
+        super().__init_subclass__(**kwargs)
+        if cls.repeat is not None and cls.repeat not in cls.parameters:
+            raise UsageError(f"{cls.__name__}.repeat names '{cls.repeat}', which is no parameter of it")
+        if cls.conservative and not cls.provides("potential"):
+            raise UsageError(f"{cls.__name__} is declared conservative: it needs a potential")
+
+    @classmethod
+    def provides(cls, quantity: str) -> bool:
+        """Whether the class defines the method `quantity` (acceleration, potential, damping ...)."""
+        return callable(getattr(cls, quantity, None))
+
+    @property
+    def fixed(self) -> tuple:
+        """What is generated into the kernel: the class and its choices and flags. Numbers are never in it."""
+        values = tuple((k, self.values[k]) for k, p in self.parameters.items() if p.kind in ("bool", "choice", "text"))
+        return (type(self), values)
+
+    def bound_numbers(self, medium) -> list[float]:
+        """The run-time numbers, once the medium the particle moves in is known."""
+        return self.numbers()
+
+
+@ti.func
+def term_acceleration(term: ti.template(), p, t, q):
+    """The acceleration (3,) of one term, whichever way the class states it (magnetic part left out)."""
+    a = ti.Vector([0.0, 0.0, 0.0])
+    if ti.static(term.provides("acceleration")):
+        a += term.acceleration(p, t, q)
+    if ti.static(term.provides("force")):
+        a += term.force(p, t, q) / p.mass
+    if ti.static(term.provides("electric")):
+        a += term.electric(p, t, q) * (p.charge / p.mass)
+    return a
+
+
+def pushes(term) -> bool:
+    """Whether a term has a part that acts as an acceleration."""
+    return any(term.provides(n) for n in ("acceleration", "force", "electric"))

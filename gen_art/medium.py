@@ -1,0 +1,42 @@
+"""The medium that drag pulls towards: one velocity field u(x, t), summed from named terms."""
+
+from gen_art.errors import UsageError
+from gen_art.forces.base import FORCES, Force
+from gen_art.forces.curl_noise import CurlNoise
+from gen_art.forces.wind import Wind
+
+__all__ = ["Medium"]
+
+
+class Medium:
+    """A velocity field u(x, t), the sum of its terms, and the density of the fluid.
+
+    density : kg/m^3, >= 0     wind : (3,) m/s, or a Wind     curl_noise : a CurlNoise, a mapping of its parameters, or a
+    list of either     vortices : a list of Vortex     field : any force whose vectors are taken as velocities, or a list.
+    Raises UsageError for a term that is no vector field.
+    """
+
+    def __init__(self, density: float = 0.0, wind=None, curl_noise=None, vortices=(), field=()):
+        if not density >= 0.0:
+            raise UsageError(f"a medium's density must be at least 0, not {density}")
+        self.density = float(density)
+        terms: list[Force] = []
+        if wind is not None:
+            terms.append(wind if isinstance(wind, Force) else Wind(wind))
+        if curl_noise is not None:
+            for noise in curl_noise if isinstance(curl_noise, (list, tuple)) else [curl_noise]:
+                terms.append(noise if isinstance(noise, Force) else CurlNoise(**noise))
+        for extra in (vortices, field):
+            terms += [extra] if isinstance(extra, Force) else list(extra)
+        for term in terms:
+            if not isinstance(term, Force) or not term.provides("acceleration"):
+                raise UsageError(f"{term!r} is not a vector field and cannot move a medium; fields: {', '.join(fields())}")
+        self.terms = tuple(terms)
+
+    def __repr__(self):
+        return f"Medium(density={self.density}, terms={self.terms!r})"
+
+
+def fields() -> list[str]:
+    """The names of the registered forces that can be terms of a medium."""
+    return [name for name in FORCES if FORCES[name].provides("acceleration")]

@@ -1,0 +1,216 @@
+"""Names to classes, and the typed parameters a class declares.
+
+A class with parameters is a `Parametric`: its annotations become constructor arguments, YAML keys, schema entries and
+rows of the documentation. `Registry` maps the YAML name to the class.
+"""
+
+import difflib
+import math
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+from gen_art.errors import UsageError
+
+__all__ = ["Parameter", "Parametric", "Registry", "param", "suggest"]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One typed parameter: `kind` is float, int, vector, bool, choice, text or array; the range is closed.
+
+    kinds float, int and vector (3 numbers) reach kernels as run-time data; bool, choice and text are fixed when the
+    kernel is generated.
+    """
+
+    default: Any = None
+    unit: str = ""
+    minimum: float = -math.inf
+    maximum: float = math.inf
+    choices: tuple = ()
+    doc: str = ""
+    kind: str = "float"
+    name: str = ""
+    required: bool = False
+
+    def check(self, value):
+        """The value in its canonical Python form; UsageError says what is wrong with it."""
+        if self.kind in ("float", "int"):
+            if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+                raise UsageError(f"{self.name} must be a number, not {value!r}")
+            if self.kind == "int" and int(value) != value:
+                raise UsageError(f"{self.name} must be a whole number, not {value!r}")
+            return self._in_range(int(value) if self.kind == "int" else float(value))
+        if self.kind == "vector":
+            try:
+                vector = tuple(float(c) for c in value)
+            except (TypeError, ValueError):
+                vector = ()
+            if len(vector) != 3:
+                raise UsageError(f"{self.name} must be three numbers [x, y, z], not {value!r}")
+            return tuple(self._in_range(c) for c in vector)
+        if self.kind == "bool":
+            if not isinstance(value, bool):
+                raise UsageError(f"{self.name} must be true or false, not {value!r}")
+            return value
+        if self.kind == "choice":
+            if value not in self.choices:
+                raise UsageError(f"{self.name} must be one of {', '.join(map(str, self.choices))}; not {value!r}")
+            return value
+        if self.kind == "text" and not isinstance(value, str):
+            raise UsageError(f"{self.name} must be text, not {value!r}")
+        return value
+
+    def _in_range(self, value):
+        if not math.isfinite(value):
+            raise UsageError(f"{self.name} must be a finite number, not {value}")
+        if not self.minimum <= value <= self.maximum:
+            bounds = f"at least {self.minimum:g}" if self.maximum == math.inf else f"from {self.minimum:g} to {self.maximum:g}"
+            raise UsageError(f"{self.name} must be {bounds}, not {value:g}")
+        return value
+
+    @property
+    def size(self) -> int:
+        """How many run-time numbers the parameter takes."""
+        return {"float": 1, "int": 1, "vector": 3}.get(self.kind, 0)
+
+
+_REQUIRED = object()
+
+
+def param(default=_REQUIRED, *, unit="", min=-math.inf, max=math.inf, choices=(), doc=""):
+    """Declare a parameter of a Force, Emitter or other Parametric class: default, unit, closed range, meaning."""
+    return Parameter(
+        None if default is _REQUIRED else default, unit, min, max, tuple(choices), doc, required=default is _REQUIRED
+    )
+
+
+_KINDS = {float: "float", int: "int", bool: "bool", tuple: "vector", str: "text", object: "array"}
+
+
+class Parametric:
+    """A class whose annotated `param(...)` attributes are its constructor's arguments, in order of declaration."""
+
+    name: ClassVar[str] = ""
+    parameters: ClassVar[dict[str, Parameter]] = {}
+
+    def __init_subclass__(cls, **kwargs):
+        super().__init_subclass__(**kwargs)
+        own = dict(cls.parameters)
+        for key, annotation in cls.__dict__.get("__annotations__", {}).items():
+            declared = cls.__dict__.get(key)
+            if not isinstance(declared, Parameter):
+                continue
+            kind = "choice" if declared.choices else _KINDS.get(annotation, "array")
+            own[key] = Parameter(**{**declared.__dict__, "kind": kind, "name": key})
+            setattr(cls, key, _Frozen(key, cls.__name__))
+        cls.parameters = own
+
+    def __init__(self, *args, **kwargs):
+        names = list(self.parameters)
+        if len(args) > len(names):
+            raise UsageError(f"{type(self).__name__} takes at most {len(names)} arguments ({', '.join(names)})")
+        given = dict(zip(names, args))
+        for key, value in kwargs.items():
+            if key not in self.parameters:
+                raise UsageError(f"{type(self).__name__} has no parameter '{key}'{suggest(key, names)}")
+            if key in given:
+                raise UsageError(f"{type(self).__name__} got '{key}' twice")
+            given[key] = value
+        self.values = {}
+        for key, parameter in self.parameters.items():
+            if key not in given and parameter.required:
+                raise UsageError(f"{type(self).__name__} needs '{key}'")
+            value = given.get(key, parameter.default)
+            if value is None and parameter.default is None and not parameter.required:
+                self.values[key] = None  # an optional parameter left out
+                continue
+            try:
+                self.values[key] = parameter.check(value)
+            except UsageError as error:
+                raise UsageError(f"{type(self).__name__}: {error}") from None
+        self.prepare()
+
+    def prepare(self):
+        """Hook: check parameters against each other and derive numbers, in `self.values`."""
+
+    def __repr__(self):
+        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.values.items())})"
+
+    @classmethod
+    def layout(cls) -> tuple[tuple[str, int, int], ...]:
+        """(name, offset, size) of each run-time number in the class's slice of the parameter array."""
+        out, offset = [], 0
+        for key, parameter in cls.parameters.items():
+            if parameter.size:
+                out.append((key, offset, parameter.size))
+                offset += parameter.size
+        return tuple(out)
+
+    def numbers(self) -> list[float]:
+        """The run-time numbers, in the order of `layout`."""
+        out = []
+        for key, _, size in self.layout():
+            value = self.values[key]
+            out += [0.0 if value is None else float(value)] if size == 1 else [float(c) for c in value or (0.0,) * size]
+        return out
+
+
+@dataclass
+class _Frozen:
+    """Reading `self.strength` in a kernel would freeze the number into it; this says what to write instead."""
+
+    key: str
+    owner: str
+
+    def __get__(self, instance, owner=None):
+        if instance is None:
+            return self
+        raise AttributeError(
+            f"self.{self.key} would be frozen at compile time: write q.{self.key} in a kernel, "
+            f"or .values['{self.key}'] in Python ({self.owner})"
+        )
+
+    def __set__(self, instance, value):
+        raise AttributeError(f"{self.owner}.{self.key} is set when the object is made")
+
+
+@dataclass
+class Registry:
+    """Name -> class, for one kind of thing (force, emitter, ...)."""
+
+    kind: str
+    classes: dict[str, type] = field(default_factory=dict)
+
+    def __call__(self, name: str):
+        """Class decorator: register under `name`."""
+
+        def add(cls):
+            if name in self.classes and self.classes[name].__qualname__ != cls.__qualname__:
+                raise UsageError(f"a {self.kind} named '{name}' exists already")
+            if not (cls.__doc__ or "").strip():
+                raise UsageError(f"the {self.kind} '{name}' needs a docstring: formula, units, source")
+            cls.name = name
+            self.classes[name] = cls
+            return cls
+
+        return add
+
+    def __getitem__(self, name: str) -> type:
+        try:
+            return self.classes[name]
+        except KeyError:
+            raise UsageError(f"unknown {self.kind} '{name}'{suggest(name, self.classes)}") from None
+
+    def __contains__(self, name) -> bool:
+        return name in self.classes
+
+    def __iter__(self):
+        return iter(self.classes)
+
+
+def suggest(word: str, words) -> str:
+    """`; did you mean 'rate'?` when one of `words` is close, else nothing."""
+    close = difflib.get_close_matches(str(word), [str(w) for w in words], n=1, cutoff=0.6)
+    return f"; did you mean '{close[0]}'?" if close else ""

@@ -1,0 +1,109 @@
+"""Counter-based random numbers: a value is a pure function of (key, channel), never of the order of calls.
+
+Philox-2x32 with 10 rounds: counter (key low word, channel), key (key high word). The same function exists for kernels
+(`Stream`) and for NumPy (`uniform`, `derive`), bit for bit.
+Source: Salmon, Moraes, Dror, Shaw, Parallel random numbers: as easy as 1, 2, 3 (SC11).
+"""
+
+import zlib
+
+import numpy as np
+
+from gen_art.elementary import cos, log, sin
+from gen_art.runtime import real, ti
+
+__all__ = ["channel_of", "derive", "philox", "philox_numpy", "uniform", "Stream"]
+
+_MULTIPLIER = 0xD256D193
+_WEYL = 0x9E3779B9
+
+
+def channel_of(name: str) -> int:
+    """The channel number of an attribute's name: the same in every preset and every order of declaration."""
+    return zlib.crc32(name.encode()) & 0x7FFFFFFF
+
+
+def philox_numpy(c0, c1, key):
+    """Two words (uint32) from counter words c0, c1 and a key word; arrays broadcast."""
+    with np.errstate(over="ignore"):
+        c0, c1, key = (np.asarray(a, dtype=np.uint64) for a in (c0, c1, key))
+        mask = np.uint64(0xFFFFFFFF)
+        for _ in range(10):
+            product = c0 * np.uint64(_MULTIPLIER)
+            c0, c1 = (product >> np.uint64(32)) ^ key ^ c1, product & mask
+            key = (key + np.uint64(_WEYL)) & mask
+    return c0.astype(np.uint32), c1.astype(np.uint32)
+
+
+def derive(key, number) -> np.ndarray:
+    """A child key (uint64) of `key` (uint64) and a whole number below 2**63: H(key, number). Arrays broadcast."""
+    key, number = np.asarray(key, np.uint64), np.asarray(number, np.uint64)
+    low, high, mask = key & np.uint64(0xFFFFFFFF), key >> np.uint64(32), np.uint64(0xFFFFFFFF)
+    a, b = philox_numpy(number & mask, low, high)
+    a, b = philox_numpy(a, (number >> np.uint64(32)) ^ b, low ^ np.uint64(0xA5A5A5A5))
+    return (a.astype(np.uint64) << np.uint64(32)) | b.astype(np.uint64)
+
+
+def uniform(key, channel: int) -> np.ndarray:
+    """Float64 in (0, 1) for each uint64 key: what a float64 kernel's `r.uniform(channel)` gives."""
+    key = np.asarray(key, np.uint64)
+    a, b = philox_numpy(key & np.uint64(0xFFFFFFFF), channel, key >> np.uint64(32))
+    return (a.astype(np.float64) * 2.0**-32) + (b >> np.uint32(12)).astype(np.float64) * 2.0**-52 + 2.0**-53
+
+
+@ti.func
+def philox(c0, c1, key):
+    """Two words (u32) from counter words c0, c1 and a key word."""
+    x, y, k = ti.cast(c0, ti.u32), ti.cast(c1, ti.u32), ti.cast(key, ti.u32)
+    for _ in ti.static(range(10)):
+        product = ti.cast(x, ti.u64) * ti.u64(_MULTIPLIER)
+        x = ti.cast(product >> ti.u64(32), ti.u32) ^ k ^ y
+        y = ti.cast(product & ti.u64(0xFFFFFFFF), ti.u32)
+        k = k + ti.u32(_WEYL)
+    return x, y
+
+
+@ti.func
+def _uniform(low, high, channel):
+    a, b = philox(low, channel, high)
+    u = ti.cast(a, ti.f64) * ti.cast(2.0**-32, ti.f64)
+    u += ti.cast(b >> ti.u32(12), ti.f64) * ti.cast(2.0**-52, ti.f64) + ti.cast(2.0**-53, ti.f64)
+    return u
+
+
+class Stream:
+    """The random stream of one particle inside a kernel: `r.uniform(channel)`, `r.normal(channel)`, `r.sphere(channel)`.
+
+    Channels are whole numbers of the author's choice; the same channel always gives the same value. Draws are made in
+    float64 and rounded to the kernel's precision, so float32 and float64 simulations are born alike.
+    """
+
+    _data_oriented = True
+
+    def __init__(self, low, high, offset: int = 0):
+        self._low, self._high, self._offset = low, high, offset
+
+    @ti.func
+    def uniform(self, channel):
+        """Uniform in (0, 1)."""
+        return ti.cast(_uniform(self._low, self._high, channel + self._offset), real())
+
+    @ti.func
+    def range(self, bounds, channel):
+        """Uniform between bounds[0] and bounds[1] (a `range` parameter)."""
+        return bounds[0] + (bounds[1] - bounds[0]) * self.uniform(channel)
+
+    @ti.func
+    def normal(self, channel):
+        """Standard normal, by Box and Muller, from the channel and its twin."""
+        u, v = self.uniform(channel), self.uniform(channel + 0x40000000)
+        return ti.sqrt(-2.0 * log(u)) * cos(6.283185307179586 * v)
+
+    @ti.func
+    def sphere(self, channel):
+        """A direction uniform over the sphere (unit vector)."""
+        z = 2.0 * self.uniform(channel) - 1.0
+        angle = 6.283185307179586 * self.uniform(channel + 0x40000000)
+        s = ti.sqrt(ti.max(1.0 - z * z, 0.0))
+        return ti.Vector([s * cos(angle), s * sin(angle), z])
+

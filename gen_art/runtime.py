@@ -1,0 +1,144 @@
+"""The only place that starts Taichi: backend, threads, cache folder, precision, quiet.
+
+Every other module takes `ti` from here. Kernels are wrapped by `kernel(function, precision)`, which compiles them
+with the right default float type: without it the literals of a float64 kernel silently become float32.
+"""
+
+import contextlib
+import hashlib
+import io
+import os
+import platform
+from pathlib import Path
+
+os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")
+os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
+
+import taichi as ti  # noqa: E402  (the variables above must be set before the import)
+from taichi.lang import impl  # noqa: E402
+
+from gen_art.errors import UsageError  # noqa: E402
+
+__all__ = ["ti", "init", "kernel", "compilations", "is_f64", "real", "threads", "DTYPES", "cache_folder"]
+
+DTYPES = {"f32": ti.f32, "f64": ti.f64}
+_state: dict = {"config": None, "kernels": [], "lock": None}
+
+
+def cache_folder(arch: str) -> Path:
+    """Where compiled kernels are kept: $GEN_ART_CACHE, else the user's cache folder.
+
+    The CPU and the compile settings are not part of Taichi's own cache key, so they are part of the folder's name.
+    """
+    base = os.environ.get("GEN_ART_CACHE")
+    root = Path(base) if base else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "gen-art"
+    cpu = platform.machine() + platform.processor()
+    with contextlib.suppress(OSError):
+        cpu += "".join(
+            line
+            for line in Path("/proc/cpuinfo").read_text().split("\n\n")[0].splitlines(keepends=True)
+            if line.startswith(("model name", "flags"))
+        )
+    tag = hashlib.sha256(cpu.encode()).hexdigest()[:12]
+    return root / f"taichi-{'.'.join(map(str, ti.__version__))}-{arch}-{tag}"
+
+
+def _share_cache(folder: Path) -> bool:
+    """Take a share in the cache folder; the first process in removes a lock that a killed one left behind."""
+    try:
+        import fcntl
+
+        folder.mkdir(parents=True, exist_ok=True)
+        handle = open(folder / "processes", "a")  # noqa: SIM115  (held open for the life of the process)
+    except (ImportError, OSError):
+        return os.access(folder, os.W_OK)
+    with contextlib.suppress(OSError):
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        for stale in folder.glob("*.lock"):
+            stale.unlink(missing_ok=True)
+    fcntl.flock(handle, fcntl.LOCK_SH)
+    _state["lock"] = handle
+    return True
+
+
+def init(arch: str = "cpu", threads: int | None = None) -> None:
+    """Start Taichi once for the process. `threads=None` means all processors, or whatever runs already.
+
+    Raises UsageError for another backend, a bad thread count, or a second, different configuration.
+    """
+    if arch != "cpu":
+        raise UsageError(f"arch '{arch}' is not available yet: this version runs on 'cpu' only")
+    if threads is not None and not 1 <= threads <= 1024:
+        raise UsageError(f"threads must be from 1 to 1024, not {threads}")
+    running = _state["config"]
+    if running is not None:
+        if (arch, threads or running[1]) != running:
+            raise UsageError(
+                f"this process already runs on arch={running[0]!r} with threads={running[1]}; "
+                f"arch={arch!r}, threads={threads} needs a process of its own"
+            )
+        return
+    count = threads or len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else threads or os.cpu_count() or 1
+    folder = cache_folder(arch)
+    with contextlib.redirect_stdout(io.StringIO()):
+        ti.init(
+            arch=ti.cpu,
+            log_level=ti.ERROR,
+            cpu_max_num_threads=count,
+            make_cpu_multithreading_loop=False,  # blocks are handed out dynamically: uneven work is balanced
+            fast_math=False,  # keeps every particle's arithmetic the same in every lane and in every kernel
+            offline_cache=_share_cache(folder),
+            offline_cache_file_path=str(folder),
+            enable_fallback=False,
+        )
+    _state["config"] = (arch, count)
+
+
+def threads() -> int:
+    """How many threads kernels run on (0 before `init`)."""
+    return _state["config"][1] if _state["config"] else 0
+
+
+@contextlib.contextmanager
+def _default_float(dtype):
+    runtime = impl.get_runtime()
+    config = runtime.prog.config()
+    old, old_config = runtime.default_fp, config.default_fp
+    runtime.default_fp = config.default_fp = dtype
+    try:
+        yield
+    finally:
+        runtime.default_fp, config.default_fp = old, old_config
+
+
+def kernel(function, precision: str = "f32"):
+    """Wrap a @ti.kernel so that it is traced, and launched, with `precision` as the default float type."""
+    dtype = DTYPES[precision]
+    primal = function._primal
+    _state["kernels"].append(primal)
+
+    def launch(*args):
+        with _default_float(dtype):
+            return function(*args)
+
+    launch.primal = primal
+    return launch
+
+
+def compilations() -> int:
+    """How many kernels have been compiled (or loaded from the cache) by this process."""
+    return sum(len(k.compiled_kernels) for k in _state["kernels"])
+
+
+def real():
+    """The float type of the kernel being traced."""
+    return impl.get_runtime().default_fp
+
+
+def is_f64() -> bool:
+    """Whether the kernel being traced computes in float64."""
+    return real() == ti.f64
+
+
+for _function in (real, is_f64):
+    _function._is_wrapped_kernel = True  # plain Python called while tracing: Taichi need not warn
