@@ -1,0 +1,320 @@
+"""The part of a preset that makes light of particles: `look:` of a system, `camera:` and `develop:` of the piece.
+
+Frozen pydantic models; attribute names are the YAML keys. Angles stay in degrees here, as the camera takes them.
+"""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, WithJsonSchema, model_validator
+
+from gen_art.errors import UsageError
+from gen_art.preset.colour_names import Gradient, srgb
+from gen_art.preset.values import Curve, Range, number, shown, vector
+
+__all__ = ["BY", "CameraKey", "CameraSpec", "Color", "DevelopSpec", "Emission", "Fog", "KeyLight", "Look", "Ramp", "Trail"]
+
+BY = ("age", "seconds", "speed", "temperature", "energy", "charge", "mass", "radius", "id", "random", "distance")
+
+
+def _schema(**schema):
+    return WithJsonSchema(schema)
+
+
+def _colour_before(value):
+    srgb(value)
+    return tuple(value) if isinstance(value, list) else value
+
+
+_numbers = {"type": ["number", "string"]}
+Number = Annotated[float, BeforeValidator(number), _schema(**_numbers)]
+Vector = Annotated[
+    tuple[float, float, float],
+    BeforeValidator(vector),
+    PlainSerializer(list),
+    _schema(type="array", items=_numbers, minItems=3, maxItems=3),
+]
+RangeValue = Annotated[Range, BeforeValidator(Range.of), PlainSerializer(str), _schema(**_numbers)]
+CurveValue = Annotated[
+    Curve,
+    BeforeValidator(Curve.of),
+    PlainSerializer(lambda c: [list(p) for p in c.points]),
+    _schema(type="array", items={"type": "array", "items": _numbers, "minItems": 2, "maxItems": 2}),
+]
+GradientValue = Annotated[
+    Gradient, BeforeValidator(Gradient.of), PlainSerializer(Gradient.written), _schema(type=["string", "array"])
+]
+ColourValue = Annotated[
+    Any,
+    BeforeValidator(_colour_before),
+    PlainSerializer(lambda c: list(c) if isinstance(c, tuple) else c),
+    _schema(type=["string", "array"]),
+]
+
+
+class Model(BaseModel):
+    """Frozen, and refuses keys it does not know."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True, ser_json_inf_nan="strings")
+
+
+class Ramp(Model):
+    """A number that may follow a quantity of the particle: `3`, `[[0, 1], [1, 0]]` (by age) or a mapping.
+
+    by: `age` is the fraction of the lifetime, 0 at birth and 1 at death; `seconds` the age in simulated seconds; `speed`
+    m/s; `energy` the kinetic energy in J; `random` a number in 0..1 that is the particle's own; `distance` from
+    the origin in m; or a declared attribute. `range: lo..hi` maps the quantity to 0..1 before the curve is read.
+    """
+
+    by: str = "age"
+    range: RangeValue | None = None
+    curve: CurveValue = Curve(((0.0, 1.0),))
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value):
+        if isinstance(value, (Ramp, dict)):
+            return value
+        if isinstance(value, (list, tuple)):
+            return {"curve": value}
+        return {"curve": ((0.0, number(value)),)}
+
+    @property
+    def constant(self) -> bool:
+        return len(self.curve.points) == 1
+
+
+class Color(Model):
+    """Colours by a quantity: a colour, a palette, or `{by: age, gradient: [white, crimson]}`; other keys are tags of
+    emitters with gradients of their own: `{by: age, clean: [white, crimson], tail: [gold, teal]}`.
+
+    `range: lo..hi` says which values of the quantity are the two ends (needed for all but age and random).
+    """
+
+    model_config = ConfigDict(frozen=True, extra="allow", arbitrary_types_allowed=True)
+    __pydantic_extra__: dict[str, GradientValue]
+
+    by: str = "age"
+    range: RangeValue | None = None
+    gradient: GradientValue = Gradient(((0.0, "white"),))
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value):
+        return value if isinstance(value, (Color, dict)) else {"gradient": value}
+
+    @property
+    def tags(self) -> dict[str, Gradient]:
+        return self.__pydantic_extra__ or {}
+
+
+class Emission(Model):
+    """Light a particle gives off. For discs and streaks `intensity` is the brightness at the middle of the sprite;
+    a point has the area of one pixel of a picture 720 rows high.
+
+    blackbody: kelvin, or a curve of kelvin over age (or over `by: seconds`). planck: how much of Planck's fall of
+    brightness towards lower temperatures to keep, relative to the hottest (0 none, 1 all). strobe: lo..hi in Hz, a
+    rate and phase drawn per particle; it is lit for `duty` of each period.
+    """
+
+    color: Color | None = None
+    intensity: Ramp = Ramp()
+    blackbody: Ramp | None = None
+    planck: Annotated[Number, Field(ge=0, le=1)] = 0.3
+    strobe: RangeValue | None = None
+    duty: Annotated[Number, Field(gt=0, le=1)] = 0.35
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value):
+        if isinstance(value, (str, list, tuple)):
+            return {"color": value}
+        return value
+
+
+class KeyLight(Model):
+    """A distant lamp that shines on smoke through the smoke itself, and a soft ambient light.
+
+    direction: the way the light travels. phase: -1 back to 1 forward scattering (Henyey-Greenstein), 0 even.
+    depth scales the optical depth the lamp sees. resolution: cells along the longest side of the density grid.
+    """
+
+    direction: Vector = (-1.0, -1.0, -0.5)
+    color: ColourValue = "white"
+    intensity: Annotated[Number, Field(ge=0)] = 3.0
+    ambient: ColourValue = "white"
+    ambient_intensity: Annotated[Number, Field(ge=0)] = 0.08
+    phase: Annotated[Number, Field(gt=-1, lt=1)] = 0.0
+    depth: Annotated[Number, Field(ge=0)] = 1.0
+    resolution: Annotated[int, Field(ge=8, le=256)] = 96
+
+    @model_validator(mode="after")
+    def _pointing(self):
+        if not any(self.direction):
+            raise UsageError("a light's direction must not be [0, 0, 0]")
+        return self
+
+
+class Trail(Model):
+    """The film keeps what the system drew and lets it fade: to one half in `half_life` film seconds, whatever the fps.
+
+    substeps: how many times the system is drawn between two frames (a divisor of the steps of a frame), so that
+    fast curves stay smooth. Trails start at the beginning of the simulation, preroll included.
+    """
+
+    half_life: Annotated[Number, Field(gt=0)]
+    substeps: Annotated[int, Field(ge=1, le=64)] = 1
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value):
+        return value if isinstance(value, (Trail, dict)) else {"half_life": value}
+
+
+class Look(Model):
+    """How a system's particles are drawn.
+
+    draw: `point` (a bilinear dot), `disc` (a soft Gaussian sprite; its radius is two standard deviations) or `streak`
+    (the path of the last `length` seconds, by default the time the shutter is open). radius, width: world units;
+    without them the particle's own radius. pixels: the size in pixels of a picture 720 rows high instead.
+    size multiplies either. blend `add` is light, `alpha` also hides what is behind it.
+    opacity: optical depth at a sprite's middle; with conserve it falls as 1/r^2 while the sprite grows by `size`
+    beyond the particle's radius at `reference` (m). tail, taper: a streak's brightness and width at its old end, relative to its head.
+    falloff: `inverse_square` dims points as 1/d^2, with 1 at the camera's target.
+    """
+
+    draw: Literal["point", "disc", "streak"] = "point"
+    blend: Literal["add", "alpha"] = "add"
+    radius: Annotated[Number, Field(gt=0)] | None = None
+    width: Annotated[Number, Field(gt=0)] | None = None
+    pixels: Annotated[Number, Field(gt=0, le=4096)] | None = None
+    size: Ramp = Ramp()
+    length: Annotated[Number, Field(ge=0)] | None = None
+    tail: Annotated[Number, Field(ge=0, le=1)] = 1.0
+    taper: Annotated[Number, Field(ge=0, le=1)] = 1.0
+    emission: Emission | None = None
+    opacity: Ramp = Ramp()
+    reference: Annotated[Number, Field(gt=0)] | None = None
+    albedo: Color = Color()
+    light: KeyLight | None = None
+    falloff: Literal["none", "inverse_square"] = "none"
+    trail: Trail | None = None
+
+    @model_validator(mode="after")
+    def _consistent(self):
+        if sum(v is not None for v in (self.radius, self.width, self.pixels)) > 1:
+            raise UsageError("give one of radius, width and pixels")
+        if self.blend == "alpha" and self.draw != "disc":
+            raise UsageError("blend: alpha needs draw: disc")
+        if self.light is not None and self.blend != "alpha":
+            raise UsageError("a light needs blend: alpha")
+        if self.trail is not None and self.blend != "add":
+            raise UsageError("a trail needs blend: add")
+        return self
+
+
+class CameraKey(Model):
+    """A stop on the camera's path; what is left out stays as the key before had it."""
+
+    time: Number
+    position: Vector | None = None
+    target: Vector | None = None
+    up: Vector | None = None
+    fov: Annotated[Number, Field(gt=0, lt=170)] | None = None
+    height: Annotated[Number, Field(gt=0)] | None = None
+    roll: Number | None = None
+
+
+class Orbit(Model):
+    """The camera turns about the axis through its target: `rate` degrees a film second, from `start` degrees."""
+
+    rate: Number = 10.0
+    start: Number = 0.0
+    axis: Vector = (0.0, 1.0, 0.0)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value):
+        return value if isinstance(value, (Orbit, dict)) else {"rate": value}
+
+
+class Fog(Model):
+    """Light dims as exp(-(d - start) / distance) beyond `start` from the camera, towards `color`."""
+
+    distance: Annotated[Number, Field(gt=0)]
+    start: Annotated[Number, Field(ge=0)] = 0.0
+    color: ColourValue = "black"
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value):
+        return value if isinstance(value, (Fog, dict)) else {"distance": value}
+
+
+class CameraSpec(Model):
+    """Where the picture is taken from. Perspective, `fov` degrees from bottom to top; with `height` (world units from
+    bottom to top) orthographic. shutter: degrees of a frame it is open, 180 being half. near: nothing nearer is drawn.
+    path: stops in film time; easing `linear`, `smooth` (rests at each stop) or `spline` (passes through them).
+    size: the picture's default size [width, height].
+    """
+
+    position: Vector = (0.0, 0.0, 10.0)
+    target: Vector = (0.0, 0.0, 0.0)
+    up: Vector = (0.0, 1.0, 0.0)
+    fov: Annotated[Number, Field(gt=0, lt=170)] = 40.0
+    height: Annotated[Number, Field(gt=0)] | None = None
+    roll: Number = 0.0
+    near: Annotated[Number, Field(gt=0)] | None = None
+    far: Annotated[Number, Field(gt=0)] | None = None
+    shutter: Annotated[Number, Field(ge=0, le=360)] = 180.0
+    fog: Fog | None = None
+    orbit: Orbit | None = None
+    path: tuple[CameraKey, ...] = ()
+    easing: Literal["linear", "smooth", "spline"] = "spline"
+    size: tuple[Annotated[int, Field(ge=1, le=16384)], Annotated[int, Field(ge=1, le=16384)]] = (1280, 720)
+
+    @model_validator(mode="after")
+    def _consistent(self):
+        if self.position == self.target:
+            raise UsageError("the camera's position and target must differ")
+        for before, after in zip(self.path, self.path[1:]):
+            if after.time <= before.time:
+                raise UsageError(f"the path's times must increase: {after.time:g} follows {before.time:g}")
+        return self
+
+
+class Bloom(Model):
+    """Light that strays in the lens: `strength` of it, spread over halos of all sizes; radius 0 narrow .. 1 wide."""
+
+    strength: Annotated[Number, Field(ge=0, le=1)] = 0.05
+    radius: Annotated[Number, Field(ge=0, le=1)] = 0.5
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value):
+        return value if isinstance(value, (Bloom, dict)) else {"strength": value}
+
+
+class DevelopSpec(Model):
+    """From linear light to a picture: exposure in stops, bloom, vignette, background, tone map, grain, dither.
+
+    contrast turns about middle grey, saturation about luminance, both after the tone map's own (1 leaves them).
+    background: a colour, a gradient from top to bottom, or `night`. It is seen where nothing hides it; exposure
+    does not change it. grain: standard deviation at middle grey. vignette: stops lost in the corners.
+    """
+
+    exposure: Annotated[Number, Field(ge=-60, le=60)] = 0.0
+    bloom: Bloom = Bloom()
+    vignette: Annotated[Number, Field(ge=0, le=8)] = 0.0
+    tone: Literal["agx", "aces", "reinhard", "neutral", "none"] = "agx"
+    contrast: Annotated[Number, Field(gt=0, le=4)] = 1.0
+    saturation: Annotated[Number, Field(ge=0, le=4)] = 1.0
+    background: Literal["night"] | GradientValue = Gradient(((0.0, "black"),))
+    grain: Annotated[Number, Field(ge=0, le=0.5)] = 0.0
+    dither: bool = True
+
+    @model_validator(mode="before")
+    @classmethod
+    def _mapping(cls, value):
+        if not isinstance(value, (dict, DevelopSpec)):
+            raise UsageError(f"must be a mapping, not {shown(value)}")
+        return value
