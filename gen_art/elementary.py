@@ -17,9 +17,9 @@ __all__ = ["sin", "cos", "exp", "log", "power", "phi"]
 
 _FACTORIAL = [math.factorial(k) for k in range(20)]
 _EXP = {False: tuple(1 / _FACTORIAL[k] for k in range(7, -1, -1)), True: tuple(1 / _FACTORIAL[k] for k in range(13, -1, -1))}
-_PHI = {
-    False: tuple((-1) ** k / _FACTORIAL[k + 1] for k in range(8, -1, -1)),
-    True: tuple((-1) ** k / _FACTORIAL[k + 1] for k in range(15, -1, -1)),
+_EXPM1 = {  # (e^r - 1) / r
+    False: tuple(1 / _FACTORIAL[k + 1] for k in range(6, -1, -1)),
+    True: tuple(1 / _FACTORIAL[k + 1] for k in range(12, -1, -1)),
 }
 _ATANH = {False: tuple(1 / (2 * k + 1) for k in range(5, -1, -1)), True: tuple(1 / (2 * k + 1) for k in range(11, -1, -1))}
 _SIN = {
@@ -165,5 +165,11 @@ def power(x, y):
 @ti.func
 def phi(z):
     """(1 - e^-z) / z for z >= 0, without cancellation near 0: the mean of e^-s over [0, z]."""
-    small = ti.min(z, 0.5)
-    return ti.select(z < 0.5, _horner(small, _PHI[is_f64()]), (1.0 - _exp(-z)) / ti.max(z, 0.5))
+    y = ti.min(z, ti.static(708.0 if is_f64() else 87.0))
+    n = ti.floor(0.5 - y * 1.4426950408889634)
+    ln2 = ti.static(_LN2[is_f64()])
+    r = (-y - n * ln2[0]) - n * ln2[1]
+    scale = _two_to(ti.cast(n, ti.i32))
+    shrink = scale * r * _horner(r, _EXPM1[is_f64()]) + (scale - 1.0)
+    tiny = ti.static(1e-290 if is_f64() else 1e-30)
+    return ti.select(z > tiny, -shrink / ti.max(z, tiny), 1.0)

@@ -18,10 +18,10 @@ __all__ = ["Parameter", "Parametric", "Registry", "param", "suggest"]
 
 @dataclass(frozen=True)
 class Parameter:
-    """One typed parameter: `kind` is float, int, vector, bool, choice, text or array; the range is closed.
+    """One typed parameter: `kind` is float, int, range, vector, bool, choice, text or array; the bounds are closed.
 
-    kinds float, int and vector (3 numbers) reach kernels as run-time data; bool, choice and text are fixed when the
-    kernel is generated.
+    kinds float, int, range (low, high) and vector (3 numbers) reach kernels as run-time data; bool, choice and text are
+    fixed when the kernel is generated.
     """
 
     default: Any = None
@@ -42,6 +42,11 @@ class Parameter:
             if self.kind == "int" and int(value) != value:
                 raise UsageError(f"{self.name} must be a whole number, not {value!r}")
             return self._in_range(int(value) if self.kind == "int" else float(value))
+        if self.kind == "range":
+            bounds = tuple(value) if isinstance(value, (tuple, list)) else (getattr(value, "lo", value), getattr(value, "hi", value))
+            if len(bounds) != 2 or any(isinstance(c, bool) or not isinstance(c, (int, float)) for c in bounds):
+                raise UsageError(f"{self.name} must be a number or a pair (low, high), not {value!r}")
+            return tuple(self._in_range(float(c)) for c in bounds)
         if self.kind == "vector":
             try:
                 vector = tuple(float(c) for c in value)
@@ -73,17 +78,19 @@ class Parameter:
     @property
     def size(self) -> int:
         """How many run-time numbers the parameter takes."""
-        return {"float": 1, "int": 1, "vector": 3}.get(self.kind, 0)
+        return {"float": 1, "int": 1, "range": 2, "vector": 3}.get(self.kind, 0)
 
 
 _REQUIRED = object()
 
 
-def param(default=_REQUIRED, *, unit="", min=-math.inf, max=math.inf, choices=(), doc=""):
-    """Declare a parameter of a Force, Emitter or other Parametric class: default, unit, closed range, meaning."""
-    return Parameter(
-        None if default is _REQUIRED else default, unit, min, max, tuple(choices), doc, required=default is _REQUIRED
-    )
+def param(default=_REQUIRED, *, unit="", min=-math.inf, max=math.inf, choices=(), doc="", kind=None):
+    """Declare a parameter of a Force, Emitter or other Parametric class: default, unit, closed range, meaning.
+
+    The annotation gives the kind (float, int, bool, str, tuple for a vector); `kind="range"` takes a number or (low, high).
+    """
+    missing = default is _REQUIRED
+    return Parameter(None if missing else default, unit, min, max, tuple(choices), doc, kind or "", required=missing)
 
 
 _KINDS = {float: "float", int: "int", bool: "bool", tuple: "vector", str: "text", object: "array"}
@@ -102,7 +109,7 @@ class Parametric:
             declared = cls.__dict__.get(key)
             if not isinstance(declared, Parameter):
                 continue
-            kind = "choice" if declared.choices else _KINDS.get(annotation, "array")
+            kind = declared.kind or ("choice" if declared.choices else _KINDS.get(annotation, "array"))
             own[key] = Parameter(**{**declared.__dict__, "kind": kind, "name": key})
             setattr(cls, key, _Frozen(key, cls.__name__))
         cls.parameters = own

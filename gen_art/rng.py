@@ -20,7 +20,7 @@ _WEYL = 0x9E3779B9
 
 def channel_of(name: str) -> int:
     """The channel number of an attribute's name: the same in every preset and every order of declaration."""
-    return zlib.crc32(name.encode()) & 0x7FFFFFFF
+    return zlib.crc32(name.encode()) & 0x3FFFFFFF
 
 
 def philox_numpy(c0, c1, key):

@@ -36,6 +36,7 @@ class Force(Parametric):
     dissipative: ClassVar[bool] = False
     does_work: ClassVar[bool] = True
     depends_on_velocity: ClassVar[bool] = False
+    quadratic_damping: ClassVar[bool] = True  # False where the second number of `damping` is always 0
 
     def __init_subclass__(cls, **kwargs):
         super().__init_subclass__(**kwargs)

@@ -31,9 +31,9 @@ class CurlNoise(Force):
     def acceleration(self, p, t, q):
         fineness = 1.0 / q.scale
         amount = q.strength
-        for _ in range(q.index):
-            fineness *= q.lacunarity
-            amount *= q.gain
+        for k in ti.static(range(11)):  # the octave's powers as selects: a run-time loop here would not vectorise
+            fineness *= ti.select(k < q.index, q.lacunarity, 1.0)
+            amount *= ti.select(k < q.index, q.gain, 1.0)
         rate = q.speed * q.scale * fineness
         offset = 17.31 * ti.cast(q.index, real()) + 0.5
         seed = ti.cast(q.seed * 64 + q.index, ti.u32) * ti.u32(0x165667B1)

@@ -52,6 +52,7 @@ class Damping(Force):
     rate: float = param(1.0, unit="1/s", min=0)
     medium: object = param(None)
     dissipative = True
+    quadratic_damping = False
 
     @ti.func
     def damping(self, p, t, q):

@@ -1,0 +1,118 @@
+"""How fast particles are born. Channels 11 to 19 of the random stream belong to velocities."""
+
+from gen_art.elementary import cos, sin
+from gen_art.emitters.base import Velocity, velocity
+from gen_art.emitters.shapes import across
+from gen_art.registry import param
+from gen_art.runtime import real, ti
+
+
+@velocity("constant")
+class Constant(Velocity):
+    """The same velocity for all.
+
+    v = velocity;  (3,) m/s
+    """
+
+    value: tuple = param((0.0, 0.0, 0.0), unit="m/s")
+
+    @ti.func
+    def velocity(self, r, t, q, x):
+        return q.value
+
+
+@velocity("cone")
+class Cone(Velocity):
+    """Directions uniform over the cap of half-angle `angle` around an axis.
+
+    v = speed n, cos(n, axis) uniform in [cos angle, 1];  axis (3,), angle degrees in YAML (radians in Python), speed m/s
+    """
+
+    axis: tuple = param((0.0, 1.0, 0.0))
+    angle: float = param(0.2, unit="rad", min=0, max=3.1415926535897936)
+    speed: tuple = param((1.0, 1.0), unit="m/s", kind="range")
+
+    @ti.func
+    def velocity(self, r, t, q, x):
+        e, f, n = across(q.axis)
+        c = 1.0 - r.uniform(11) * (1.0 - cos(q.angle))
+        s = ti.sqrt(ti.max(1.0 - c * c, 0.0))
+        turn = 6.283185307179586 * r.uniform(12)
+        return (n * c + (e * cos(turn) + f * sin(turn)) * s) * r.range(q.speed, 13)
+
+
+@velocity("sphere")
+class Isotropic(Velocity):
+    """Directions uniform over the sphere.
+
+    v = speed n, n isotropic;  speed m/s
+    """
+
+    speed: tuple = param((1.0, 1.0), unit="m/s", kind="range")
+
+    @ti.func
+    def velocity(self, r, t, q, x):
+        return r.sphere(11) * r.range(q.speed, 13)
+
+
+@velocity("radial")
+class Radial(Velocity):
+    """Away from the emitter's origin, through the place of birth.
+
+    v = speed x / abs(x);  speed m/s
+    """
+
+    speed: tuple = param((1.0, 1.0), unit="m/s", kind="range")
+
+    @ti.func
+    def velocity(self, r, t, q, x):
+        return x * (r.range(q.speed, 13) / ti.max(x.norm(), 1e-30))
+
+
+@velocity("thermal")
+class Thermal(Velocity):
+    """Maxwell's distribution about a mean.
+
+    v = mean + sigma (normal, normal, normal);  sigma m/s, >= 0: sqrt(kT/m);  mean (3,) m/s
+    """
+
+    sigma: float = param(1.0, unit="m/s", min=0)
+    mean: tuple = param((0.0, 0.0, 0.0), unit="m/s")
+
+    @ti.func
+    def velocity(self, r, t, q, x):
+        return q.mean + q.sigma * ti.Vector([r.normal(11), r.normal(12), r.normal(14)])
+
+
+@velocity("cross")
+class Cross(Velocity):
+    """The particles of a burst leave at right angles in one randomly turned plane.
+
+    v = speed (cos(k pi/2) e + sin(k pi/2) f), k the ordinal in the burst, e and f from the burst's stream;  speed m/s
+    """
+
+    speed: tuple = param((1.0, 1.0), unit="m/s", kind="range")
+
+    @ti.func
+    def velocity(self, r, t, q, x):
+        e, f, _ = across(r.burst.sphere(15))
+        turn = 1.5707963267948966 * ti.cast(r.ordinal % 4, real())
+        return (e * cos(turn) + f * sin(turn)) * r.burst.range(q.speed, 13)
+
+
+@velocity("ring")
+class RingBurst(Velocity):
+    """The particles of a burst leave in one plane, evenly spread or at random angles.
+
+    v = speed (cos a e + sin a f), a uniform, e and f across the axis; axis (0, 0, 0) turns the plane at random per burst
+    """
+
+    speed: tuple = param((1.0, 1.0), unit="m/s", kind="range")
+    axis: tuple = param((0.0, 0.0, 0.0))
+
+    @ti.func
+    def velocity(self, r, t, q, x):
+        n = ti.select(q.axis.norm() > 0.0, q.axis, r.burst.sphere(15))
+        e, f, _ = across(n)
+        turn = 6.283185307179586 * r.uniform(12)
+        return (e * cos(turn) + f * sin(turn)) * r.range(q.speed, 13)

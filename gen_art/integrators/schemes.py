@@ -1,0 +1,79 @@
+"""The integrators, as data: what they compose and the order of the whole.
+
+A splitting scheme is an initial drift and then stages of a kick followed by a drift, all fractions of dt; the kick is the
+closed form of constant acceleration with drag (kernels.py). A Runge-Kutta scheme is explicit: each stage has a weight, the
+fraction of dt that leads to the next stage's state, and its time.
+Sources: Hairer, Lubich, Wanner, Geometric Numerical Integration; Yoshida (1990), Phys. Lett. A 150, 262; Boris (1970).
+"""
+
+from dataclasses import dataclass
+
+from gen_art.errors import UsageError
+from gen_art.registry import suggest
+
+__all__ = ["INTEGRATORS", "Scheme", "scheme"]
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """One integrator. `stages` are (kick, time, drift) for splitting, (weight, time, next) for Runge-Kutta."""
+
+    name: str
+    order: int
+    kind: str
+    stages: tuple[tuple[float, float, float], ...]
+    first_drift: float = 0.0
+    rotates: bool = False
+    doc: str = ""
+
+    @property
+    def numbers(self) -> list[float]:
+        """The scheme's run-time numbers for its kernel: the first drift, then each stage's three."""
+        return [self.first_drift, *(c for stage in self.stages for c in stage)]
+
+
+_CBRT2 = 2.0 ** (1.0 / 3.0)
+_W1 = 1.0 / (2.0 - _CBRT2)
+_W0 = -_CBRT2 * _W1
+_KDK = ((0.5, 0.0, 1.0), (0.5, 1.0, 0.0))
+
+INTEGRATORS = {
+    s.name: s
+    for s in (
+        Scheme("euler", 1, "runge_kutta", ((1.0, 0.0, 0.0),), doc="explicit; gains energy, for comparison"),
+        Scheme("semi_implicit_euler", 1, "splitting", ((1.0, 0.0, 1.0),), doc="kick, then drift; symplectic"),
+        Scheme("rk2", 2, "runge_kutta", ((0.0, 0.0, 0.5), (1.0, 0.5, 0.0)), doc="explicit midpoint"),
+        Scheme(
+            "rk4",
+            4,
+            "runge_kutta",
+            ((1 / 6, 0.0, 0.5), (1 / 3, 0.5, 0.5), (1 / 3, 0.5, 1.0), (1 / 6, 1.0, 0.0)),
+            doc="classical; drag is inside its stages",
+        ),
+        Scheme("position_verlet", 2, "splitting", ((1.0, 0.5, 0.5),), 0.5, doc="drift-kick-drift; one evaluation a step"),
+        Scheme("velocity_verlet", 2, "splitting", _KDK, doc="the same scheme as leapfrog"),
+        Scheme("leapfrog", 2, "splitting", _KDK, doc="kick-drift-kick; symplectic, reversible"),
+        Scheme(
+            "yoshida4",
+            4,
+            "splitting",
+            (
+                (_W1, _W1 / 2, (_W1 + _W0) / 2),
+                (_W0, 0.5, (_W1 + _W0) / 2),
+                (_W1, 1.0 - _W1 / 2, _W1 / 2),
+            ),
+            _W1 / 2,
+            doc="three drift-kick-drifts; symplectic",
+        ),
+        Scheme(
+            "boris", 2, "splitting", ((1.0, 0.5, 0.5),), 0.5, rotates=True, doc="for magnetic fields; keeps the speed exactly"
+        ),
+    )
+}
+
+
+def scheme(name: str) -> Scheme:
+    """The integrator of that name; UsageError names the nearest."""
+    if name not in INTEGRATORS:
+        raise UsageError(f"unknown integrator '{name}'{suggest(name, INTEGRATORS)} (one of {', '.join(INTEGRATORS)})")
+    return INTEGRATORS[name]
