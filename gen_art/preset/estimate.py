@@ -1,0 +1,176 @@
+"""How many particles a preset will have, and the memory they take, before anything is allocated.
+
+A census in slices of simulated time: births by rate, time, count and event; deaths spread over the range of lifetimes.
+"""
+
+import os
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from gen_art.errors import MemoryRefused
+from gen_art.preset.schema import Preset, System
+from gen_art.preset.values import Curve, Range
+
+__all__ = ["Estimate", "available_memory", "estimate", "megabytes", "refuse_if_too_large"]
+
+SLICES = 600
+FLOAT_CHANNELS = 10  # position, velocity, mass, charge, radius, lifetime
+BOOKKEEPING = 28  # bytes: birth time, key, id, source
+INDEX_LIMIT = 2**31 - 1
+_FOREVER = 1e300
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Per system: births over the whole piece, the most alive at once, and bytes of state at that moment."""
+
+    born: dict[str, float]
+    peak: dict[str, float]
+    bytes: dict[str, float]
+
+    @property
+    def particles(self) -> float:
+        return sum(self.peak.values())
+
+    @property
+    def memory(self) -> float:
+        return sum(self.bytes.values())
+
+
+def bytes_per_particle(system: System, precision: str = "f32") -> int:
+    """Bytes of state a particle takes in a system's storage."""
+    return (FLOAT_CHANNELS + len(system.particle.attributes)) * (8 if precision == "f64" else 4) + BOOKKEEPING
+
+
+def estimate(preset: Preset, precision: str = "f32", until: float | None = None) -> Estimate:
+    """The census of a preset up to simulated time `until` (the last frame when None)."""
+    census = _Census(preset, preset.clock.simulated if until is None else until)
+    with np.errstate(over="ignore", invalid="ignore"):
+        census.run()
+    peak = {name: float(np.nan_to_num(census.peak[name], nan=np.inf)) for name in preset.systems}
+    size = {name: peak[name] * bytes_per_particle(system, precision) for name, system in preset.systems.items()}
+    return Estimate({name: float(census.born[name]) for name in preset.systems}, peak, size)
+
+
+class _Census:
+    def __init__(self, preset: Preset, until: float):
+        self.preset = preset
+        self.width = max(until, 1e-300) / SLICES
+        self.groups = {
+            (name, source, tag): np.zeros(SLICES + 1) for name, system in preset.systems.items()
+            for source, emitter in system.emitters.items() for tag in (emitter.tag, *(c.tag for c in emitter.choose.values()))
+        }  # deaths in each slice, by system, emitter and tag
+        self.alive = dict.fromkeys(self.groups, 0.0)
+        self.born = dict.fromkeys(preset.systems, 0.0)
+        self.peak = dict.fromkeys(preset.systems, 0.0)
+
+    def run(self) -> None:
+        births = dict.fromkeys(self.groups, 0.0)
+        for k in range(SLICES):
+            start, stop = k * self.width, (k + 1) * self.width
+            died = {group: min(deaths[k], self.alive[group]) for group, deaths in self.groups.items()}
+            born: dict = dict.fromkeys(self.groups, 0.0)
+            for name, system in self.preset.systems.items():
+                for label, emitter in system.emitters.items():
+                    for tag, number, lifetime in self._births(name, emitter, start, stop, died, births):
+                        born[name, label, tag] += number
+                        self._schedule((name, label, tag), k, number, lifetime or system.particle.lifetime)
+            for name in self.preset.systems:
+                mine = [group for group in self.groups if group[0] == name]
+                number = sum(born[group] for group in mine)
+                self.born[name] += number
+                self.peak[name] = max(self.peak[name], sum(self.alive[group] for group in mine) + number)
+            for group in self.groups:
+                self.alive[group] += born[group] - died[group]
+            births = born
+
+    def _schedule(self, group, k: int, number: float, lifetime: Range | None) -> None:
+        """Deaths of `number` births in slice k, spread evenly over the range of lifetimes."""
+        if lifetime is None or not number:
+            return
+        first = k + max(1, int(min(lifetime.lo / self.width, 2 * SLICES)))
+        last = k + max(1, int(min(lifetime.hi / self.width, 1e9)))
+        if first <= SLICES:
+            self.groups[group][first : last + 1] += number / (last - first + 1)
+
+    def _births(self, name, emitter, start, stop, died, births):
+        """(tag, number, lifetime) born of one emitter in a slice."""
+        events = self._events(emitter, start, stop, died, births)
+        if not emitter.choose:
+            count = 1.0 if emitter.rate is not None or emitter.count is None else emitter.count.mean
+            yield emitter.tag, events * count, emitter.lifetime
+            return
+        weights = sum(choice.weight for choice in emitter.choose.values())
+        for choice in emitter.choose.values():
+            count = choice.count or emitter.count
+            number = events * choice.weight / weights * (count.mean if count and emitter.rate is None else 1.0)
+            yield choice.tag, number, choice.lifetime or emitter.lifetime
+
+    def _events(self, emitter, start, stop, died, births) -> float:
+        """Times an emitter fires in a slice: births by rate, moments of `at`, or events of another system."""
+        if emitter.source is None:
+            first = emitter.start or 0.0
+            if emitter.at is not None:
+                return sum(start <= time < stop for time in emitter.at)
+            if emitter.rate is None:
+                return float(start <= first < stop)
+            return _integral(emitter.rate, max(start, first), min(stop, _FOREVER if emitter.stop is None else emitter.stop))
+        table = {"death": died, "birth": births, "path": self.alive}[emitter.source.kind]
+        total = sum(
+            number for (system, _, tag), number in table.items()
+            if system == emitter.source.system and (not emitter.source.tag or tag in emitter.source.tag)
+        )
+        return total * (_integral(emitter.rate, start, stop) if emitter.source.kind == "path" else 1.0)
+
+
+def _integral(rate: float | Curve, start: float, stop: float) -> float:
+    if stop <= start:
+        return 0.0
+    return rate.integral(start, stop) if isinstance(rate, Curve) else rate * (stop - start)
+
+
+def megabytes(size: float) -> str:
+    """12345678 -> `12 MB`, in the unit that fits."""
+    for unit, scale in (("EB", 1e18), ("PB", 1e15), ("TB", 1e12), ("GB", 1e9)):
+        if size >= scale:
+            return f"{size / scale:,.1f} {unit}"
+    return f"{size / 1e6:.0f} MB"
+
+
+def available_memory() -> float:
+    """Bytes this process may still take: what the machine has free, or what its control group leaves."""
+    found = []
+    with suppress(OSError, ValueError, IndexError):
+        line = next(row for row in Path("/proc/meminfo").read_text().splitlines() if row.startswith("MemAvailable"))
+        found.append(float(line.split()[1]) * 1024)
+    if not found:
+        with suppress(OSError, ValueError, AttributeError):
+            found.append(float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES"))
+    with suppress(OSError, ValueError):
+        limit = Path("/sys/fs/cgroup/memory.max").read_text().strip()
+        if limit != "max":
+            found.append(float(limit) - float(Path("/sys/fs/cgroup/memory.current").read_text()))
+    return max(0.0, min(found)) if found else 8e9
+
+
+def refuse_if_too_large(preset: Preset, precision: str = "f32", size: tuple[int, int] | None = None) -> Estimate:
+    """The estimate; MemoryRefused, naming the figures, when its particles (and a frame of `size`) cannot fit."""
+    expected = estimate(preset, precision)
+    for name, peak in expected.peak.items():
+        if not peak <= INDEX_LIMIT:
+            raise MemoryRefused(
+                f"system '{name}' would hold {peak:.3g} particles at once ({megabytes(expected.bytes[name])}); "
+                f"a system holds {INDEX_LIMIT:,} at most"
+            )
+    frame = 0.0 if size is None else 40.0 * size[0] * size[1]
+    free = available_memory()
+    if expected.memory + frame > free:
+        raise MemoryRefused(
+            f"{expected.particles:.3g} particles need {megabytes(expected.memory)}"
+            + (f" and a {size[0]}x{size[1]} frame {megabytes(frame)}" if size else "")
+            + f"; {megabytes(free)} are free. Lower a rate, a count, a lifetime or the size"
+        )
+    return expected

@@ -1,0 +1,143 @@
+"""`load_preset`: from a name, a path, `-` or a mapping to a validated Preset."""
+
+import difflib
+import secrets
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from gen_art.errors import UsageError
+from gen_art.preset.overrides import apply, fill_knobs, plain
+from gen_art.preset.problems import Problem, dotted, preset_error
+from gen_art.preset.reader import Node, Source, read_bytes, read_file
+
+__all__ = ["find", "load_preset", "open_source", "preset_names", "presets_folder"]
+
+_ABOUT_KEYS = ("unknown", "is neither a key", "a name may not", "particle.attributes declares")  # shown at the key
+
+
+def presets_folder() -> Path:
+    """The shipped presets: inside the installed package, or beside it in a source checkout."""
+    package = Path(__file__).resolve().parent.parent
+    inside = package / "presets"
+    return inside if inside.is_dir() else package.parent / "presets"
+
+
+def preset_names() -> list[str]:
+    return sorted(path.stem for path in presets_folder().glob("*.yaml"))
+
+
+def find(name: str) -> Path:
+    """The file of a shipped preset's name or of a path; UsageError, with the nearest name, for neither."""
+    shipped = presets_folder() / f"{name}.yaml"
+    if name in preset_names():
+        return shipped
+    path = Path(name)
+    if path.suffix.lower() in (".yaml", ".yml") or len(path.parts) > 1 or path.exists():
+        return path
+    near = difflib.get_close_matches(name, preset_names(), n=1)
+    raise UsageError(
+        f"there is no preset '{name}'{f'; did you mean {near[0]!r}?' if near else ''} "
+        "(`gen-art list` names them; a file of your own is given by its path)"
+    )
+
+
+def open_source(preset: str | Path) -> tuple[Source, str]:
+    """Read a preset's text with positions; also its name."""
+    if str(preset) == "-":
+        return read_bytes(sys.stdin.buffer.read(1_000_000), "<stdin>"), "stdin"
+    path = find(str(preset))
+    shipped = path.parent == presets_folder()
+    return read_file(path, path.name if shipped else str(preset)), path.stem
+
+
+def load_preset(
+    preset: "str | Path | Mapping[str, Any]",
+    overrides: Mapping[str, Any] | None = None,
+    seed: int | str | None = None,
+):
+    """A validated Preset.
+
+    preset : a shipped name ("fire"), a path, "-" for standard input, or a mapping as YAML would hold it
+    overrides : dotted paths ({"clock.fps": 60}) or nested mappings, which merge
+    seed : a whole number, or "random" for a fresh one
+
+    Raises PresetError with every problem and its place, UsageError for a name or path that leads nowhere, OutputError when the
+    file cannot be read.
+    """
+    from gen_art.preset.schema import Preset
+
+    if isinstance(preset, Preset):
+        source, name, data = _nowhere("preset"), preset.name, preset.resolved()
+    elif isinstance(preset, Mapping):
+        data = plain(preset)
+        source, name = _nowhere("preset"), str(data.pop("name", "preset"))
+    else:
+        source, name = open_source(preset)
+        data = source.plain()
+    set_paths = apply(data, overrides) if overrides else []
+    if seed is not None:
+        data["seed"] = secrets.randbelow(2**31) if seed == "random" else seed
+        set_paths.append(("seed",))
+    return validate(data, name, source, set_paths)
+
+
+def validate(data: dict, name: str, source: Source, set_paths: list[tuple]):
+    """The Preset of plain data; PresetError with every problem, each where it stands in `source` or at its `--set`."""
+    from gen_art.preset.checks import references
+    from gen_art.preset.schema import Preset
+    from gen_art.preset.types import friendly
+
+    filled, found = fill_knobs(data)
+    written = {"version": filled.get("version"), "seed": filled.get("seed", 0), **filled}
+    made, listed = None, found[:]
+    try:
+        made = Preset.model_validate({**filled, "name": name, "written": written})
+    except ValidationError as error:
+        listed += [(item["loc"], friendly(item)) for item in error.errors()]
+    listed += references(filled)
+    problems = source.problems + [_located(data, source, set_paths, path, text) for path, text in listed]
+    problems = _distinct(problems)
+    if problems or made is None:
+        raise preset_error(problems)
+    return made
+
+
+def _nowhere(name: str) -> Source:
+    return Source(name, [], Node(0, 0))
+
+
+def _located(data: dict, source: Source, set_paths: list[tuple], path: tuple, text: str) -> Problem:
+    """A Problem at the parts of `path` that exist: short forms leave out names that the schema's path has."""
+    node: Any = data
+    real: list = []
+    for depth, part in enumerate(path):
+        if isinstance(node, dict) and part in node or isinstance(node, list) and isinstance(part, int) and part < len(node):
+            node = node[part]
+            real.append(part)
+        elif depth == len(path) - 1 and text == "is missing":
+            text = f"'{part}' is missing"
+    here = tuple(real)
+    for set_path in set_paths:
+        if here[: len(set_path)] == set_path or (set_path[: len(here)] == here and not source.holds(here)):
+            return Problem(here, text, "--set")
+        if set_path[: len(here)] == here:
+            text += f" (with {dotted(set_path)} set)"
+    if not source.lines:
+        return Problem(here, text, source.name)
+    return source.problem(here, text, at_key=text.startswith(_ABOUT_KEYS))
+
+
+def _distinct(problems: list[Problem]) -> list[Problem]:
+    """In the order of the text, one problem for a place: what follows from a first one is left out."""
+    seen, kept = set(), []
+    for problem in sorted(problems, key=lambda p: (p.line, p.column)):
+        words = problem.text if problem.text.endswith("is missing") or not problem.line else ""
+        key = (problem.path if words else (), problem.line, problem.column, words)
+        if key not in seen:
+            seen.add(key)
+            kept.append(problem)
+    return kept

@@ -1,0 +1,138 @@
+"""Changing a preset before it is validated: dotted paths (`systems.flame.emitters.base.rate`) and `$knobs`."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from gen_art.errors import UsageError
+from gen_art.preset.problems import dotted
+from gen_art.preset.reader import read_value
+from gen_art.preset.values import shown
+from gen_art.registry import suggest
+
+__all__ = ["apply", "fill_knobs", "parse_setting", "plain"]
+
+_NAMED = ("systems", "emitters", "choose", "knobs")  # mappings whose keys are the preset's own names
+_PART = re.compile(r"([^.\[\]]+)|\[(\d+)\]")
+
+
+def parse_setting(text: str) -> tuple[str, Any]:
+    """`a.b=VALUE` -> (`a.b`, value); VALUE is YAML. UsageError when it is neither."""
+    path, equals, value = text.partition("=")
+    if not equals or not path.strip():
+        raise UsageError(f"--set {shown(text)}: write a path, an equals sign and a value: systems.flame.emitters.base.rate=500")
+    return path.strip(), read_value(value, f"--set {path.strip()}")
+
+
+def plain(value: Any, depth: int = 0) -> Any:
+    """A value from Python as plain data: tuples and arrays become lists, NumPy numbers Python's."""
+    if depth > 100:
+        raise UsageError("a preset is nested more than 100 levels deep")
+    if isinstance(value, Mapping):
+        return {str(key): plain(item, depth + 1) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [plain(item, depth + 1) for item in value]
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    if type(value).__module__ == "gen_art.preset.values":
+        return str(value) if hasattr(value, "lo") else plain(value.points, depth + 1)
+    raise UsageError(f"a preset holds numbers, text, lists and mappings, not {type(value).__name__}")
+
+
+def apply(data: dict, overrides: Mapping[str, Any]) -> list[tuple]:
+    """Set each override in `data`, in place; returns the paths that were set.
+
+    A dotted key replaces what stands there; a nested mapping merges into it, key by key.
+    Raises UsageError for a path that leads nowhere, with the nearest name.
+    """
+    done: list[tuple] = []
+    for key, value in overrides.items():
+        path = _split(str(key))
+        _set(data, path, plain(value), merge="." not in str(key), done=done)
+    return done
+
+
+def _split(text: str) -> tuple:
+    path = tuple(int(m[2]) if m[2] else m[1] for m in _PART.finditer(text))
+    if not path or dotted(path) != text:
+        raise UsageError(f"{shown(text)} is no path: write keys with dots between, systems.flame.emitters.base.rate")
+    return path
+
+
+def _set(data: dict, path: tuple, value: Any, merge: bool, done: list[tuple]) -> None:
+    node: Any = data
+    for depth, part in enumerate(path[:-1]):
+        node = _enter(node, path, depth, part)
+    last, here = path[-1], path[:-1]
+    if isinstance(node, list):
+        node[_index(node, here, last)] = value
+        done.append(path)
+    elif not isinstance(node, dict):
+        raise UsageError(f"{dotted(path)}: {_no_mapping(here, node)}")
+    elif merge and isinstance(value, dict) and isinstance(node.get(last), dict):
+        for key, item in value.items():
+            _set(data, (*path, key), item, True, done)
+    else:
+        if here and here[-1] == "knobs" and last not in node:
+            raise UsageError(f"{dotted(path)}: there is no knob '{last}'{suggest(last, node)}")
+        node[last] = value
+        done.append(path)
+
+
+def _enter(node: Any, path: tuple, depth: int, part) -> Any:
+    """The child that a path goes through; missing mappings are made, missing names are not."""
+    here = path[:depth]
+    if isinstance(node, list):
+        return node[_index(node, here, part)]
+    if not isinstance(node, dict):
+        raise UsageError(f"{dotted(path)}: {_no_mapping(here, node)}")
+    if node.get(part) is None:
+        if here and here[-1] in _NAMED:
+            names = suggest(part, node) or ("; there are " + ", ".join(node) if node else "")
+            raise UsageError(f"{dotted(path)}: there is no '{part}' in {dotted(here)}{names}")
+        node[part] = {}
+    return node[part]
+
+
+def _index(node: list, here: tuple, part) -> int:
+    text = str(part)
+    if not text.isdigit() or int(text) >= len(node):
+        raise UsageError(f"{dotted(here)} is a list of {len(node)}; {shown(part)} is not the index of one of them")
+    return int(text)
+
+
+def _no_mapping(here: tuple, node: Any) -> str:
+    if isinstance(node, str) and node.startswith("$"):
+        return f"{dotted(here)} is the knob {node}; set knobs.{node[1:]} instead"
+    return f"{dotted(here)} holds {shown(node)}, no keys; set {dotted(here)} as a whole"
+
+
+def fill_knobs(data: dict) -> tuple[dict, list[tuple[tuple, str]]]:
+    """The data without `knobs:`, each `$name` replaced by its knob's value; and the problems found."""
+    knobs = data.get("knobs")
+    problems: list[tuple[tuple, str]] = []
+    if knobs is None:
+        knobs = {}
+    if not isinstance(knobs, dict):
+        problems.append((("knobs",), f"must be a mapping of names to values, not {shown(knobs)}"))
+        knobs = {}
+    for name, value in knobs.items():
+        if isinstance(value, str) and value.startswith("$"):
+            problems.append((("knobs", name), "a knob holds a value, not another knob"))
+
+    def fill(value: Any, path: tuple) -> Any:
+        if isinstance(value, dict):
+            return {key: fill(item, (*path, key)) for key, item in value.items()}
+        if isinstance(value, list):
+            return [fill(item, (*path, k)) for k, item in enumerate(value)]
+        if isinstance(value, str) and value.startswith("$"):
+            if value[1:] in knobs:
+                return plain(knobs[value[1:]])
+            names = [f"${knob}" for knob in knobs]
+            near = suggest(value, names) or ("; there are " + ", ".join(names) if names else "")
+            problems.append((path, f"there is no knob {shown(value)}{near}"))
+        return value
+
+    return {key: fill(item, (key,)) for key, item in data.items() if key != "knobs"}, problems

@@ -1,0 +1,294 @@
+"""Registered classes (forces, shapes, velocities, interactions, scripted emitters) as values in a preset.
+
+One mechanism for all: `name: VALUE`, where VALUE is a mapping of parameters or, if it is none, the value of the first
+parameter. Angles (unit "rad") are written in degrees. Registries are read when a preset is read, so a plugin's classes count.
+"""
+
+import importlib
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import core_schema
+
+from gen_art.errors import UsageError
+from gen_art.preset.types import collected
+from gen_art.preset.values import Range, number, shown, vector
+from gen_art.registry import Parameter, Parametric, Registry, suggest
+
+__all__ = ["Many", "One", "build", "class_schema", "parameters", "registry"]
+
+_HOMES = {
+    "forces": ("gen_art.forces", "gen_art.forces.base", "FORCES"),
+    "interactions": ("gen_art.interactions", "gen_art.interactions.base", "INTERACTIONS"),
+    "shapes": ("gen_art.emitters", "gen_art.emitters.base", "SHAPES"),
+    "velocities": ("gen_art.emitters", "gen_art.emitters.base", "VELOCITIES"),
+    "emitters": ("gen_art.emitters", "gen_art.emitters.base", "EMITTERS"),
+}
+
+
+def registry(kind: str) -> Registry:
+    """The registry of `forces`, `interactions`, `shapes`, `velocities` or `emitters`, with every built-in class in it."""
+    package, module, name = _HOMES[kind]
+    importlib.import_module(package)
+    return getattr(importlib.import_module(module), name)
+
+
+def is_field(cls: type) -> bool:
+    """Whether a force can be a term of a medium: it has a vector for every place and time."""
+    return callable(getattr(cls, "acceleration", None))
+
+
+def parameters(cls: type[Parametric]) -> dict[str, Parameter]:
+    """The parameters that YAML may set (a drag's `medium` is the system's, never a value)."""
+    return {name: parameter for name, parameter in cls.parameters.items() if name != "medium"}
+
+
+def in_degrees(parameter: Parameter) -> bool:
+    return parameter.unit == "rad"
+
+
+def _within(parameter: Parameter, value: float) -> float:
+    """The value in the object's unit; UsageError, in YAML's unit, when it is out of range."""
+    convert = math.degrees if in_degrees(parameter) else float
+    low, high = convert(parameter.minimum), convert(parameter.maximum)
+    if not low <= value <= high:
+        bounds = f"at least {low:g}" if high == math.inf else f"from {low:g} to {high:g}" if low > -math.inf else f"at most {high:g}"
+        raise UsageError(f"must be {bounds}{' degrees' if in_degrees(parameter) else ''}, not {value:g}")
+    return math.radians(value) if in_degrees(parameter) else value
+
+
+def _value(parameter: Parameter, value: Any) -> Any:
+    """One parameter's value from its YAML form; UsageError says what is wrong."""
+    kind = parameter.kind
+    if value is None and parameter.default is None and not parameter.required:
+        return None
+    if kind == "float":
+        return _within(parameter, number(value))
+    if kind == "int":
+        whole = number(value)
+        if whole != int(whole):
+            raise UsageError(f"must be a whole number, not {whole:g}")
+        return int(_within(parameter, int(whole)))
+    if kind == "vector":
+        return tuple(_within(parameter, component) for component in vector(value))
+    if kind == "range":
+        ends = Range.of(value)
+        return Range(_within(parameter, ends.lo), _within(parameter, ends.hi))
+    if kind == "bool" and not isinstance(value, bool):
+        raise UsageError(f"must be true or false, not {shown(value)}")
+    if kind == "choice" and value not in parameter.choices:
+        choices = [str(choice) for choice in parameter.choices]
+        raise UsageError(f"must be one of {', '.join(choices)}; not {shown(value)}{suggest(str(value), choices)}")
+    if kind == "text" and not isinstance(value, str):
+        raise UsageError(f"must be text, not {shown(value)}")
+    return value
+
+
+def _as_mapping(cls: type[Parametric], value: Any) -> dict:
+    """The short forms as a mapping: a list of vectors is the first parameters in order, all else the first one."""
+    names = parameters(cls)
+    if isinstance(value, dict):
+        return value
+    if not names:
+        if value in (None, True):
+            return {}
+        raise UsageError(f"takes no parameters: write `{cls.name}: {{}}`")
+    if value is None:
+        return {}
+    first, *_ = names.values()
+    if first.kind == "vector" and isinstance(value, (list, tuple)) and value and isinstance(value[0], (list, tuple)):
+        if len(value) > len(names):
+            raise UsageError(f"takes at most {len(names)} values ({', '.join(names)}), not {len(value)}")
+        return dict(zip(names, value))
+    return {first.name: value}
+
+
+def build(cls: type[Parametric], value: Any) -> Parametric:
+    """An instance from its YAML form; ValidationError with every problem, each under its key."""
+    try:
+        given = _as_mapping(cls, value)
+    except UsageError as error:
+        raise collected([((), str(error))]) from None
+    known, problems, values = parameters(cls), [], {}
+    for key, item in given.items():
+        if key not in known:
+            problems.append(((key,), f"unknown key{suggest(key, known)}"))
+            continue
+        try:
+            values[key] = _value(known[key], item)
+        except UsageError as error:
+            problems.append(((key,), str(error)))
+    problems += [((key,), "is missing") for key, p in known.items() if p.required and key not in given]
+    if not problems:
+        try:
+            return cls(**values)
+        except UsageError as error:
+            problems.append(((), str(error).removeprefix(f"{cls.__name__}: ")))
+    raise collected(problems)
+
+
+def _under(key, error: ValidationError) -> Iterator[tuple[tuple, str]]:
+    """The problems of `build`, with `key` put before their paths."""
+    for item in error.errors():
+        yield (*(key if isinstance(key, tuple) else (key,)), *item["loc"]), item["ctx"]["text"]
+
+
+class Many:
+    """Annotation for `forces: {gravity: ..., drag: ...}`: a tuple of instances; a list of mappings is several of a kind.
+
+    The tuple is in the order of names, not of the file: sums in floating point depend on the order.
+    """
+
+    def __init__(self, kind: str, accept: Callable[[type], bool] = lambda cls: True):
+        self.kind, self.accept = kind, accept
+
+    def names(self) -> list[str]:
+        classes = registry(self.kind)
+        return [name for name in classes if self.accept(classes[name])]
+
+    def validate(self, value: Any) -> tuple:
+        if isinstance(value, tuple) and all(isinstance(item, Parametric) for item in value):
+            return value
+        if value is None:
+            return ()
+        if not isinstance(value, dict):
+            raise UsageError(f"must be a mapping of {self.kind}, not {shown(value)}")
+        names, problems, made = self.names(), [], []
+        for name in sorted(value):
+            if name not in names:
+                one = registry(self.kind).kind
+                problems.append(((name,), f"unknown {one}{suggest(name, names) or '; there are ' + ', '.join(sorted(names))}"))
+                continue
+            cls, item = registry(self.kind)[name], value[name]
+            several = isinstance(item, list) and item and all(isinstance(part, dict) for part in item)
+            for key, part in [((name, k), part) for k, part in enumerate(item)] if several else [((name,), item)]:
+                try:
+                    made.append(build(cls, part))
+                except ValidationError as error:
+                    problems += _under(key, error)
+        if problems:
+            raise collected(problems)
+        return tuple(made)
+
+    def __get_pydantic_core_schema__(self, source, handler):
+        return core_schema.no_info_plain_validator_function(self.validate)
+
+    def __get_pydantic_json_schema__(self, schema, handler):
+        classes = registry(self.kind)
+        several = {name: class_schema(classes[name]) for name in sorted(self.names())}
+        return {
+            "type": "object",
+            "additionalProperties": False,
+            "properties": {
+                name: {**one, "anyOf": [*one["anyOf"], {"type": "array", "items": one["anyOf"][0]}]}
+                for name, one in several.items()
+            },
+        }
+
+
+class One:
+    """Annotation for `velocity: {cone: [0, 1, 0], angle: 5}`: one registered name, its other parameters beside it.
+
+    A bare vector means `bare` (the constant velocity, the point).
+    """
+
+    def __init__(self, kind: str, bare: str):
+        self.kind, self.bare = kind, bare
+
+    def validate(self, value: Any) -> Any:
+        if isinstance(value, Parametric):
+            return value
+        classes = registry(self.kind)
+        if isinstance(value, (list, tuple)) and self.bare in classes:
+            return build(classes[self.bare], value)
+        known = f"one of {', '.join(sorted(classes))}"
+        if not isinstance(value, dict) or not value:
+            if isinstance(value, str) and value in classes:
+                return build(classes[value], {})
+            raise UsageError(f"must be a vector or {known}, not {shown(value)}")
+        named = [key for key in value if key in classes]
+        if not named:
+            first = next(iter(value))
+            raise collected([((first,), f"unknown {classes.kind}{suggest(first, classes) or '; ' + known}")])
+        name, *others = named
+        cls = classes[name]
+        if others and not set(others) <= set(parameters(cls)):
+            raise UsageError(f"holds two of a kind, {name} and {others[0]}: choose one")
+        siblings = {key: item for key, item in value.items() if key != name}
+        try:
+            try:
+                first = _as_mapping(cls, value[name])
+            except UsageError as error:
+                raise collected([((name,), str(error))]) from None
+            return build(cls, {**first, **siblings})
+        except ValidationError as error:
+            raise collected([(((name, *path) if path and path[0] not in siblings else path), text)
+                             for path, text in _under((), error)]) from None
+
+    def __get_pydantic_core_schema__(self, source, handler):
+        return core_schema.no_info_plain_validator_function(self.validate)
+
+    def __get_pydantic_json_schema__(self, schema, handler):
+        classes = registry(self.kind)
+        options: list[dict] = [{"type": "array", "description": f"short for {self.bare}"}]
+        for name in sorted(classes):
+            one = class_schema(classes[name])
+            whole = one["anyOf"][0]
+            options.append({
+                "type": "object",
+                "description": one["description"],
+                "required": [name],
+                "additionalProperties": False,
+                "properties": {**whole["properties"], name: {"anyOf": one["anyOf"]}},
+            })
+        return {"anyOf": options}
+
+
+def _parameter_schema(parameter: Parameter) -> dict:
+    convert = math.degrees if in_degrees(parameter) else float
+    one: dict[str, Any] = {}
+    if parameter.kind in ("float", "int", "vector", "range"):
+        one = {"type": "integer" if parameter.kind == "int" else "number"}
+        one |= {"minimum": convert(parameter.minimum)} if parameter.minimum > -math.inf else {}
+        one |= {"maximum": convert(parameter.maximum)} if parameter.maximum < math.inf else {}
+        if parameter.kind == "vector":
+            one = {"type": "array", "items": {"anyOf": [one, {"type": "string"}]}, "minItems": 3, "maxItems": 3}
+        text = {"type": "string", "description": "a fraction 1/4, a $knob" + (", a range 2..4" * (parameter.kind == "range"))}
+        one = {"anyOf": [one, text]}
+    elif parameter.kind == "bool":
+        one = {"type": "boolean"}
+    elif parameter.kind == "choice":
+        one = {"enum": list(parameter.choices)}
+    elif parameter.kind == "text":
+        one = {"type": "string"}
+    unit = "degrees" if in_degrees(parameter) else parameter.unit
+    description = " ".join(part for part in (parameter.doc, f"[{unit}]" if unit else "") if part)
+    one |= {"description": description} if description else {}
+    one |= {"unit": unit} if unit else {}
+    if parameter.default is not None:
+        default = parameter.default
+        if in_degrees(parameter) and isinstance(default, (int, float)):
+            default = round(math.degrees(default), 9)
+        one["default"] = str(default) if isinstance(default, Range) else default
+    return one
+
+
+def class_schema(cls: type[Parametric]) -> dict:
+    """The JSON schema of one registered class: a mapping of its parameters first, then the short form."""
+    known = parameters(cls)
+    whole: dict[str, Any] = {
+        "type": "object",
+        "additionalProperties": False,
+        "properties": {name: _parameter_schema(parameter) for name, parameter in known.items()},
+    }
+    required = [name for name, parameter in known.items() if parameter.required]
+    if required:
+        whole["required"] = required
+    forms = [whole]
+    if known:
+        forms.append(_parameter_schema(next(iter(known.values()))))
+        forms.append({"type": "array", "items": {"type": "array"}})
+    description = " ".join((cls.__doc__ or "").strip().split("\n\n")[0].split())
+    return {"description": description, "anyOf": forms}

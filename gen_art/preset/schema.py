@@ -1,0 +1,147 @@
+"""The Preset: the validated description of a piece. Attribute names are the YAML keys (`from` is `source` in Python)."""
+
+import json
+from typing import Annotated, Any
+
+from pydantic import Field, model_validator
+
+from gen_art.errors import UsageError
+from gen_art.preset.clock import Clock
+from gen_art.preset.emitter import Emitter, Particle
+from gen_art.preset.look import CameraSpec, DevelopSpec, Look
+from gen_art.preset.registered import Many, class_schema, is_field, registry
+from gen_art.preset.types import Model, NotNegative, Number, Whole, about, parsed
+from gen_art.preset.values import shown
+from gen_art.registry import suggest
+
+__all__ = ["VERSION", "Medium", "Preset", "System", "Units", "json_schema"]
+
+VERSION = 1
+
+
+def _version(value):
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise UsageError(f"must be {VERSION}, not {shown(value)}")
+    if value > VERSION:
+        raise UsageError(f"this preset is written for version {value}; this gen-art reads version {VERSION}: update it")
+    return value
+
+
+def _seed(value):
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 2**63:
+        raise UsageError(f"must be a whole number from 0 to 2^63 - 1, not {shown(value)}")
+    return value
+
+
+def _integrator(value):
+    from gen_art.integrators import INTEGRATORS
+
+    if value not in list(INTEGRATORS):
+        near = suggest(str(value), INTEGRATORS) or "; there are " + ", ".join(INTEGRATORS)
+        raise UsageError(f"unknown integrator {shown(value)}{near}")
+    return value
+
+
+class Units(Model):
+    """Labels of the units the numbers are in, and the constant of gravitation in them. SI when left out."""
+
+    length: str = about("m", "label of lengths")
+    time: str = about("s", "label of times")
+    mass: str = about("kg", "label of masses")
+    charge: str = about("C", "label of charges")
+    velocity: str | None = about(None, "label of velocities; length/time when left out")
+    G: Number = about(6.67430e-11, "constant of gravitation in these units")
+
+
+class Medium(Model):
+    """What the particles move in: a fluid's density, and a velocity field, the sum of its terms (wind, curl_noise, ...)."""
+
+    density: NotNegative = about(0.0, "density of the fluid", unit="kg/m^3")
+    terms: Annotated[Any, Many("forces", is_field)] = about((), "velocity fields")
+
+    @classmethod
+    def known_keys(cls) -> list[str]:
+        return ["density", *Many("forces", is_field).names()]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _find_terms(cls, value):
+        if not isinstance(value, dict):
+            return value
+        fields = Many("forces", is_field).names()
+        terms = {key: item for key, item in value.items() if key in fields}
+        return {**({"density": value["density"]} if "density" in value else {}), "terms": terms}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema, handler):
+        made = handler(schema)
+        body = handler.resolve_ref_schema(made)
+        body["properties"].pop("terms", None)
+        body["properties"] |= Many("forces", is_field).__get_pydantic_json_schema__(None, None)["properties"]
+        return made
+
+
+class System(Model):
+    """A named group of particles with its own forces and look."""
+
+    particle: Particle = about(Particle(), "what each particle is born with")
+    integrator: Annotated[str, parsed(_integrator, {"type": "string"})] = about("velocity_verlet", "the scheme of a time step")
+    forces: Annotated[Any, Many("forces")] = about((), "forces on this system alone")
+    inherit_forces: bool = about(True, "whether the preset's shared forces act on it too")
+    medium: Medium | None = about(None, "its own medium; the preset's when left out")
+    interactions: Annotated[Any, Many("interactions")] = about((), "forces between particles")
+    emitters: dict[str, Emitter] = about({}, "where its particles come from")
+    look: Look | None = about(None, "how it is drawn; not at all when null")
+
+
+class Preset(Model):
+    """A piece: systems, forces, medium, camera, development, seed and clock."""
+
+    version: Annotated[int, parsed(_version, {"const": VERSION})] = about(..., "version of the preset format")
+    seed: Annotated[int, parsed(_seed, {"type": "integer", "minimum": 0})] = about(0, "another seed is another take of the piece")
+    units: Units = about(Units(), "units of the numbers")
+    clock: Clock = about(..., "duration, frames and time steps")
+    medium: Medium = about(Medium(), "what the particles move in")
+    forces: Annotated[Any, Many("forces")] = about((), "forces that act on every system")
+    systems: dict[str, System] = about(..., "the particles", min_length=1)
+    camera: CameraSpec | None = about(None, "where the picture is taken from; one that frames the particles when left out")
+    develop: DevelopSpec = about(DevelopSpec(), "from light to picture")
+    name: str = Field("", exclude=True, description="the preset's name, from its file")
+    written: dict = Field(default_factory=dict, exclude=True, repr=False, description="what `resolved` gives back")
+
+    @classmethod
+    def known_keys(cls) -> list[str]:
+        return ["version", "seed", "knobs", "units", "clock", "medium", "forces", "systems", "camera", "develop", "name", "written"]
+
+    def resolved(self) -> dict:
+        """The preset as plain data with overrides and knobs filled in; loads again to an equal preset."""
+        return json.loads(json.dumps(self.written))
+
+    def __eq__(self, other) -> bool:
+        return isinstance(other, Preset) and self.written == other.written
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def json_schema() -> dict:
+    """The JSON Schema of a preset, registered classes and their parameters included, for a YAML editor."""
+    made = Preset.model_json_schema(by_alias=True)
+    for name in ("name", "written"):
+        made["properties"].pop(name)
+    made["properties"]["knobs"] = {"type": "object", "description": "named values; `$name` stands for one elsewhere"}
+    made["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    made["title"] = "Gen Art preset"
+    close_objects(made)
+    return made
+
+
+def close_objects(schema: dict) -> None:
+    """Unknown keys are problems, so every model's object is closed in the schema too."""
+    for one in [schema, *schema.get("$defs", {}).values()]:
+        if one.get("type") == "object" and "properties" in one:
+            one.setdefault("additionalProperties", False)
+
+
+def described(kind: str) -> dict[str, dict]:
+    """Name -> JSON schema of every registered class of a kind; the documentation's tables are made of it."""
+    return {name: class_schema(registry(kind)[name]) for name in sorted(registry(kind))}
