@@ -13,7 +13,7 @@ from gen_art.preset.values import Curve, Range, number, shown, vector
 
 __all__ = ["BY", "CameraKey", "CameraSpec", "Color", "DevelopSpec", "Emission", "Fog", "KeyLight", "Look", "Ramp", "Trail"]
 
-BY = ("age", "seconds", "speed", "temperature", "energy", "charge", "mass", "radius", "id", "random", "distance")
+BY = ("age", "seconds", "speed", "energy", "charge", "mass", "radius", "id", "random", "distance", "x", "y", "z")
 
 
 def _schema(**schema):
@@ -62,7 +62,7 @@ class Ramp(Model):
 
     by: `age` is the fraction of the lifetime, 0 at birth and 1 at death; `seconds` the age in simulated seconds; `speed`
     m/s; `energy` the kinetic energy in J; `random` a number in 0..1 that is the particle's own; `distance` from
-    the origin in m; or a declared attribute. `range: lo..hi` maps the quantity to 0..1 before the curve is read.
+    the origin in m; `x`, `y`, `z`; or a declared attribute such as `temperature`. `range: lo..hi` maps the quantity to 0..1 before the curve is read.
     """
 
     by: str = "age"
@@ -102,6 +102,13 @@ class Color(Model):
     def _short(cls, value):
         return value if isinstance(value, (Color, dict)) else {"gradient": value}
 
+    @model_validator(mode="after")
+    def _has_range(self):
+        several = any(len(g.stops) > 1 for g in (self.gradient, *self.tags.values()))
+        if several and self.range is None and self.by not in ("age", "random"):
+            raise UsageError(f"colours by {self.by} need a range: the values at the two ends of the gradient, as in 0..5")
+        return self
+
     @property
     def tags(self) -> dict[str, Gradient]:
         return self.__pydantic_extra__ or {}
@@ -135,7 +142,7 @@ class KeyLight(Model):
     """A distant lamp that shines on smoke through the smoke itself, and a soft ambient light.
 
     direction: the way the light travels. phase: -1 back to 1 forward scattering (Henyey-Greenstein), 0 even.
-    depth scales the optical depth the lamp sees. resolution: cells along the longest side of the density grid.
+    scatter: the part of the lamp's light that has been scattered before and goes four times as deep. depth scales the optical depth the lamp sees. resolution: cells along the longest side of the density grid.
     """
 
     direction: Vector = (-1.0, -1.0, -0.5)
@@ -144,6 +151,7 @@ class KeyLight(Model):
     ambient: ColourValue = "white"
     ambient_intensity: Annotated[Number, Field(ge=0)] = 0.08
     phase: Annotated[Number, Field(gt=-1, lt=1)] = 0.0
+    scatter: Annotated[Number, Field(ge=0, le=1)] = 0.2
     depth: Annotated[Number, Field(ge=0)] = 1.0
     resolution: Annotated[int, Field(ge=8, le=256)] = 96
 
@@ -177,8 +185,8 @@ class Look(Model):
     (the path of the last `length` seconds, by default the time the shutter is open). radius, width: world units;
     without them the particle's own radius. pixels: the size in pixels of a picture 720 rows high instead.
     size multiplies either. blend `add` is light, `alpha` also hides what is behind it.
-    opacity: optical depth at a sprite's middle; with conserve it falls as 1/r^2 while the sprite grows by `size`
-    beyond the particle's radius at `reference` (m). tail, taper: a streak's brightness and width at its old end, relative to its head.
+    opacity: optical depth at a sprite's middle; with `reference` (m) it is that of a sprite of that radius and falls
+    as (reference / r)^2, so that a growing sprite keeps its extinction cross section. tail, taper: a streak's brightness and width at its old end, relative to its head.
     falloff: `inverse_square` dims points as 1/d^2, with 1 at the camera's target.
     """
 

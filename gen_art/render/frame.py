@@ -1,0 +1,131 @@
+"""One picture of a simulation in linear light, and the pictures of a film with their trails."""
+
+import numpy as np
+
+from gen_art.errors import UsageError
+from gen_art.preset.look import Look
+from gen_art.render.camera import Camera
+from gen_art.render.light import incoming_light
+from gen_art.render.shade import Shading, add_sprites, numbers
+from gen_art.render.splat import BLUE, RED, Film, Sprites, splat
+
+__all__ = ["LARGEST", "Painter", "check_size", "living", "render_frame"]
+
+LARGEST = 16384
+
+
+def check_size(size) -> tuple[int, int]:
+    """(width, height) as whole numbers; UsageError outside 1..16384."""
+    try:
+        width, height = (int(v) for v in size)
+        whole = (width, height) == tuple(size)
+    except (TypeError, ValueError):
+        whole = False
+    if not whole or not (1 <= width <= LARGEST and 1 <= height <= LARGEST):
+        raise UsageError(f"a picture's size is two whole numbers from 1 to {LARGEST}, not {size!r}")
+    return width, height
+
+
+def living(system, time: float) -> np.ndarray:
+    """Slots of the particles that live at simulated time `time`, in order of id."""
+    n = int(system.count)
+    birth, life = system.birth[:n], np.asarray(system.floats[9, :n], dtype=np.float64)
+    return np.flatnonzero((birth <= time) & (birth + life > time))
+
+
+class Painter:
+    """Draws the systems of a simulation into a film; keeps the tables and the trails between frames.
+
+    looks : name -> Look or None (not drawn); a system without an entry gets white points of light 1
+    size : (width, height)      shutter : simulated seconds the shutter is open
+    """
+
+    def __init__(self, size, camera: Camera | None = None, looks: dict[str, Look | None] | None = None, shutter: float = 0.0):
+        self.size = check_size(size)
+        self.camera, self.looks, self.shutter = camera, looks or {}, shutter
+        self.film = Film(self.size)
+        self._sprites = Sprites()
+        self._trails: dict[str, Film] = {}
+        self._shadings: dict[str, Shading] = {}
+        self._plain = Look()
+
+    @property
+    def trails(self) -> dict[str, Look]:
+        """The looks that leave trails, by system."""
+        return {name: look for name, look in self.looks.items() if look is not None and look.trail is not None}
+
+    def paint(self, sim, film_time: float) -> np.ndarray:
+        """The picture at film time `film_time` (s) of the simulation as it stands: (height, width, 4), a view that
+        the next picture overwrites. Trails are laid under it as `expose_trails` left them.
+        """
+        camera = self.camera or self._framing(sim)
+        self.film.clear()
+        for trail in self._trails.values():
+            self.film.buffer += trail.buffer
+        names = [name for name in sim.systems if name not in self.trails]
+        self._draw(sim, names, camera.at(film_time), film_time, self.shutter, 1.0, self.film)
+        return self.film.pixels
+
+    def expose_trails(self, sim, film_time: float, exposure: float, shutter: float) -> None:
+        """Let the trails fade by `exposure` film seconds, then draw their systems once more.
+
+        shutter : simulated seconds a streak covers. The light of one exposure is weighted so that a particle at rest
+        builds up to its own brightness, whatever fps and substeps are.
+        """
+        for name, look in self.trails.items():
+            trail = self._trails.get(name)
+            if trail is None:
+                trail = self._trails[name] = Film(self.size)
+            fade = 0.5 ** (exposure / look.trail.half_life)
+            trail.buffer *= np.float32(fade)
+            camera = self.camera or self._framing(sim)
+            self._draw(sim, [name], camera.at(film_time), film_time, shutter, 1.0 - fade, trail)
+
+    def _framing(self, sim) -> Camera:
+        points = [s.floats[:3, living(s, sim.time)].T for s in sim.systems.values()]
+        return Camera.framing(np.concatenate(points) if points else np.zeros((0, 3)), self.size[0] / self.size[1])
+
+    def _shading(self, name: str, system) -> tuple[Shading, bool]:
+        raw = name not in self.looks
+        if name not in self._shadings:
+            self._shadings[name] = Shading.of(self._plain if raw else self.looks[name], dict(system.channels))
+        return self._shadings[name], raw
+
+    def _draw(self, sim, names, view, film_time, shutter, weight, film: Film) -> None:
+        self._sprites.clear()
+        for name in names:
+            system = sim.systems[name]
+            if self.looks.get(name, self._plain) is None:
+                continue
+            shading, raw = self._shading(name, system)
+            q = numbers(shading, view, self.size, sim.time, film_time, shutter, raw, weight)
+            first, lit = add_sprites(self._sprites, system, shading, q)
+            light = shading.look.light
+            if light is not None and len(lit):
+                parallel = view.height is not None
+                eye = view.axes[2] if parallel else view.position
+                rows = self._sprites.rows[first : first + len(lit)]
+                light_in = incoming_light(light, lit[:, :3], lit[:, 3], eye, parallel)
+                rows[:, RED : BLUE + 1] += lit[:, 4:] * light_in
+        splat(self._sprites, film)
+
+
+def render_frame(sim, size=(1280, 720), camera: Camera | None = None) -> np.ndarray:
+    """A picture of the simulation as it stands: (height, width, 4) float32, linear premultiplied RGBA.
+
+    A channel's mean is the light inside the frame, at any size of one aspect ratio. Systems without a look are white
+    points of light 1; without a camera it is the preset's, or one that frames the particles. Trails, which need the
+    past, are left out: see gen_art.output.still.
+    """
+    preset = getattr(sim, "preset", None)
+    looks: dict[str, Look | None] = {}
+    shutter, film_time = 0.0, float(sim.time)
+    if preset is not None:
+        looks = {name: system.look.model_copy(update={"trail": None}) if system.look else system.look
+                 for name, system in preset.systems.items()}  # fmt: skip
+        if camera is None and preset.camera is not None:
+            camera = Camera.from_spec(preset.camera)
+        clock = preset.clock
+        film_time = (float(sim.time) - clock.preroll) / clock.speed
+        shutter = (camera.shutter if camera else 180.0) / 360.0 * clock.speed / clock.fps
+    return np.array(Painter(size, camera, looks, shutter).paint(sim, film_time))
