@@ -14,12 +14,13 @@ from gen_art.errors import MemoryRefused
 from gen_art.preset.schema import Preset, System
 from gen_art.preset.values import Curve, Range
 
-__all__ = ["Estimate", "available_memory", "estimate", "megabytes", "refuse_if_too_large"]
+__all__ = ["Estimate", "available_memory", "estimate", "megabytes", "peak_memory", "refuse_if_too_large"]
 
 SLICES = 600
 FLOAT_CHANNELS = 10  # position, velocity, mass, charge, radius, lifetime
 BOOKKEEPING = 28  # bytes: birth time, key, id, source
-INDEX_LIMIT = 2**31 - 1
+INDEX_LIMIT = 2**31 - 1  # of a system's whole array
+FRAME_BYTES = 100.0  # a pixel's worth of film, merge and developed buffers
 _FOREVER = 1e300
 
 
@@ -38,6 +39,9 @@ class Estimate:
     @property
     def memory(self) -> float:
         return sum(self.bytes.values())
+
+    def __str__(self) -> str:
+        return f"at most about {self.particles:,.0f} particles at once, {megabytes(self.memory)} of state"
 
 
 def bytes_per_particle(system: System, precision: str = "f32") -> int:
@@ -132,6 +136,14 @@ def _integral(rate: float | Curve, start: float, stop: float) -> float:
     return rate.integral(start, stop) if isinstance(rate, Curve) else rate * (stop - start)
 
 
+PROCESS = 330e6  # bytes of a process that has rendered one small picture
+
+
+def peak_memory(expected: Estimate, size: tuple[int, int]) -> float:
+    """Bytes at the peak of the process: itself, the state with room to grow, and frame buffers."""
+    return PROCESS + 1.5 * expected.memory + FRAME_BYTES * size[0] * size[1]
+
+
 def megabytes(size: float) -> str:
     """12345678 -> `12 MB`, in the unit that fits."""
     for unit, scale in (("EB", 1e18), ("PB", 1e15), ("TB", 1e12), ("GB", 1e9)):
@@ -156,16 +168,19 @@ def available_memory() -> float:
     return max(0.0, min(found)) if found else 8e9
 
 
-def refuse_if_too_large(preset: Preset, precision: str = "f32", size: tuple[int, int] | None = None) -> Estimate:
+def refuse_if_too_large(
+    preset: Preset, precision: str = "f32", size: tuple[int, int] | None = None, until: float | None = None
+) -> Estimate:
     """The estimate; MemoryRefused, naming the figures, when its particles (and a frame of `size`) cannot fit."""
-    expected = estimate(preset, precision)
+    expected = estimate(preset, precision, until)
     for name, peak in expected.peak.items():
-        if not peak <= INDEX_LIMIT:
+        limit = INDEX_LIMIT // (FLOAT_CHANNELS + len(preset.systems[name].particle.attributes))
+        if not peak <= limit:
             raise MemoryRefused(
                 f"system '{name}' would hold {peak:.3g} particles at once ({megabytes(expected.bytes[name])}); "
-                f"a system holds {INDEX_LIMIT:,} at most"
+                f"a system holds {limit:,} at most"
             )
-    frame = 0.0 if size is None else 40.0 * size[0] * size[1]
+    frame = 0.0 if size is None else FRAME_BYTES * size[0] * size[1]
     free = available_memory()
     if expected.memory + frame > free:
         raise MemoryRefused(

@@ -74,7 +74,7 @@ def load_preset(
         source, name, data = _nowhere("preset"), preset.name, preset.resolved()
     elif isinstance(preset, Mapping):
         data = plain(preset)
-        source, name = _nowhere("preset"), str(data.pop("name", "preset"))
+        source, name = _nowhere("preset"), "preset"
     else:
         source, name = open_source(preset)
         data = source.plain()
@@ -95,7 +95,7 @@ def validate(data: dict, name: str, source: Source, set_paths: list[tuple]):
     written = {"version": filled.get("version"), "seed": filled.get("seed", 0), **filled}
     made, listed = None, found[:]
     try:
-        made = Preset.model_validate({**filled, "name": name, "written": written})
+        made = Preset.model_validate(filled).keep(name, written)
     except ValidationError as error:
         listed += [(item["loc"], friendly(item)) for item in error.errors()]
     listed += references(filled)

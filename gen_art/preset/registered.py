@@ -271,7 +271,7 @@ def _parameter_schema(parameter: Parameter) -> dict:
         default = parameter.default
         if in_degrees(parameter) and isinstance(default, (int, float)):
             default = round(math.degrees(default), 9)
-        one["default"] = str(default) if isinstance(default, Range) else default
+        one["default"] = str(Range.of(default)) if parameter.kind == "range" else default
     return one
 
 

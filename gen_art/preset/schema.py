@@ -3,14 +3,14 @@
 import json
 from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import PrivateAttr, model_validator
 
 from gen_art.errors import UsageError
 from gen_art.preset.clock import Clock
 from gen_art.preset.emitter import Emitter, Particle
 from gen_art.preset.look import CameraSpec, DevelopSpec, Look
 from gen_art.preset.registered import Many, class_schema, is_field, registry
-from gen_art.preset.types import Model, NotNegative, Number, Whole, about, parsed
+from gen_art.preset.types import Model, NotNegative, NotNegativeRange, Number, Whole, about, parsed
 from gen_art.preset.values import shown
 from gen_art.registry import suggest
 
@@ -94,6 +94,13 @@ class System(Model):
     look: Look | None = about(None, "how it is drawn; not at all when null")
 
 
+class Gallery(Model):
+    """Which moments stand for the piece."""
+
+    time: NotNegative | None = about(None, "film time of the still; the middle when left out", unit="s")
+    loop: NotNegativeRange | None = about(None, "film time of the loop, three to six seconds: 2..6", unit="s")
+
+
 class Preset(Model):
     """A piece: systems, forces, medium, camera, development, seed and clock."""
 
@@ -106,19 +113,30 @@ class Preset(Model):
     systems: dict[str, System] = about(..., "the particles", min_length=1)
     camera: CameraSpec | None = about(None, "where the picture is taken from; one that frames the particles when left out")
     develop: DevelopSpec = about(DevelopSpec(), "from light to picture")
-    name: str = Field("", exclude=True, description="the preset's name, from its file")
-    written: dict = Field(default_factory=dict, exclude=True, repr=False, description="what `resolved` gives back")
+    gallery: Gallery = about(Gallery(), "the moments that stand for the piece")
+    _name: str = PrivateAttr("preset")
+    _written: dict = PrivateAttr(default_factory=dict)
 
     @classmethod
     def known_keys(cls) -> list[str]:
-        return ["version", "seed", "knobs", "units", "clock", "medium", "forces", "systems", "camera", "develop", "name", "written"]
+        return [*super().known_keys(), "knobs"]
+
+    @property
+    def name(self) -> str:
+        """The preset's name, from its file."""
+        return self._name
+
+    def keep(self, name: str, written: dict) -> "Preset":
+        """Remember the name and the plain data this was made from."""
+        self._name, self._written = name, written
+        return self
 
     def resolved(self) -> dict:
         """The preset as plain data with overrides and knobs filled in; loads again to an equal preset."""
-        return json.loads(json.dumps(self.written))
+        return json.loads(json.dumps(self._written))
 
     def __eq__(self, other) -> bool:
-        return isinstance(other, Preset) and self.written == other.written
+        return isinstance(other, Preset) and self._written == other._written
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -126,8 +144,6 @@ class Preset(Model):
 def json_schema() -> dict:
     """The JSON Schema of a preset, registered classes and their parameters included, for a YAML editor."""
     made = Preset.model_json_schema(by_alias=True)
-    for name in ("name", "written"):
-        made["properties"].pop(name)
     made["properties"]["knobs"] = {"type": "object", "description": "named values; `$name` stands for one elsewhere"}
     made["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     made["title"] = "Gen Art preset"

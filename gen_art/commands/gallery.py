@@ -1,0 +1,82 @@
+"""`gen-art gallery`: a still and a short loop of each preset, and a page that shows them."""
+
+from html import escape
+from pathlib import Path
+
+import click
+
+from gen_art.commands import options
+
+__all__ = ["command"]
+
+STILL, LOOP = (1280, 720), (640, 360)
+
+
+@click.command("gallery")
+@click.argument("names", nargs=-1)
+@click.option("-o", "--output", "folder", default="gallery", show_default=True, help="The folder to fill.")
+@options.process_options
+def command(names, folder, threads, progress):
+    """Make a still and a loop of each preset.
+
+    1280x720 and 640x360, of all presets or of NAMES, and index.html beside them.
+    """
+    from gen_art.commands.progress import reporter
+    from gen_art.output import job
+    from gen_art.preset.load import load_preset, preset_names
+
+    out = Path(folder)
+    for name in names or preset_names():
+        piece = load_preset(name)
+        time, frames = moments(piece)
+        with reporter(progress) as report:
+            made = job.still(piece, out / f"{name}.webp", time, size=STILL, overwrite=True, threads=threads, progress=report)
+            made += job.render(
+                piece, out / f"{name}.mp4", frames=frames, size=LOOP, overwrite=True, threads=threads, progress=report
+            )
+        for path in made:
+            click.echo(f"{path} {path.stat().st_size / 1000:.0f} KB")
+    (out / "index.html").write_text(page(preset_names()), encoding="utf-8")
+    click.echo(out / "index.html")
+
+
+def moments(piece) -> tuple[float, range]:
+    """The still's film time and the loop's frames, from `gallery:` in the preset."""
+    time = piece.gallery.time if piece.gallery.time is not None else piece.clock.duration / 2
+    loop, fps = piece.gallery.loop, piece.clock.fps
+    if loop is None:
+        length = min(5.0, piece.clock.duration)
+        start = max(0.0, min(time - length / 2, piece.clock.duration - length))
+        return time, range(round(start * fps), round((start + length) * fps))
+    return time, range(round(loop.lo * fps), round(loop.hi * fps))
+
+
+def page(names) -> str:
+    """index.html: every preset's loop over its still, with the first lines of its file."""
+    from gen_art.preset.load import presets_folder
+
+    pieces = []
+    for name in names:
+        lines = (presets_folder() / f"{name}.yaml").read_text(encoding="utf-8").splitlines()
+        words = " ".join(line.lstrip("# ") for line in lines[:2] if line.startswith("#"))
+        pieces.append(
+            f'<figure><video src="{name}.mp4" poster="{name}.webp" autoplay loop muted playsinline></video>'
+            f'<figcaption><a href="{name}.webp">{name}</a> {escape(words)}</figcaption></figure>'
+        )
+    return _PAGE.format(pieces="\n".join(pieces))
+
+
+_PAGE = """<!doctype html>
+<html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<title>Gen Art: gallery</title>
+<style>
+body {{ margin: 0; padding: 4vw; background: #0b0b0d; color: #bbb; font: 16px/1.5 system-ui, sans-serif }}
+main {{ display: grid; gap: 3vw; grid-template-columns: repeat(auto-fit, minmax(min(30em, 100%), 1fr)) }}
+figure {{ margin: 0 }} video {{ width: 100%; display: block; background: #000 }} a {{ color: #fff }}
+figcaption {{ padding-top: .5em }}
+</style>
+<main>
+{pieces}
+</main>
+</html>
+"""

@@ -1,0 +1,128 @@
+"""`gen-art inspect`: what a preset comes to, what it will take, and which invariants should hold."""
+
+import click
+
+from gen_art.commands import options
+
+__all__ = ["command", "invariants"]
+
+
+@click.command("inspect")
+@click.argument("preset")
+@click.option("--size", type=options.SIZE, help="Width and height in pixels.")
+@click.option("--scale", type=options.SCALE, help="The preset's size, scaled: 50%.")
+@click.option("--precision", type=click.Choice(["f32", "f64"]), default="f32", show_default=True, help="Float type.")
+@click.option("--json", "as_json", is_flag=True, help="As JSON, with the resolved preset.")
+@options.preset_options
+def command(preset, size, scale, precision, as_json, seed, settings, fps, duration, plugins):
+    """Say what PRESET comes to.
+
+    Frames and steps, particles and memory, forces, and what should be conserved.
+    """
+    piece, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
+    facts = _facts(piece, options.picture_size(piece, size, scale), precision)
+    if as_json:
+        import json
+
+        click.echo(json.dumps({**facts, "resolved": piece.resolved()}, indent=2, ensure_ascii=False))
+        return
+    clock, memory = facts["clock"], facts["memory"]
+    click.echo(
+        f"{piece.name}: {clock['frames']} frames at {clock['fps']:g} a second, {clock['steps_per_frame']} steps of "
+        f"{clock['step']:.6g} a frame, {clock['preroll_steps']} before the first; seed {piece.seed}"
+    )
+    for name, system in facts["systems"].items():
+        click.echo(f"\n{name}: {system['integrator']}, {system['born']:,} born, at most about {system['peak']:,} at once")
+        for label in ("forces", "interactions", "medium", "emitters"):
+            if system[label]:
+                click.echo(f"  {label:13} {', '.join(system[label])}")
+        click.echo(f"  {'should hold':13} {', '.join(system['should_hold']) or 'nothing by itself'}")
+        for quantity, reason in system["booked"].items():
+            click.echo(f"  {'in the ledger':13} {quantity}: {reason}")
+    click.echo(
+        f"\nmemory: {memory['state']} of state, {memory['frame']} a {facts['size'][0]}x{facts['size'][1]} frame, "
+        f"about {memory['peak']} at the peak of the process"
+    )
+
+
+def _facts(piece, size, precision) -> dict:
+    from gen_art.preset.estimate import FRAME_BYTES, estimate, megabytes, peak_memory
+
+    expected, clock = estimate(piece, precision), piece.clock
+    systems = {}
+    for name, system in piece.systems.items():
+        holds, booked = invariants(piece, system)
+        systems[name] = {
+            "integrator": system.integrator,
+            "born": _count(expected.born[name]),
+            "peak": _count(expected.peak[name]),
+            "bytes": _count(expected.bytes[name]),
+            "forces": [repr(force) for force in _forces(piece, system)],
+            "interactions": [repr(one) for one in system.interactions],
+            "medium": [repr(term) for term in (system.medium or piece.medium).terms],
+            "emitters": list(system.emitters),
+            "should_hold": holds,
+            "booked": booked,
+        }
+    return {
+        "preset": piece.name,
+        "seed": piece.seed,
+        "size": list(size),
+        "clock": {
+            "duration": clock.duration,
+            "fps": clock.fps,
+            "step": clock.step,
+            "speed": clock.speed,
+            "frames": clock.frames,
+            "steps_per_frame": clock.steps_per_frame,
+            "preroll_steps": clock.preroll_steps,
+        },
+        "particles": _count(expected.particles),
+        "memory": {
+            "state": megabytes(expected.memory),
+            "frame": megabytes(FRAME_BYTES * size[0] * size[1]),
+            "peak": megabytes(peak_memory(expected, size)),
+            "peak_bytes": _count(peak_memory(expected, size)),
+        },
+        "systems": systems,
+    }
+
+
+def _count(value: float) -> int | float:
+    return round(value) if value < 1e300 else value
+
+
+def _forces(piece, system) -> tuple:
+    return (*(piece.forces if system.inherit_forces else ()), *system.forces)
+
+
+def invariants(piece, system) -> tuple[list[str], dict[str, str]]:
+    """What a system should conserve, and for what it does not, why: the ledger books the difference."""
+    forces, interactions = _forces(piece, system), system.interactions
+    working = [force.name for force in forces if not force.conservative and force.does_work]
+    working += [one.name for one in interactions if not getattr(one, "conservative", False)]
+    outer = [force.name for force in forces]
+    outer += [one.name for one in interactions if not getattr(one, "reciprocal", False) or one.values.get("sources")]
+    mortal = [name for name, emitter in system.emitters.items() if _goes_on(system, emitter)]
+    holds, booked = [], {}
+    for quantity, reasons, why in (
+        ("energy", working, "worked on by "),
+        ("momentum", outer, "pushed by "),
+        ("angular momentum", outer, "turned by "),
+        ("mass", [], ""),
+        ("charge", [], ""),
+    ):
+        if reasons:
+            booked[quantity] = why + ", ".join(dict.fromkeys(reasons))
+        elif mortal:
+            booked[quantity] = "births and deaths (" + ", ".join(mortal) + ")"
+        else:
+            holds.append(quantity)
+    return holds, booked
+
+
+def _goes_on(system, emitter) -> bool:
+    """Whether an emitter's particles come or go after the start."""
+    lifetime = emitter.lifetime or system.particle.lifetime
+    at_once = emitter.count is not None and emitter.at is None and emitter.source is None and not emitter.start
+    return lifetime is not None or not at_once

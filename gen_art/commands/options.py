@@ -1,0 +1,181 @@
+"""Options that several commands share, and the forms their values take."""
+
+import functools
+import re
+
+import click
+
+__all__ = [
+    "FRAMES",
+    "NOT_NEGATIVE",
+    "POSITIVE",
+    "SCALE",
+    "SIZE",
+    "load",
+    "picture_options",
+    "picture_size",
+    "preset_options",
+    "process_options",
+    "run_options",
+]
+
+
+class _Frames(click.ParamType):
+    """`12`, `0..89` or `0..99..10` (first..last..step) as a range of frame numbers."""
+
+    name = "frames"
+
+    def convert(self, value, parameter, context):
+        if isinstance(value, range):
+            return value
+        match = re.fullmatch(r"(\d{1,9})(?:\.\.(\d{1,9}))?(?:\.\.(\d{1,9}))?", value.strip())
+        if not match:
+            self.fail(f"{value!r}: write 12, 0..89 or 0..99..10 (first..last..step)", parameter, context)
+        first, last, step = int(match[1]), int(match[2] or match[1]), int(match[3] or 1)
+        if step < 1 or last < first:
+            self.fail(f"{value!r} names no frame: first..last..step, with last at least first", parameter, context)
+        return range(first, last + 1, step)
+
+
+class _Size(click.ParamType):
+    """`1280x720` as (1280, 720)."""
+
+    name = "WxH"
+
+    def convert(self, value, parameter, context):
+        if isinstance(value, tuple):
+            return value
+        match = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", value)
+        if not match or not all(1 <= int(side) <= 16384 for side in match.groups()):
+            self.fail(f"{value!r}: write WIDTHxHEIGHT in pixels, 1x1 to 16384x16384: 1280x720", parameter, context)
+        return int(match[1]), int(match[2])
+
+
+class _Scale(click.ParamType):
+    """`50%` or `0.5` as 0.5."""
+
+    name = "percent"
+
+    def convert(self, value, parameter, context):
+        if isinstance(value, float):
+            return value
+        match = re.fullmatch(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*(%?)\s*", value)
+        scale = float(match[1]) / (100 if match[2] else 1) if match else 0.0
+        if not 0.01 <= scale <= 16:
+            self.fail(f"{value!r}: write a percentage from 1% to 1600%: 50%", parameter, context)
+        return scale
+
+
+class _Seed(click.ParamType):
+    """A whole number, or `random`."""
+
+    name = "seed"
+
+    def convert(self, value, parameter, context):
+        if value == "random" or isinstance(value, int):
+            return value
+        if not re.fullmatch(r"\d{1,19}", value) or int(value) >= 2**63:
+            self.fail(f"{value!r}: write a whole number from 0 to 2^63 - 1, or random", parameter, context)
+        return int(value)
+
+
+class _Number(click.ParamType):
+    """A finite number above zero (or from zero); `1/2` is one."""
+
+    name = "number"
+
+    def __init__(self, zero: bool = False):
+        self.zero = zero
+
+    def convert(self, value, parameter, context):
+        from gen_art.preset.values import number
+
+        try:
+            result = number(value)
+        except ValueError as error:
+            self.fail(str(error), parameter, context)
+        if result < 0 or (result == 0 and not self.zero):
+            self.fail(f"must be {'at least' if self.zero else 'more than'} 0, not {result:g}", parameter, context)
+        return result
+
+
+FRAMES, SIZE, SCALE, SEED = _Frames(), _Size(), _Scale(), _Seed()
+POSITIVE, NOT_NEGATIVE = _Number(), _Number(zero=True)
+
+
+def _arch(context, parameter, value):
+    if value != "cpu":
+        raise click.BadParameter(f"'{value}' is not available yet: this version runs on cpu only", context, parameter)
+    return value
+
+
+def _stack(*decorators):
+    def decorate(function):
+        return functools.reduce(lambda f, decorator: decorator(f), reversed(decorators), function)
+
+    return decorate
+
+
+# which preset, and what is changed in it
+preset_options = _stack(
+    click.option("--seed", type=SEED, help="Another seed is another take; random draws one."),
+    click.option("--set", "settings", multiple=True, metavar="PATH=VALUE", help="Change a value of the preset (repeatable)."),
+    click.option("--fps", type=POSITIVE, help="Frames a film second."),
+    click.option("--duration", type=POSITIVE, help="Length of the film, seconds."),
+    click.option("--plugin", "plugins", multiple=True, metavar="FILE.py", help="Load forces and emitters from a Python file."),
+)
+
+# where it is computed; the picture does not depend on it
+process_options = _stack(
+    click.option("--arch", default="cpu", callback=_arch, expose_value=False, show_default=True, help="Backend."),
+    click.option("--threads", type=click.IntRange(1, 1024), help="Threads for kernels; the picture does not depend on it."),
+    click.option(
+        "--progress",
+        type=click.Choice(["auto", "rich", "json", "none"]),
+        default="auto",
+        show_default=True,
+        help="How progress is shown, on standard error.",
+    ),
+)
+
+# how it is computed
+run_options = _stack(
+    click.option("--precision", type=click.Choice(["f32", "f64"]), default="f32", show_default=True, help="Float type."),
+    process_options,
+)
+
+# what the picture is
+picture_options = _stack(
+    click.option("--size", type=SIZE, help="Width and height in pixels: 1280x720."),
+    click.option("--scale", type=SCALE, help="The preset's size, scaled: 50%."),
+    click.option(
+        "--quality",
+        type=click.Choice(["draft", "preview", "final"]),
+        default="final",
+        show_default=True,
+        help="How carefully it is rendered.",
+    ),
+    click.option("--overwrite", is_flag=True, help="Replace output that exists."),
+    click.option("--transparent", is_flag=True, help="Leave the background out, where the format can."),
+    click.option("--dry-run", is_flag=True, help="Check everything, say what would be made, write nothing."),
+)
+
+
+def load(preset: str, *, seed=None, settings=(), fps=None, duration=None, plugins=()):
+    """(Preset, plugins): plugins first, as they may register keys; then the options as overrides."""
+    from gen_art.plugins import load_plugin
+    from gen_art.preset.load import load_preset
+    from gen_art.preset.overrides import parse_setting
+
+    loaded = tuple(load_plugin(path) for path in plugins)
+    overrides = dict(parse_setting(setting) for setting in settings)
+    overrides |= {f"clock.{key}": value for key, value in (("fps", fps), ("duration", duration)) if value is not None}
+    return load_preset(preset, overrides=overrides, seed=seed), loaded
+
+
+def picture_size(preset, size, scale) -> tuple[int, int]:
+    """The picture's size in pixels, from --size, or the preset's own, times --scale."""
+    from gen_art.preset.look import CameraSpec
+
+    width, height = size or (preset.camera.size if preset.camera else CameraSpec().size)
+    return (max(1, round(width * scale)), max(1, round(height * scale))) if scale else (width, height)

@@ -1,0 +1,67 @@
+"""Progress on standard error: a bar for people, JSON lines for programs, or nothing.
+
+A reporter takes events: {"event": "frame", "frame": k, "frames": n, "particles": count, "fps": ..., "eta": seconds}.
+"""
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+__all__ = ["reporter"]
+
+
+@contextmanager
+def reporter(mode: str) -> Iterator[Callable[[dict], None] | None]:
+    """The function that takes progress events; None where nothing is to be shown."""
+    if mode == "auto":
+        mode = "rich" if sys.stderr.isatty() else "none"
+    if mode == "json":
+        yield _json
+    elif mode == "rich":
+        with _bar() as show:
+            yield show
+    else:
+        yield None
+
+
+def _json(event: dict) -> None:
+    print(json.dumps(event, allow_nan=False, default=float), file=sys.stderr, flush=True)
+
+
+@contextmanager
+def _bar() -> Iterator[Callable[[dict], None]]:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    columns = (
+        TextColumn("frame"),
+        MofNCompleteColumn(),
+        BarColumn(),
+        TextColumn("{task.fields[particles]:,} particles"),
+        TextColumn("{task.fields[rate]}"),
+        TextColumn("{task.fields[left]}"),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("", total=None, particles=0, rate="", left="")
+
+        def show(event: dict) -> None:
+            if event.get("event") != "frame":
+                return
+            rate, eta = event.get("fps") or 0.0, event.get("eta")
+            progress.update(
+                task,
+                total=event["frames"],
+                completed=event["frame"] + 1,
+                particles=int(event.get("particles") or 0),
+                rate=f"{rate:.2f} frames/s" if rate else "",
+                left=f"{_clock(eta)} left" if eta is not None else "",
+            )
+
+        yield show
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(max(0, round(seconds)), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"

@@ -1,0 +1,22 @@
+"""`gen-art schema`: the JSON Schema of a preset."""
+
+import click
+
+__all__ = ["command"]
+
+
+@click.command("schema")
+@click.option("--plugin", "plugins", multiple=True, metavar="FILE.py", help="Include a plugin's forces and emitters.")
+def command(plugins):
+    """Print the JSON Schema of presets.
+
+    A YAML editor completes and checks presets with it: every key, its meaning, unit, range and default.
+    """
+    import json
+
+    from gen_art.plugins import load_plugin
+    from gen_art.preset.schema import json_schema
+
+    for path in plugins:
+        load_plugin(path)
+    click.echo(json.dumps(json_schema(), indent=2, ensure_ascii=False))

@@ -1,0 +1,72 @@
+"""A user's Python file, named by the user: loading it registers its forces and emitters."""
+
+import hashlib
+import importlib.util
+import sys
+import traceback
+from dataclasses import dataclass
+from pathlib import Path
+
+from gen_art.errors import GenArtError, OutputError, UsageError
+
+__all__ = ["Plugin", "load_plugin"]
+
+
+@dataclass(frozen=True)
+class Plugin:
+    """A loaded plugin: its path, and the sha256 of its text, which a recipe records."""
+
+    path: Path
+    sha256: str
+
+    @property
+    def name(self) -> str:
+        return self.path.name
+
+
+_loaded: dict[str, Plugin] = {}
+
+
+def load_plugin(path: str | Path) -> Plugin:
+    """Run a Python file, so that its `@ga.force` and `@ga.emitter` classes count; the same text runs once a process.
+
+    Raises OutputError when it cannot be read, UsageError, naming the line, for an error in it.
+    """
+    path = Path(path)
+    if str(path) == "-":
+        raise UsageError("a plugin is a file: its source is read again, so standard input cannot hold it")
+    try:
+        text = path.read_bytes()
+    except OSError as error:
+        raise OutputError(f"plugin {path}: {error.strerror or error}") from None
+    digest = hashlib.sha256(text).hexdigest()
+    if digest in _loaded:
+        return _loaded[digest]
+    name = f"gen_art_plugin_{path.stem}_{digest[:8]}"
+    spec = importlib.util.spec_from_file_location(name, path.resolve())
+    if spec is None or spec.loader is None:
+        raise UsageError(f"plugin {path}: is not a Python file (its name must end in .py)")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        del sys.modules[name]
+        raise UsageError(f"plugin {_place(path, error)}{_words(error)}") from error
+    plugin = _loaded[digest] = Plugin(path, digest)
+    return plugin
+
+
+def _place(path: Path, error: Exception) -> str:
+    """`swirl.py:12: `: the last line of the plugin that the error passed through."""
+    if isinstance(error, SyntaxError) and error.lineno:
+        return f"{path}:{error.lineno}: "
+    here = str(path.resolve())
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == here]
+    return f"{path}:{lines[-1]}: " if lines else f"{path}: "
+
+
+def _words(error: Exception) -> str:
+    if isinstance(error, GenArtError):
+        return str(error)
+    return f"{type(error).__name__}: {error.msg if isinstance(error, SyntaxError) else error}"
