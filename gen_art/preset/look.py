@@ -165,11 +165,13 @@ class KeyLight(Model):
 class Trail(Model):
     """The film keeps what the system drew and lets it fade: to one half in `half_life` film seconds, whatever the fps.
 
-    substeps: how many times the system is drawn between two frames (a divisor of the steps of a frame), so that
+    The particles themselves are drawn over it as ever. strength: the trail's brightness; a particle at rest builds up
+    a trail as bright as itself at 1. substeps: how many times the system is drawn between two frames (the largest divisor of a frame's steps up to it), so that
     fast curves stay smooth. Trails start at the beginning of the simulation, preroll included.
     """
 
     half_life: Annotated[Number, Field(gt=0)]
+    strength: Annotated[Number, Field(ge=0)] = 1.0
     substeps: Annotated[int, Field(ge=1, le=64)] = 1
 
     @model_validator(mode="before")

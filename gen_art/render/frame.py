@@ -62,8 +62,7 @@ class Painter:
         self.film.clear()
         for trail in self._trails.values():
             self.film.buffer += trail.buffer
-        names = [name for name in sim.systems if name not in self.trails]
-        self._draw(sim, names, camera.at(film_time), film_time, self.shutter, 1.0, self.film)
+        self._draw(sim, list(sim.systems), camera.at(film_time), film_time, self.shutter, 1.0, self.film)
         return self.film.pixels
 
     def expose_trails(self, sim, film_time: float, exposure: float, shutter: float) -> None:
@@ -79,7 +78,7 @@ class Painter:
             fade = 0.5 ** (exposure / look.trail.half_life)
             trail.buffer *= np.float32(fade)
             camera = self.camera or self._framing(sim)
-            self._draw(sim, [name], camera.at(film_time), film_time, shutter, 1.0 - fade, trail)
+            self._draw(sim, [name], camera.at(film_time), film_time, shutter, (1.0 - fade) * look.trail.strength, trail)
 
     def _framing(self, sim) -> Camera:
         points = [s.floats[:3, living(s, sim.time)].T for s in sim.systems.values()]

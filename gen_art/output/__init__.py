@@ -1,0 +1,3 @@
+"""Pictures and films as files, each with its recipe inside."""
+
+__all__ = []

@@ -1,0 +1,302 @@
+"""The jobs: a film or a sequence of frames, one still, and a picture made again from its recipe."""
+
+import contextlib
+import time as clocks
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+from gen_art.errors import UsageError
+from gen_art.output.recipe import make_recipe, read_recipe, verify
+from gen_art.output.stills import write_still
+from gen_art.output.target import Target, beside, check_writable, find_target
+from gen_art.output.video import film_writer
+from gen_art.render.camera import Camera
+from gen_art.render.develop import develop
+from gen_art.render.frame import Painter, check_size
+
+__all__ = ["QUALITIES", "check_target", "picture_size", "render", "rerun", "still"]
+
+QUALITIES = {"draft": 0.5, "preview": 1.0, "final": 1.0}  # of the width and height; they also set the encoder's care
+_WAITING = 3  # pictures that may wait for the encoder
+
+
+def picture_size(preset, size=None, scale=None, quality: str = "final", even: bool = False) -> tuple[int, int]:
+    """The size a job has: `size`, else the preset's own, times `scale` and what `quality` takes off.
+
+    A size that was scaled is rounded to even numbers where `even` asks for it; a size that was given is not.
+    """
+    from gen_art.preset.look import CameraSpec
+
+    if quality not in QUALITIES:
+        raise UsageError(f"quality is one of {', '.join(QUALITIES)}, not {quality!r}")
+    width, height = check_size(size or (preset.camera.size if preset.camera else CameraSpec().size))
+    factor = (scale or 1.0) * QUALITIES[quality]
+    if factor == 1.0:
+        return width, height
+    unit = 2 if even else 1
+    return check_size(max(unit, round(side * factor / unit) * unit) for side in (width, height))
+
+
+def check_target(preset, out, *, size=None, overwrite=False, moving=True, transparent=False, frames=None) -> Target:
+    """Refuse what cannot be written before anything is computed: UsageError for an ending or size, OutputError for a
+    path that exists or cannot be written.
+    """
+    size = check_size(size) if size else None
+    target = find_target(out, moving=moving, name=preset.name, seed=preset.seed, size=size, transparent=transparent)
+    numbers = list(frames) if frames is not None else [0]
+    if moving and not target.moving and not target.pattern and len(numbers) > 1:
+        raise UsageError(
+            f"{target.path.name} is one picture, and {len(numbers)} frames are asked for: write a pattern such as "
+            f"{target.path.stem}_####{target.path.suffix}"
+        )
+    check_writable([target.frame(k) for k in numbers] if target.pattern else [target.path], overwrite)
+    return target
+
+
+class _Run:
+    """A simulation of a preset and its painter, from the start to any later film time."""
+
+    def __init__(self, preset, size, precision: str, threads: int | None):
+        from gen_art.simulation import Simulation
+
+        self.preset, clock = preset, preset.clock
+        self.sim = Simulation(preset, precision=precision, threads=threads)
+        self.camera = Camera.from_spec(preset.camera) if preset.camera else None
+        open_ = (self.camera.shutter if self.camera else 180.0) / 360.0 * clock.speed / clock.fps
+        self.painter = Painter(size, self.camera, {n: s.look for n, s in preset.systems.items()}, open_)
+        wanted = max((look.trail.substeps for look in self.painter.trails.values()), default=1)
+        per_frame = clock.steps_per_frame
+        self._between = per_frame // max(n for n in range(1, min(wanted, per_frame) + 1) if per_frame % n == 0)
+        self._done = 0
+
+    def step_of(self, time: float) -> int:
+        """The number of steps from the start to film time `time`; UsageError when it falls between steps."""
+        clock = self.preset.clock
+        exact = time * clock.speed / clock.step
+        steps = round(exact)
+        if not time >= 0.0 or abs(exact - steps) > 1e-6 * max(1.0, abs(exact)):
+            nearest = max(steps, 0) * clock.step / clock.speed
+            raise UsageError(f"film time {time:g} s falls between steps; the nearest is {nearest:.9g} s")
+        return clock.preroll_steps + steps
+
+    def film(self, step: int) -> np.ndarray:
+        """The linear picture after `step` steps from the start (a view, good until the next)."""
+        clock = self.preset.clock
+        if self.painter.trails:
+            while self._done < step:
+                n = min(self._until_exposure(), step - self._done)
+                self._advance(n)
+                if self._until_exposure() == self._between:
+                    seconds = self._between * clock.step / clock.speed
+                    self.painter.expose_trails(self.sim, self._film_time(), seconds, self._between * clock.step)
+        self._advance(step - self._done)
+        return self.painter.paint(self.sim, self._film_time())
+
+    def _until_exposure(self) -> int:
+        """Steps to the next exposure of the trails: they lie on the frames and evenly between them."""
+        return self._between - (self._done - self.preset.clock.preroll_steps) % self._between
+
+    def _advance(self, steps: int) -> None:
+        if steps > 0:
+            self.sim.step(steps)
+            self._done += steps
+
+    def _film_time(self) -> float:
+        clock = self.preset.clock
+        return (self._done - clock.preroll_steps) * clock.step / clock.speed
+
+    @property
+    def particles(self) -> int:
+        return sum(int(system.count) for system in self.sim.systems.values())
+
+
+def _pictures(run: _Run, frames, transparent: bool, bits: int = 8) -> Iterator[tuple[int, np.ndarray]]:
+    clock = run.preset.clock
+    for k in frames:
+        film = run.film(clock.preroll_steps + k * clock.steps_per_frame)
+        yield k, develop(film, run.preset.develop, frame=k, transparent=transparent, bits=bits)
+
+
+def _loaded(plugins):
+    from gen_art.plugins import load_plugin
+
+    return tuple(p if hasattr(p, "sha256") else load_plugin(p) for p in plugins)
+
+
+def _preset(preset, fps=None):
+    from gen_art.preset.load import load_preset
+    from gen_art.preset.schema import Preset
+
+    if isinstance(preset, Preset) and fps is None:
+        return preset
+    return load_preset(preset, overrides={"clock.fps": fps} if fps is not None else None)
+
+
+def _frames(frames, preset) -> range:
+    if frames is None:
+        return range(preset.clock.frames)
+    chosen = range(frames, frames + 1) if isinstance(frames, int) else frames
+    numbers = list(chosen)
+    if not numbers:
+        raise UsageError("no frames are asked for")
+    if any(not isinstance(k, (int, np.integer)) or k < 0 for k in numbers) or numbers != sorted(set(numbers)):
+        raise UsageError("frames are whole numbers from 0 on, in order")
+    return chosen
+
+
+def _recipe_job(kind: str, **values) -> dict:
+    return {"kind": kind, **values}
+
+
+def render(
+    preset, out, *, frames=None, size=None, scale=None, fps=None, quality="final", precision="f32", threads=None,
+    overwrite=False, transparent=False, progress: Callable[[dict], None] | None = None, plugins=(),
+) -> list[Path]:  # fmt: skip
+    """Render a preset to a film (.mp4 .gif .webp) or a sequence (frame_####.png); gives the paths written.
+
+    preset : a Preset, a name, a path or a mapping      frames : a range or one number; all of them when None
+    size : (width, height), the preset's own when None      scale : a factor on it      fps : overrides the clock's
+    quality : `draft` has half the width and height and a fast encoder, `preview` a faster one, `final` the careful one
+    progress : called with {"event": "frame", "frame", "frames", "particles", "fps", "eta"} after each frame
+    Frame k is what `still` makes at film time k / fps. Raises the errors of gen_art.errors.
+    """
+    plugins = _loaded(plugins)
+    preset = _preset(preset, fps)
+    frames = _frames(frames, preset)
+    moving = Path(str(out)).suffix.lower() in (".mp4",)
+    size = picture_size(preset, size, scale, quality, even=moving)
+    target = check_target(preset, out, size=size, overwrite=overwrite, transparent=transparent, frames=frames)
+    report = _Report(progress, len(frames))
+    job = {"size": list(size), "fps": preset.clock.fps, "quality": quality, "precision": precision, "transparent": transparent}
+    if not target.moving:
+        run = _Run(preset, size, precision, threads)
+        paths = [target.frame(k) if target.pattern else target.path for k in frames]
+        recipes = [
+            make_recipe(preset, plugins=plugins, kind="still", time=k / preset.clock.fps, bits=8, **job) for k in frames
+        ]
+        with _behind(2) as submit:
+            for (k, picture), path, recipe in zip(_pictures(run, frames, transparent), paths, recipes):
+                submit(write_still, path, picture, recipe)
+                report(k, run.particles)
+        return paths
+    recipe = make_recipe(preset, plugins=plugins, kind="film", frames=_span(frames), ending=target.ending, **job)
+    run = _Run(preset, size, precision, threads)
+    with beside(target.path) as temporary:
+        writer = film_writer(temporary, size, preset.clock.fps, recipe, quality)
+        try:
+            with _behind(1) as submit:
+                for k, picture in _pictures(run, frames, transparent):
+                    submit(writer.add, picture)
+                    report(k, run.particles)
+            writer.close()
+        except BaseException:
+            with contextlib.suppress(Exception):
+                writer.abort()
+            raise
+    return [target.path]
+
+
+def still(
+    preset, out, time: float, *, size=None, scale=None, fps=None, quality="final", precision="f32", threads=None,
+    overwrite=False, transparent=False, bits: int = 8, progress: Callable[[dict], None] | None = None, plugins=(),
+) -> list[Path]:  # fmt: skip
+    """One picture (.png .jpg .webp) at film time `time` in seconds; `bits` 16 makes a 16-bit PNG. See `render`."""
+    plugins = _loaded(plugins)
+    preset = _preset(preset, fps)
+    size = picture_size(preset, size, scale, quality)
+    target = check_target(preset, out, size=size, overwrite=overwrite, moving=False, transparent=transparent)
+    if bits not in (8, 16) or (bits == 16 and target.ending != ".png"):
+        raise UsageError(f"{target.path.name}: a picture has 8 bits a channel, or 16 as .png; not {bits}")
+    run = _Run(preset, size, precision, threads)
+    film = run.film(run.step_of(float(time)))
+    frame = round(float(time) * preset.clock.fps)
+    picture = develop(film, preset.develop, frame=frame, transparent=transparent, bits=bits)
+    recipe = make_recipe(
+        preset, plugins=plugins, kind="still", time=float(time), bits=bits, size=list(size), fps=preset.clock.fps,
+        quality=quality, precision=precision, transparent=transparent,
+    )  # fmt: skip
+    write_still(target.path, picture, recipe)
+    _Report(progress, 1)(0, run.particles)
+    return [target.path]
+
+
+def rerun(picture, out, *, threads=None, overwrite=False, progress=None, plugins=()) -> list[Path]:
+    """Make a picture or film again from the recipe inside it: the same bytes, when `out` has the same ending.
+
+    Raises UsageError when there is no recipe, or when version, plugins or files are not those it was made with.
+    """
+    recipe = read_recipe(picture)
+    plugins = _loaded(plugins)
+    given = {p.sha256 for p in plugins}
+    for one in recipe.get("plugins", ()):
+        if one["sha256"] not in given and Path(one["path"]).is_file():
+            plugins += _loaded([one["path"]])
+    verify(recipe, plugins)
+    preset = _preset({**recipe["preset"], "name": recipe["name"]})
+    common = {
+        "size": tuple(recipe["size"]), "precision": recipe["precision"], "transparent": recipe["transparent"],
+        "threads": threads, "overwrite": overwrite, "progress": progress, "plugins": plugins,
+    }  # fmt: skip
+    if recipe["kind"] == "film":
+        first, last, step = recipe["frames"]
+        return _again(render, recipe, preset, out, frames=range(first, last + 1, step), **common)
+    return _again(still, recipe, preset, out, recipe["time"], bits=recipe.get("bits", 8), **common)
+
+
+def _again(job, recipe: dict, preset, out, *args, **common) -> list[Path]:
+    """Run a job whose size is already scaled, with the quality's other effects."""
+    scale = 1.0 / QUALITIES[recipe["quality"]]
+    return job(preset, out, *args, quality=recipe["quality"], scale=scale, **common)
+
+
+def _span(frames) -> list[int]:
+    numbers = list(frames)
+    step = numbers[1] - numbers[0] if len(numbers) > 1 else 1
+    return [int(numbers[0]), int(numbers[-1]), int(step)]
+
+
+class _Report:
+    """Progress events with the rate so far and the seconds left."""
+
+    def __init__(self, progress, frames: int):
+        self._progress, self._frames, self._done, self._start = progress, frames, 0, clocks.perf_counter()
+
+    def __call__(self, frame: int, particles: int) -> None:
+        self._done += 1
+        if self._progress is None:
+            return
+        rate = self._done / max(clocks.perf_counter() - self._start, 1e-9)
+        self._progress(
+            {
+                "event": "frame",
+                "frame": self._done - 1,
+                "number": int(frame),
+                "frames": self._frames,
+                "particles": particles,
+                "fps": rate,
+                "eta": (self._frames - self._done) / rate,
+            }
+        )
+
+
+@contextlib.contextmanager
+def _behind(workers: int) -> Iterator[Callable]:
+    """Run calls behind the main thread, a few at most waiting; the first error is raised where the next call is made."""
+    with ThreadPoolExecutor(workers, thread_name_prefix="gen-art-output") as pool:
+        waiting: list = []
+
+        def submit(function, *args) -> None:
+            while len(waiting) >= _WAITING:
+                waiting.pop(0).result()
+            waiting.append(pool.submit(function, *args))
+
+        try:
+            yield submit
+            for one in waiting:
+                one.result()
+        finally:
+            for one in waiting:
+                one.cancel()

@@ -1,0 +1,113 @@
+"""A picture's recipe: all it takes to make it again, as JSON inside the file.
+
+The resolved preset and seed, the version, what was rendered (time or frames, size, precision, quality), and sha256 of the
+plugins and files it used.
+"""
+
+import hashlib
+import json
+from importlib import metadata
+from pathlib import Path
+
+from gen_art.errors import OutputError, UsageError
+
+__all__ = ["KEY", "make_recipe", "read_recipe", "version", "verify"]
+
+KEY = "gen-art"
+FORMAT = 1
+
+
+def version() -> str:
+    """The installed version, or that of the source tree."""
+    try:
+        return metadata.version("gen-art")
+    except metadata.PackageNotFoundError:
+        import gen_art
+
+        return getattr(gen_art, "__version__", "0")
+
+
+def sha256(path) -> str:
+    """Hex digest of a file; OutputError when it cannot be read."""
+    try:
+        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    except OSError as error:
+        raise OutputError(f"cannot read {path}: {error.strerror or error}") from error
+
+
+def make_recipe(preset, *, plugins=(), **job) -> dict:
+    """The recipe of a picture or film of `preset`; `job` says what was rendered."""
+    files = getattr(preset, "files", None) or ()
+    return {
+        "format": FORMAT,
+        "gen_art": version(),
+        "name": preset.name,
+        **job,
+        "plugins": [{"name": p.name, "path": str(p.path), "sha256": p.sha256} for p in plugins],
+        "files": [{"path": str(f), "sha256": sha256(f)} for f in files],
+        "preset": preset.resolved(),
+    }
+
+
+def encode(recipe: dict) -> str:
+    """One line of ASCII JSON."""
+    return json.dumps(recipe, separators=(",", ":"), allow_nan=False)
+
+
+def read_recipe(path) -> dict:
+    """The recipe inside a picture or film. OutputError when the file cannot be read, UsageError when it holds none."""
+    path = Path(path)
+    if not path.is_file():
+        raise OutputError(f"{path}: {'is a directory' if path.is_dir() else 'there is no such file'}")
+    text = _film_text(path) if path.suffix.lower() == ".mp4" else _picture_text(path)
+    try:
+        recipe = json.loads(text) if text else None
+    except ValueError:
+        recipe = None
+    if not isinstance(recipe, dict) or "preset" not in recipe or "format" not in recipe:
+        raise UsageError(f"{path}: there is no recipe inside; it is not a picture of gen-art, or a program took its metadata away")
+    if recipe["format"] != FORMAT:
+        raise UsageError(f"{path}: its recipe is of format {recipe['format']}; this gen-art reads format {FORMAT}")
+    return recipe
+
+
+def _picture_text(path: Path) -> str | None:
+    from PIL import Image, UnidentifiedImageError
+
+    from gen_art.output.stills import EXIF_DESCRIPTION
+
+    try:
+        with Image.open(path) as picture:
+            if picture.format == "PNG":
+                return picture.text.get(KEY)  # type: ignore[attr-defined]
+            if picture.format == "GIF":
+                comment = picture.info.get("comment")
+                return comment.decode("ascii", "replace") if comment else None
+            return picture.getexif().get(EXIF_DESCRIPTION)
+    except (UnidentifiedImageError, OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise UsageError(f"{path}: cannot be read as a picture ({error})") from error
+
+
+def _film_text(path: Path) -> str | None:
+    import av
+
+    try:
+        with av.open(str(path)) as film:
+            return film.metadata.get("comment")
+    except (av.FFmpegError, OSError) as error:
+        raise UsageError(f"{path}: cannot be read as a film ({error})") from error
+
+
+def verify(recipe: dict, plugins) -> None:
+    """UsageError unless version, plugins and files are those of the recipe."""
+    if recipe.get("gen_art") != version():
+        raise UsageError(f"the picture was made by gen-art {recipe.get('gen_art')}; this is {version()}, whose pictures may differ")
+    given = {p.sha256: p for p in plugins}
+    for plugin in recipe.get("plugins", ()):
+        if plugin["sha256"] not in given:
+            same_name = [p for p in plugins if p.name == plugin["name"]]
+            problem = "is another text than the one it was made with" if same_name else "is needed: give --plugin"
+            raise UsageError(f"plugin {plugin['name']} (sha256 {plugin['sha256'][:12]}) {problem}")
+    for file in recipe.get("files", ()):
+        if sha256(file["path"]) != file["sha256"]:
+            raise UsageError(f"{file['path']} is not the file the picture was made with (sha256 {file['sha256'][:12]})")
