@@ -99,10 +99,9 @@ class FromEvent(Model):
     inherit: Literal["velocity", "none"] = about("none", "whether the parent's velocity is added")
     balance: Literal["pairs", "none"] = about("none", "pairs: velocities cancel two by two, the burst carries no momentum")
 
-    @model_validator(mode="before")
     @classmethod
-    def _short(cls, value):
-        return {"event": value} if isinstance(value, str) else value
+    def from_short(cls, data):
+        return {"event": data} if isinstance(data, str) else data
 
     @model_validator(mode="after")
     def _event_exists(self):

@@ -4,6 +4,7 @@ import difflib
 import secrets
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from gen_art.errors import UsageError
 from gen_art.preset.overrides import apply, fill_knobs, plain
 from gen_art.preset.problems import Problem, dotted, preset_error
 from gen_art.preset.reader import Node, Source, read_bytes, read_file
+from gen_art.preset.values import number
 
 __all__ = ["find", "load_preset", "open_source", "preset_names", "presets_folder"]
 
@@ -88,22 +90,34 @@ def load_preset(
 def validate(data: dict, name: str, source: Source, set_paths: list[tuple]):
     """The Preset of plain data; PresetError with every problem, each where it stands in `source` or at its `--set`."""
     from gen_art.preset.checks import references
+    from gen_art.preset.registered import GRAVITATION
     from gen_art.preset.schema import Preset
     from gen_art.preset.types import friendly
 
     filled, found = fill_knobs(data)
     written = {"version": filled.get("version"), "seed": filled.get("seed", 0), **filled}
     made, listed = None, found[:]
+    token = GRAVITATION.set(_gravitation(filled))
     try:
         made = Preset.model_validate(filled).keep(name, written)
     except ValidationError as error:
         listed += [(item["loc"], friendly(item)) for item in error.errors()]
+    finally:
+        GRAVITATION.reset(token)
     listed += references(filled)
     problems = source.problems + [_located(data, source, set_paths, path, text) for path, text in listed]
     problems = _distinct(problems)
     if problems or made is None:
         raise preset_error(problems)
     return made
+
+
+def _gravitation(data: dict) -> float | None:
+    """`units.G` where the preset gives it; what is wrong with it, the schema says."""
+    units = data.get("units")
+    with suppress(UsageError):
+        return number(units["G"]) if isinstance(units, dict) and "G" in units else None
+    return None
 
 
 def _nowhere(name: str) -> Source:

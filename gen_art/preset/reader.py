@@ -21,7 +21,7 @@ __all__ = ["Source", "read_bytes", "read_file", "read_text", "read_value", "MAX_
 
 MAX_BYTES = 500_000
 MAX_DEPTH = 40
-MAX_VALUES = 20_000
+MAX_VALUES = 10_000
 
 _LINE_BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 _INTEGER = re.compile(r"[-+]?[0-9]+")

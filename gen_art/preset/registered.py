@@ -1,12 +1,14 @@
 """Registered classes (forces, shapes, velocities, interactions, scripted emitters) as values in a preset.
 
 One mechanism for all: `name: VALUE`, where VALUE is a mapping of parameters or, if it is none, the value of the first
-parameter. Angles (unit "rad") are written in degrees. Registries are read when a preset is read, so a plugin's classes count.
+parameter. Angles (unit "rad") are written in degrees; a constant `G` that is left out is the one of `units:`. Registries are
+read when a preset is read, so the classes of a plugin count.
 """
 
 import importlib
 import math
 from collections.abc import Callable, Iterator
+from contextvars import ContextVar
 from typing import Any
 
 from pydantic import ValidationError
@@ -17,7 +19,9 @@ from gen_art.preset.types import collected
 from gen_art.preset.values import Range, number, shown, vector
 from gen_art.registry import Parameter, Parametric, Registry, suggest
 
-__all__ = ["Many", "One", "build", "class_schema", "parameters", "registry"]
+__all__ = ["GRAVITATION", "Many", "One", "build", "class_schema", "parameters", "registry"]
+
+GRAVITATION: ContextVar[float | None] = ContextVar("units.G", default=None)  # of the preset that is being read
 
 _HOMES = {
     "forces": ("gen_art.forces", "gen_art.forces.base", "FORCES"),
@@ -112,6 +116,8 @@ def build(cls: type[Parametric], value: Any) -> Parametric:
     except UsageError as error:
         raise collected([((), str(error))]) from None
     known, problems, values = parameters(cls), [], {}
+    if "G" in known and GRAVITATION.get() is not None:
+        values["G"] = GRAVITATION.get()
     for key, item in given.items():
         if key not in known:
             problems.append(((key,), f"unknown key{suggest(key, known)}"))

@@ -132,11 +132,17 @@ class Model(BaseModel):
         """The keys YAML may use here (aliases win over Python names)."""
         return [field.alias or name for name, field in cls.model_fields.items()]
 
+    @classmethod
+    def from_short(cls, data):
+        """The mapping that a short form stands for; a model with one says so here."""
+        return data
+
     @model_validator(mode="wrap")
     @classmethod
     def _collect(cls, data, handler):
         if isinstance(data, cls):
             return data
+        data = cls.from_short(data)
         if not isinstance(data, dict):
             raise UsageError(f"must be a mapping of keys, not {shown(data)}")
         known = cls.known_keys()
@@ -174,6 +180,8 @@ def friendly(error) -> str:
         return str(context["error"])
     if kind in ("model_type", "dict_type", "model_attributes_type", "mapping_type"):
         return f"must be a mapping of keys, not {shown(value)}"
+    if kind == "too_short":
+        return f"needs at least {context['min_length']} entry"
     if kind in ("string_type", "bool_type", "bool_parsing", "list_type", "tuple_type"):
         wanted = {"s": "text", "b": "true or false", "l": "a list", "t": "a list"}[kind[0]]
         return f"must be {wanted}, not {shown(value)}"
