@@ -20,7 +20,9 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
     Frames and steps, particles and memory, forces, and what should be conserved.
     """
     piece, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
-    facts = _facts(piece, options.picture_size(piece, size, scale), precision)
+    from gen_art.output.job import picture_size
+
+    facts = _facts(piece, picture_size(piece, size, scale), precision)
     if as_json:
         import json
 

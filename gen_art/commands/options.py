@@ -13,7 +13,6 @@ __all__ = [
     "SIZE",
     "load",
     "picture_options",
-    "picture_size",
     "preset_options",
     "process_options",
     "run_options",
@@ -171,11 +170,3 @@ def load(preset: str, *, seed=None, settings=(), fps=None, duration=None, plugin
     overrides = dict(parse_setting(setting) for setting in settings)
     overrides |= {f"clock.{key}": value for key, value in (("fps", fps), ("duration", duration)) if value is not None}
     return load_preset(preset, overrides=overrides, seed=seed), loaded
-
-
-def picture_size(preset, size, scale) -> tuple[int, int]:
-    """The picture's size in pixels, from --size, or the preset's own, times --scale."""
-    from gen_art.preset.look import CameraSpec
-
-    width, height = size or (preset.camera.size if preset.camera else CameraSpec().size)
-    return (max(1, round(width * scale)), max(1, round(height * scale))) if scale else (width, height)

@@ -9,7 +9,7 @@ __all__ = ["command"]
 
 @click.command("render")
 @click.argument("preset")
-@click.option("-o", "--output", "out", required=True, metavar="OUT", help="a.mp4 .mov .webm .gif .webp, or out/frame_####.png.")
+@click.option("-o", "--output", "out", required=True, metavar="OUT", help="a.mp4 .gif .webp, or frame_####.png.")
 @click.option("--frames", type=options.FRAMES, help="12, 0..89 or 0..99..10 (first..last..step).")
 @options.picture_options
 @options.preset_options
@@ -20,26 +20,25 @@ def command(
 ):  # fmt: skip
     """Render PRESET to a film or to frames.
 
-    OUT's ending says what is made: .mp4 .mov .webm .gif .webp are films; a pattern such as out/frame_####.png
-    (also .exr .jpg) is a sequence. {preset} and {seed} in OUT are filled in.
+    OUT's ending says what is made: .mp4 .gif .webp are films; a pattern such as out/frame_####.png (also .jpg .webp)
+    is a sequence. {preset} and {seed} in OUT are filled in.
     """
     piece, loaded = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     from gen_art.commands.progress import reporter
+    from gen_art.output import job
     from gen_art.preset.estimate import refuse_if_too_large
 
     frames = range(piece.clock.frames) if frames is None else frames
-    shape = options.picture_size(piece, size, scale)
+    shape = job.picture_size(piece, size, scale, quality)
     until = piece.clock.preroll + frames[-1] * piece.clock.speed / piece.clock.fps
     expected = refuse_if_too_large(piece, precision, shape, until)
-    from gen_art.output import job
-
     if dry_run:
-        job.check_target(piece, out, size=shape, overwrite=overwrite, moving=True, transparent=transparent)
+        job.check_target(piece, out, size=shape, overwrite=overwrite, transparent=transparent, frames=frames)
         click.echo(f"{out}: {len(frames)} frames of {shape[0]}x{shape[1]}, {expected}")
         return
     with reporter(progress) as report:
         paths = job.render(
-            piece, out, frames=frames, size=shape, quality=quality, precision=precision, threads=threads,
+            piece, out, frames=frames, size=size, scale=scale, quality=quality, precision=precision, threads=threads,
             overwrite=overwrite, transparent=transparent, progress=report, plugins=loaded,
         )  # fmt: skip
     for path in paths:

@@ -63,7 +63,7 @@ def load_preset(
 ):
     """A validated Preset.
 
-    preset : a shipped name ("fire"), a path, "-" for standard input, or a mapping as YAML would hold it
+    preset : a shipped name ("fire"), a path, "-" for standard input, or a mapping as YAML would hold it (with a `name`, if it is to have one)
     overrides : dotted paths ({"clock.fps": 60}) or nested mappings, which merge
     seed : a whole number, or "random" for a fresh one
 
@@ -76,7 +76,7 @@ def load_preset(
         source, name, data = _nowhere("preset"), preset.name, preset.resolved()
     elif isinstance(preset, Mapping):
         data = plain(preset)
-        source, name = _nowhere("preset"), "preset"
+        source, name = _nowhere("preset"), str(data.pop("name", "preset"))
     else:
         source, name = open_source(preset)
         data = source.plain()
