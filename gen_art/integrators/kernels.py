@@ -18,7 +18,7 @@ BLOCK = 1024
 
 
 @cache
-def make_step(composition: Composition, kind: str, rotates: bool, pairs: int, channels: tuple, precision: str):
+def make_step(composition: Composition, kind: str, rotates: bool, pairs: int, staged: bool, channels: tuple, precision: str):
     """The step kernel of one system; `channels` names the declared attributes. Numbers are never in the key.
 
     step(S, birth, K, A, R, Q, P, begin, n, first, steps, dt, earliest, stage0, stage1)
@@ -26,13 +26,14 @@ def make_step(composition: Composition, kind: str, rotates: bool, pairs: int, ch
     S (channels, capacity); birth (capacity,) f64; K keys (2, capacity) u32; A (3 pairs, capacity) pair accelerations;
     R (12, capacity) stage states of Runge-Kutta with pairs; Q parameters; P the scheme's numbers; slots begin to n - 1;
     `steps` steps of dt, the first being number `first`; `earliest` bounds the start of a lane's own step relative to the
-    step's (0, or -inf for children that are behind); stages stage0 to stage1 - 1 of each step, stage 0 with the first drift.
+    step's (0, or -inf for children that are behind); stages stage0 to stage1 - 1 of each step, and from -1 the first drift too.
+    `staged`: launches may hold a part of the stages; Runge-Kutta then keeps its stage states in R.
     """
     real = runtime.DTYPES[precision]
     terms = Terms(composition, channels, pairs)
     if kind == "splitting":
         return runtime.kernel(_splitting(terms, rotates, real), precision)
-    return runtime.kernel(_runge_kutta(terms, real), precision)
+    return runtime.kernel(_runge_kutta(terms, staged, real), precision)
 
 
 @ti.func
@@ -77,9 +78,9 @@ def _splitting(terms: Terms, rotates: bool, real):
                     load(X, S, i)
                     for step in range(steps):
                         lifespan(L, S, birth, i, (first + ti.cast(step, ti.f64)) * dt, dt, earliest, real)
-                        if stage0 == 0:
+                        if stage0 < 0:
                             _drift(L, X, P[0])
-                        for g in range(stage0, stage1):
+                        for g in range(ti.max(stage0, 0), stage1):
                             accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
                             kick(terms, rotates, L, X, S, i, P[1 + 3 * g])
                             _drift(L, X, P[3 + 3 * g])
@@ -88,11 +89,10 @@ def _splitting(terms: Terms, rotates: bool, real):
     return splitting
 
 
-def _runge_kutta(terms: Terms, real):
+def _runge_kutta(terms: Terms, resumes: bool, real):
     matrix = ti.types.ndarray(real, 2)
     vector = ti.types.ndarray(real, 1)
     names = terms.vectors
-    resumes = terms.pairs > 0
 
     @ti.kernel
     def runge_kutta(
@@ -131,7 +131,7 @@ def _runge_kutta(terms: Terms, real):
                         if ti.static(resumes):
                             if stage0 > 0:
                                 _recall(Y, Z, R, i)
-                        for g in range(stage0, stage1):
+                        for g in range(ti.max(stage0, 0), stage1):
                             accumulate(terms, L, Y, S, K, A, Q, i, P[2 + 3 * g])
                             _stage(terms, L, X, Y, Z, S, i, P[1 + 3 * g], P[3 + 3 * g])
                         if ti.static(resumes):

@@ -9,6 +9,8 @@ __all__ = ["BASE_ROWS", "PADDING", "Particles"]
 # rows of `floats`: position 0-2, velocity 3-5, then these, then the declared attributes
 BASE_ROWS = {"mass": 6, "charge": 7, "radius": 8, "lifetime": 9}
 PADDING = 64  # slots past the end that a tile may read and write
+_TOLERATED = 0.2  # share of dead slots that is cheaper to carry than to remove
+_PATIENCE = 32  # launches after which the dead are counted
 
 
 class Particles:
@@ -17,7 +19,7 @@ class Particles:
     floats (channels, capacity) f32 or f64     birth (capacity,) f64, s: the exact time of birth
     key (2, capacity) uint32: high word, low word of the random stream     id (capacity,) int64, never reused
     source (capacity,) int32: which of `sources` it came from
-    Slots [0, count) are in order of id. One is dead when birth + lifetime <= time; `compact` removes the dead, stably.
+    Slots [0, count) are in order of id. One is dead when birth + lifetime <= time; `tidy` removes the dead, stably.
     """
 
     def __init__(self, dtype, attributes: tuple[str, ...] = (), sources: tuple = (), capacity: int = 1024):
@@ -27,6 +29,7 @@ class Particles:
         self.count = 0
         self.next_id = 0
         self.may_die = False
+        self._untidy = self._look_at = 0
         self._allocate(np.dtype(dtype), capacity)
 
     def _allocate(self, dtype, capacity: int) -> None:
@@ -81,12 +84,17 @@ class Particles:
         """Which used slots hold a particle that lives at `time` (bool)."""
         return (self.death() > time) & (self.birth[: self.count] <= time)
 
-    def compact(self, time: float, tolerated: float = 0.0) -> bool:
-        """Remove the dead, keeping the order, if they are more than the tolerated share. True if slots moved."""
-        if not self.may_die or not self.count:
+    def tidy(self, time: float, at_once: bool) -> bool:
+        """Remove the dead when they may be many (or `at_once`, when there are any), keeping the order. True if slots moved.
+
+        Carrying some costs less than removing them each step; nothing visible depends on when it happens.
+        """
+        self._untidy += 1
+        if not self.may_die or not self.count or not (at_once or self._untidy >= _PATIENCE or self.next_id > self._look_at):
             return False
+        self._untidy, self._look_at = 0, self.next_id + max(int(_TOLERATED * self.count), 1024)
         keep = np.flatnonzero(self.death() > time)
-        if len(keep) >= self.count * (1.0 - tolerated) or len(keep) == self.count:
+        if len(keep) == self.count or not at_once and len(keep) > self.count * (1.0 - _TOLERATED):
             return False
         for column in self.columns():
             column[..., : len(keep)] = column[..., keep]

@@ -1,0 +1,6 @@
+"""Births: shapes, velocities, scripted emitters, schedules and events."""
+
+from gen_art.emitters import galaxies, shapes, velocities
+from gen_art.emitters.base import EMITTERS, SHAPES, VELOCITIES, Emitter, Shape, Velocity, emitter
+
+__all__ = ["EMITTERS", "SHAPES", "VELOCITIES", "Emitter", "Shape", "Velocity", "emitter", "galaxies", "shapes", "velocities"]

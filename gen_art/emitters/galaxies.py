@@ -1,0 +1,154 @@
+"""Initial conditions of a disc galaxy in near-equilibrium: an exponential disc and a Hernquist sphere, inside a halo.
+
+Both need the mass of all three components, for their circular speed: the disc's is Freeman's, the bulge's and the halo's
+Hernquist's. Sources: Freeman (1970), ApJ 160, 811; Hernquist (1993), ApJS 86, 389; Abramowitz & Stegun 9.8 (Bessel).
+"""
+
+import numpy as np
+
+from gen_art.emitters.base import Emitter, emitter
+from gen_art.errors import UsageError
+from gen_art.registry import param
+
+__all__ = ["ExponentialDisc", "HernquistSphere"]
+
+
+def bessel_products(y: np.ndarray) -> np.ndarray:
+    """I0(y) K0(y) - I1(y) K1(y) for y > 0, to 1e-6: the shape of Freeman's rotation curve."""
+    y = np.asarray(y, float)
+    small, large = np.minimum(y, 2.0), np.maximum(y, 2.0)
+    t = (y / 3.75) ** 2
+    i0s = np.polyval([0.0045813, 0.0360768, 0.2659732, 1.2067492, 3.0899424, 3.5156229, 1.0], t)
+    i1s = y * np.polyval([0.00032411, 0.00301532, 0.02658733, 0.15084934, 0.51498869, 0.87890594, 0.5], t)
+    u = 3.75 / np.maximum(y, 3.75)
+    i0l = np.polyval(
+        [0.00392377, -0.01647633, 0.02635537, -0.02057706, 0.00916281, -0.00157565, 0.00225319, 0.01328592, 0.39894228], u
+    )
+    i1l = np.polyval(
+        [-0.00420059, 0.01787654, -0.02895312, 0.02282967, -0.01031555, 0.00163801, -0.00362018, -0.03988024, 0.39894228], u
+    )
+    far = np.maximum(y, 3.75)
+    root = np.sqrt(far)
+    h = (small / 2) ** 2
+    log_half = np.log(small / 2)
+    i0k, i1k = np.where(y < 3.75, i0s, 0), np.where(y < 3.75, i1s, 0)
+    k0s = -log_half * i0k + np.polyval([0.0000074, 0.0001075, 0.00262698, 0.0348859, 0.23069756, 0.4227842, -0.57721566], h)
+    k1s = log_half * i1k + (1 / small) * np.polyval(
+        [-0.00004686, -0.00110404, -0.01919402, -0.18156897, -0.67278579, 0.15443144, 1.0], h
+    )
+    v = 2 / large
+    k0l = np.polyval([0.00053208, -0.0025154, 0.00587872, -0.01062446, 0.02189568, -0.07832358, 1.25331414], v)
+    k1l = np.polyval([-0.00068245, 0.00325614, -0.00780353, 0.01504268, -0.0365562, 0.23498619, 1.25331414], v)
+    decay = np.exp(-large) / np.sqrt(large)
+    near = np.where(y <= 2.0, i0s * k0s - i1s * k1s, (i0s * k0l - i1s * k1l) * decay)
+    return np.where(y < 3.75, near, (i0l * k0l - i1l * k1l) / (root * np.sqrt(large)))
+
+
+class _Galaxy(Emitter):
+    """The masses of a galaxy's parts, and its circular speed."""
+
+    G: float = param(4.30091e-6, min=0, doc="constant of gravitation in the preset's units")
+    disc_mass: float = param(4e10, min=0)
+    disc_scale: float = param(3.0, min=1e-30, doc="scale length of the disc")
+    bulge_mass: float = param(1e10, min=0)
+    bulge_scale: float = param(0.5, min=1e-30)
+    halo_mass: float = param(1e12, min=0)
+    halo_scale: float = param(30.0, min=1e-30)
+
+    def circular_speed_squared(self, R: np.ndarray) -> np.ndarray:
+        """v_c^2(R) = G M y^2 2 (I0 K0 - I1 K1) / R_d + the two Hernquist spheres, y = R / (2 R_d)."""
+        v = self.values
+        y = R / (2 * v["disc_scale"])
+        disc = 2 * v["G"] * v["disc_mass"] / v["disc_scale"] * y * y * bessel_products(np.maximum(y, 1e-6))
+        spheres = sum(
+            v["G"] * v[f"{part}_mass"] * R / (R + v[f"{part}_scale"]) ** 2 for part in ("bulge", "halo")
+        )
+        return disc + spheres
+
+
+@emitter("exponential_disc")
+class ExponentialDisc(_Galaxy):
+    """A disc of stars: surface density exp(-R / R_d), thickness sech^2(z / z_0), and a chosen Toomre Q.
+
+    sigma_R = Q 3.36 G Sigma / kappa, sigma_phi = sigma_R kappa / (2 Omega), sigma_z^2 = pi G Sigma z_0, the mean rotation
+    less the asymmetric drift. The mass of each is disc_mass / n; 0 if massless. With `arms`, the azimuths are drawn together
+    along logarithmic spirals: phi += -(arm_strength / arms) sin(arms (phi - ln(R / R_d) / tan pitch)), at constant R.
+    Source: Hernquist (1993), ApJS 86, 389; Toomre (1964), ApJ 139, 1217.
+    """
+
+    thickness: float = param(0.3, min=0, doc="scale height z_0")
+    toomre_q: float = param(1.3, min=0, max=10)
+    massless: bool = param(False, doc="test particles without mass")
+    edge: float = param(6.0, min=0.5, max=50, doc="radius of the edge, in scale lengths")
+    arms: int = param(0, min=0, max=12)
+    arm_strength: float = param(0.0, min=0, max=1)
+    pitch: float = param(0.35, unit="rad", min=0.02, max=1.5)
+
+    def sample(self, r, n):
+        v = self.values
+        scale = v["disc_scale"]
+        x = np.linspace(0, v["edge"], 4001)
+        inside = 1 - (1 + x) * np.exp(-x)
+        R = np.maximum(np.interp(r.uniform(1) * inside[-1], inside, x), 1e-4) * scale
+        phi = 2 * np.pi * r.uniform(2)
+        if v["arms"]:
+            phase = v["arms"] * (phi + np.log(R / scale) / np.tan(v["pitch"]))
+            grown = v["arm_strength"] * np.clip(R / scale - 0.4, 0, 1)
+            phi = phi - grown / v["arms"] * np.sin(phase)
+        z = v["thickness"] * np.arctanh(np.clip(2 * r.uniform(3) - 1, -0.9999, 0.9999))
+        vc2, kappa, omega = self._frequencies(R)
+        sigma = v["disc_mass"] / (2 * np.pi * scale**2) * np.exp(-R / scale)
+        spread = np.minimum(v["toomre_q"] * 3.36 * v["G"] * sigma / np.maximum(kappa, 1e-30), 0.5 * np.sqrt(vc2))
+        shape = kappa / (2 * np.maximum(omega, 1e-30))
+        mean = np.sqrt(np.maximum(vc2 + spread**2 * (1 - shape**2 - 2 * R / scale), 0.05 * vc2))
+        vR, vphi = spread * r.normal(4), mean + spread * shape * r.normal(5)
+        vz = np.sqrt(np.pi * v["G"] * sigma * v["thickness"]) * r.normal(6)
+        c, s = np.cos(phi), np.sin(phi)
+        # y is up: the disc turns anticlockwise seen from above (+y)
+        return {
+            "position": np.stack([R * c, z, -R * s]),
+            "velocity": np.stack([vR * c - vphi * s, vz, -vR * s - vphi * c]),
+            "mass": np.full(n, 0.0 if v["massless"] else v["disc_mass"] / n),
+        }
+
+    def _frequencies(self, R):
+        """v_c^2, the epicyclic frequency kappa and the angular frequency Omega at R."""
+        grid = np.linspace(1e-3, 1.2 * self.values["edge"], 3000) * self.values["disc_scale"]
+        vc2 = self.circular_speed_squared(grid)
+        omega2 = vc2 / grid**2
+        kappa2 = np.maximum(4 * omega2 + grid * np.gradient(omega2, grid), 0.1 * omega2)
+        return np.interp(R, grid, vc2), np.sqrt(np.interp(R, grid, kappa2)), np.sqrt(np.interp(R, grid, omega2))
+
+
+@emitter("hernquist_sphere")
+class HernquistSphere(_Galaxy):
+    """A bulge: density bulge_scale / (r (r + bulge_scale)^3), isotropic velocities from Jeans's equation in the whole field.
+
+    sigma^2(r) = (1 / rho) integral from r of rho v_c^2 / r dr, normal, cut at 0.95 of the local escape speed.
+    The mass of each is bulge_mass / n. Source: Hernquist (1990), ApJ 356, 359.
+    """
+
+    edge: float = param(20.0, min=1, max=1000, doc="radius of the edge, in scale lengths")
+
+    def sample(self, r, n):
+        v = self.values
+        a, edge = v["bulge_scale"], v["edge"]
+        if v["bulge_mass"] <= 0:
+            raise UsageError("hernquist_sphere needs a bulge_mass above 0")
+        root = np.sqrt(r.uniform(1) * (edge / (1 + edge)) ** 2)
+        radius = np.maximum(a * root / (1 - root), 1e-4 * a)
+        grid = np.geomspace(1e-4 * a, 200 * edge * a, 4000)
+        rho = 1 / (grid * (grid + a) ** 3)
+        pull = self.circular_speed_squared(grid) / grid
+        steps = 0.5 * (rho[1:] * pull[1:] + rho[:-1] * pull[:-1]) * np.diff(grid)
+        pressure = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
+        fall = np.append(np.cumsum((0.5 * (pull[1:] + pull[:-1]) * np.diff(grid))[::-1])[::-1], 0.0)
+        sigma = np.sqrt(np.interp(radius, grid, pressure / rho))
+        speed = sigma * np.stack([r.normal(2), r.normal(3), r.normal(4)])
+        limit = 0.95 * np.sqrt(2 * np.interp(radius, grid, fall))
+        total = np.maximum(np.linalg.norm(speed, axis=0), 1e-30)
+        return {
+            "position": radius * r.sphere(5),
+            "velocity": speed * np.minimum(1.0, limit / total),
+            "mass": np.full(n, v["bulge_mass"] / n),
+        }

@@ -1,0 +1,85 @@
+"""When particles are born: exact times that do not depend on the time step.
+
+The k-th birth of a rate happens when the integral of the rate reaches k + 1/2. Births that share a moment (`at`, with a
+count) carry on the numbering. A schedule answers two questions: how many births lie at or before a time, and when each is.
+"""
+
+import numpy as np
+
+from gen_art.errors import UsageError
+
+__all__ = ["Burst", "Rate", "Schedule"]
+
+
+class Schedule:
+    """`until(t)`: how many births at or before t. `times(first, last)`: the times of births first .. last - 1, in s."""
+
+    def until(self, t: float) -> int:
+        raise NotImplementedError
+
+    def times(self, first: int, last: int) -> np.ndarray:
+        raise NotImplementedError
+
+
+class Rate(Schedule):
+    """A rate in 1/s, constant or piecewise linear in time: points ((time, rate), ...), held before the first and after the last.
+
+    Births begin at `start` and end before `stop` (s). Raises UsageError for a negative or infinite rate.
+    """
+
+    def __init__(self, rate, start: float = 0.0, stop: float | None = None):
+        points = [(start, float(rate))] if np.isscalar(rate) else [(float(t), float(r)) for t, r in rate]
+        if not all(np.isfinite(r) and r >= 0 for _, r in points):
+            raise UsageError("a rate must be a finite number of at least 0 per second")
+        t, r = np.array(points, np.float64).T
+        if len(t) > 1:  # cut or extend to begin at `start`
+            r_start = np.interp(start, t, r)
+            later = t > start
+            t, r = np.append(start, t[later]), np.append(r_start, r[later])
+        self._t, self._r = t, r
+        self._sum = np.append(0.0, np.cumsum(0.5 * (r[1:] + r[:-1]) * np.diff(t)))
+        self._last = None if stop is None else self._until(np.nextafter(stop, -np.inf))
+
+    def _until(self, t: float) -> int:
+        if t < self._t[0]:
+            return 0
+        k = int(np.searchsorted(self._t, t, "right")) - 1
+        s = t - self._t[k]
+        slope = (self._r[k + 1] - self._r[k]) / (self._t[k + 1] - self._t[k]) if k + 1 < len(self._t) else 0.0
+        guess = int(np.floor(self._sum[k] + s * (self._r[k] + 0.5 * slope * s) + 0.5))
+        near = np.arange(max(guess - 2, 0), guess + 3)  # the times themselves decide, so that every dt agrees
+        return int(near[0] + np.count_nonzero(self.times(int(near[0]), int(near[-1]) + 1) <= t))
+
+    def until(self, t):
+        count = self._until(t)
+        return count if self._last is None else min(count, self._last)
+
+    def times(self, first, last):
+        target = np.arange(first, last) + 0.5
+        k = np.minimum(np.searchsorted(self._sum, target, "left") - 1, len(self._t) - 1).clip(0)
+        rest, rate = target - self._sum[k], self._r[k]
+        following = np.minimum(k + 1, len(self._t) - 1)
+        width = np.where(following > k, self._t[following] - self._t[k], 1.0)
+        slope = np.where(following > k, (self._r[following] - rate) / width, 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            root = np.sqrt(np.maximum(rate * rate + 2.0 * slope * rest, 0.0))
+            s = 2.0 * rest / (rate + root)  # the stable root of rate s + slope s^2 / 2 = rest
+        return np.where(rate + root > 0, self._t[k] + s, np.inf)
+
+
+class Burst(Schedule):
+    """`count` births (a whole number, or one number per time) at each of the times `at`, in s."""
+
+    def __init__(self, at=(0.0,), count=1):
+        self._at = np.sort(np.atleast_1d(np.asarray(at, np.float64)))
+        counts = np.broadcast_to(np.asarray(count, np.int64), self._at.shape)
+        if np.any(counts < 0):
+            raise UsageError("a count must be at least 0")
+        self._ends = np.cumsum(counts)
+
+    def until(self, t):
+        k = int(np.searchsorted(self._at, t, "right"))
+        return int(self._ends[k - 1]) if k else 0
+
+    def times(self, first, last):
+        return self._at[np.searchsorted(self._ends, np.arange(first, last), "right")]

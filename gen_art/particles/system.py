@@ -1,0 +1,205 @@
+"""A ParticleSystem: a named group of particles with its forces, and, once it is part of a simulation, their state."""
+
+import numpy as np
+
+from gen_art.composition import Composition
+from gen_art.emitters.emission import Emission
+from gen_art.errors import UsageError
+from gen_art.integrators import scheme
+from gen_art.interactions import Interaction
+from gen_art.medium import Medium
+from gen_art.particles.state import Particles
+
+__all__ = ["ParticleSystem"]
+
+
+class ParticleSystem:
+    """Particles given as arrays, or born of emitters, with the laws they follow.
+
+    position, velocity : (n, 3), m and m/s     mass, charge, radius : (n,) or one number, kg, C, m (1, 0 and 0.01)
+    forces : a list of ga.forces     interactions : a list of ga.interactions     integrator : a name of ga.integrators
+    medium : the ga.Medium that drag pulls towards     attributes : further (n,) numbers by name, seen by forces as p.name
+    emitters : Emission objects (a preset makes them)     look : how it is drawn
+    Raises UsageError for arrays of the wrong shape or with numbers that are not finite, and for unknown laws.
+
+    In a simulation: count, ids, keys, emitter, position, velocity, mass, charge, radius, age are read-only NumPy copies
+    of the living in order of id; any declared attribute by `system.attribute(name)`.
+    """
+
+    def __init__(
+        self,
+        position=None,
+        velocity=None,
+        mass=None,
+        charge=None,
+        radius=None,
+        *,
+        forces=(),
+        interactions=(),
+        colliders=(),
+        integrator: str = "leapfrog",
+        medium: Medium | None = None,
+        attributes=None,
+        emitters=(),
+        look=None,
+    ):
+        if colliders:
+            raise UsageError("colliders are not available in this version")
+        self.forces, self.interactions = list(forces), list(interactions)
+        for one in self.interactions:
+            if not isinstance(one, Interaction):
+                raise UsageError(f"interactions must be such as ga.interactions.SelfGravity(...), not {one!r}")
+        self.medium = medium or Medium()
+        self.scheme = scheme(integrator)
+        self.composition = Composition(self.forces, self.medium)
+        self.emitters: list[Emission] = list(emitters)
+        self.look = look
+        self.name = ""
+        self._initial = self._arrays(position, velocity, mass, charge, radius, dict(attributes or {}))
+        self._attributes = dict(attributes or {})
+        self._state: Particles | None = None
+        self._time = lambda: 0.0
+
+    @staticmethod
+    def _arrays(position, velocity, mass, charge, radius, attributes) -> dict[str, np.ndarray]:
+        if position is None:
+            return {}
+        x = np.asarray(position, np.float64)
+        if x.ndim != 2 or x.shape[1] != 3:
+            raise UsageError(f"position must have the shape (n, 3), not {x.shape}")
+        n = len(x)
+        arrays = {"position": x.T}
+        v = np.zeros((n, 3)) if velocity is None else np.asarray(velocity, np.float64)
+        if v.shape != (n, 3):
+            raise UsageError(f"velocity must have the shape ({n}, 3) of position, not {v.shape}")
+        arrays["velocity"] = v.T
+        for name, given, default in (("mass", mass, 1.0), ("charge", charge, 0.0), ("radius", radius, 0.01), *(
+            (k, a, 0.0) for k, a in attributes.items()
+        )):
+            try:
+                arrays[name] = np.broadcast_to(np.asarray(default if given is None else given, np.float64), (n,))
+            except ValueError:
+                raise UsageError(f"{name} must be one number or have the shape ({n},), not {np.shape(given)}") from None
+        for name, array in arrays.items():
+            if not np.isfinite(array).all():
+                raise UsageError(f"{name} holds numbers that are not finite")
+        if (arrays["mass"] < 0).any():
+            raise UsageError("mass must not be negative")
+        return arrays
+
+    @property
+    def attribute_names(self) -> tuple[str, ...]:
+        """Declared attributes, in order of name: of the arrays and of every kind of birth."""
+        names = set(self._attributes)
+        for emission in self.emitters:
+            for kind in emission.kinds:
+                names |= set(kind.attributes) - {"mass", "charge", "radius", "lifetime", "density"}
+        return tuple(sorted(names))
+
+    def _join(self, name: str, dtype, key: np.uint64, time) -> None:
+        """Become part of a simulation: allocate the state and give the initial particles their keys."""
+        from gen_art.rng import channel_of, derive
+
+        if self._state is not None:
+            raise UsageError(f"system '{name}' is part of a simulation already: make another ParticleSystem")
+        self.name, self._time = name, time
+        sources = []
+        names = self.attribute_names
+        channels = {attribute: 10 + k for k, attribute in enumerate(names)}
+        if self._initial:
+            sources.append(Source("initial"))
+        self.emitters.sort(key=lambda e: e.name)
+        for emission in self.emitters:
+            emission.key = derive(key, channel_of(emission.name))
+            emission.first_source = len(sources)
+            for kind in emission.kinds:
+                kind.channels = channels
+                sources.append(Source(emission.name, kind.tag, kind.name))
+        count = len(self._initial["mass"]) if self._initial else 0
+        self._state = Particles(dtype, names, sources, max(1024, count))
+        if self._initial:
+            keys = derive(derive(key, channel_of("initial")), np.arange(count))
+            new = self._state.append(np.zeros(count), keys, np.zeros(count, np.int32))
+            self._state.floats[0:3, new] = self._initial["position"]
+            self._state.floats[3:6, new] = self._initial["velocity"]
+            self._state.floats[9, new] = np.inf
+            for name in ("mass", "charge", "radius", *self._attributes):
+                self._state.floats[self._state.channels[name], new] = self._initial[name]
+        self._initial = {}
+
+    def _living(self):
+        if self._state is None:
+            raise UsageError("this ParticleSystem is not part of a simulation yet")
+        return np.flatnonzero(self._state.alive(self._time()))
+
+    def _copy(self, array) -> np.ndarray:
+        out = np.array(array)
+        out.flags.writeable = False
+        return out
+
+    @property
+    def count(self) -> int:
+        """How many live now."""
+        return len(self._living())
+
+    @property
+    def ids(self) -> np.ndarray:
+        """(n,) int64, in rising order; never reused."""
+        return self._copy(self._state.id[self._living()])
+
+    @property
+    def keys(self) -> np.ndarray:
+        """(n,) uint64: each particle's random stream."""
+        words = self._state.key[:, self._living()].astype(np.uint64)
+        return self._copy((words[0] << np.uint64(32)) | words[1])
+
+    @property
+    def emitter(self) -> np.ndarray:
+        """(n,) names of the emitters they came from ("initial" for particles given as arrays)."""
+        names = np.array([s.name for s in self._state.sources] or [""])
+        return self._copy(names[self._state.source[self._living()]])
+
+    @property
+    def position(self) -> np.ndarray:
+        """(n, 3) m."""
+        return self._copy(self._state.floats[0:3, self._living()].T)
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """(n, 3) m/s, at the same time as the positions."""
+        return self._copy(self._state.floats[3:6, self._living()].T)
+
+    def attribute(self, name: str) -> np.ndarray:
+        """(n,) mass, charge, radius, lifetime or a declared attribute."""
+        from gen_art.registry import suggest
+
+        if name not in self._state.channels:
+            raise UsageError(f"system '{self.name}' has no attribute '{name}'{suggest(name, self._state.channels)}")
+        return self._copy(self._state.floats[self._state.channels[name], self._living()])
+
+    @property
+    def mass(self) -> np.ndarray:
+        """(n,) kg."""
+        return self.attribute("mass")
+
+    @property
+    def charge(self) -> np.ndarray:
+        """(n,) C."""
+        return self.attribute("charge")
+
+    @property
+    def radius(self) -> np.ndarray:
+        """(n,) m."""
+        return self.attribute("radius")
+
+    @property
+    def age(self) -> np.ndarray:
+        """(n,) s since birth."""
+        return self._copy(self._time() - self._state.birth[self._living()])
+
+
+class Source:
+    """Where particles came from: the emitter's name, the kind's name and tag."""
+
+    def __init__(self, name: str, tag: str | None = None, kind: str = ""):
+        self.name, self.tag, self.kind = name, tag, kind
