@@ -16,7 +16,8 @@ __all__ = ["command"]
 def command(preset, time, as_json, seed, settings, fps, duration, plugins, precision, threads, progress):
     """Print the ledger and the convergence of PRESET.
 
-    It runs at dt, dt/2 and dt/4: what was born, died, worked and dissipated, the residual, and the order at which it falls.
+    It runs at dt, dt/2 and dt/4: what was born, died, worked and dissipated, the residual, and the order at which
+    it falls.
     """
     piece, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     from gen_art.preset.estimate import refuse_if_too_large

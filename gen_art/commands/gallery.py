@@ -30,7 +30,9 @@ def command(names, folder, threads, progress):
         piece = load_preset(name)
         time, frames = moments(piece)
         with reporter(progress) as report:
-            made = job.still(piece, out / f"{name}.webp", time, size=STILL, overwrite=True, threads=threads, progress=report)
+            made = job.still(
+                piece, out / f"{name}.webp", time, size=STILL, overwrite=True, threads=threads, progress=report
+            )
             made += job.render(
                 piece, out / f"{name}.mp4", frames=frames, size=LOOP, overwrite=True, threads=threads, progress=report
             )

@@ -34,7 +34,9 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
         f"{clock['step']:.6g} a frame, {clock['preroll_steps']} before the first; seed {piece.seed}"
     )
     for name, system in facts["systems"].items():
-        click.echo(f"\n{name}: {system['integrator']}, {system['born']:,} born, at most about {system['peak']:,} at once")
+        click.echo(
+            f"\n{name}: {system['integrator']}, {system['born']:,} born, at most about {system['peak']:,} at once"
+        )
         for label in ("forces", "interactions", "medium", "emitters"):
             if system[label]:
                 click.echo(f"  {label:13} {', '.join(system[label])}")

@@ -54,7 +54,9 @@ def _version(context, parameter, value):
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
-@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="Say which version.")
+@click.option(
+    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="Say which version."
+)
 def cli():
     """Physics makes the picture: render presets of particles to films and stills.
 
@@ -134,7 +136,10 @@ def _status(error: BaseException) -> int:
     if isinstance(error, SystemExit):
         return error.code if isinstance(error.code, int) else 1
     words = " ".join(str(error).split())[:300]
-    _say(f"gen-art: this is a bug: {type(error).__name__}: {words}\nGEN_ART_DEBUG=1 before the command shows the traceback")
+    _say(
+        f"gen-art: this is a bug: {type(error).__name__}: {words}\n"
+        "GEN_ART_DEBUG=1 before the command shows the traceback"
+    )
     return 1
 
 

@@ -118,16 +118,22 @@ def _stack(*decorators):
 # which preset, and what is changed in it
 preset_options = _stack(
     click.option("--seed", type=SEED, help="Another seed is another take; random draws one."),
-    click.option("--set", "settings", multiple=True, metavar="PATH=VALUE", help="Change a value of the preset (repeatable)."),
+    click.option(
+        "--set", "settings", multiple=True, metavar="PATH=VALUE", help="Change a value of the preset (repeatable)."
+    ),
     click.option("--fps", type=POSITIVE, help="Frames a film second."),
     click.option("--duration", type=POSITIVE, help="Length of the film, seconds."),
-    click.option("--plugin", "plugins", multiple=True, metavar="FILE.py", help="Load forces and emitters from a Python file."),
+    click.option(
+        "--plugin", "plugins", multiple=True, metavar="FILE.py", help="Load forces and emitters from a Python file."
+    ),
 )
 
 # where it is computed; the picture does not depend on it
 process_options = _stack(
     click.option("--arch", default="cpu", callback=_arch, expose_value=False, show_default=True, help="Backend."),
-    click.option("--threads", type=click.IntRange(1, 1024), help="Threads for kernels; the picture does not depend on it."),
+    click.option(
+        "--threads", type=click.IntRange(1, 1024), help="Threads for kernels; the picture does not depend on it."
+    ),
     click.option(
         "--progress",
         type=click.Choice(["auto", "rich", "json", "none"]),
@@ -139,7 +145,9 @@ process_options = _stack(
 
 # how it is computed
 run_options = _stack(
-    click.option("--precision", type=click.Choice(["f32", "f64"]), default="f32", show_default=True, help="Float type."),
+    click.option(
+        "--precision", type=click.Choice(["f32", "f64"]), default="f32", show_default=True, help="Float type."
+    ),
     process_options,
 )
 

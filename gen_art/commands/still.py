@@ -11,7 +11,9 @@ __all__ = ["command"]
 @click.argument("preset")
 @click.option("-o", "--output", "out", required=True, metavar="OUT", help="The picture: .png .jpg .webp.")
 @click.option("--time", type=options.NOT_NEGATIVE, required=True, help="Film time, seconds.")
-@click.option("--bits", type=click.Choice(["8", "16"]), default="8", show_default=True, help="Bits a channel; 16 as .png.")
+@click.option(
+    "--bits", type=click.Choice(["8", "16"]), default="8", show_default=True, help="Bits a channel; 16 as .png."
+)
 @options.picture_options
 @options.preset_options
 @options.run_options

@@ -7,12 +7,15 @@ __all__ = ["command"]
 
 @click.command("validate")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
-@click.option("--plugin", "plugins", multiple=True, metavar="FILE.py", help="Load forces and emitters from a Python file.")
+@click.option(
+    "--plugin", "plugins", multiple=True, metavar="FILE.py", help="Load forces and emitters from a Python file."
+)
 @click.pass_context
 def command(context, files, plugins):
     """List every problem of each FILE.
 
-    Each with line and column. A FILE may be the name of a preset too. Problems go to standard error; the exit status is 3 when there is one, 5 when a file cannot be read.
+    Each with line and column. A FILE may be the name of a preset too. Problems go to standard error; the exit status
+    is 3 when there is one, 5 when a file cannot be read.
     """
     from gen_art.errors import GenArtError
     from gen_art.plugins import load_plugin

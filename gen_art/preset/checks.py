@@ -1,6 +1,7 @@
 """What must fit across a whole preset: systems, tags and attributes that other parts refer to.
 
-These work on plain data, so that they speak even where another part of the file is wrong; what is no mapping is skipped.
+These work on plain data, so that they speak even where another part of the file is wrong; what is no mapping is
+skipped.
 """
 
 from collections.abc import Iterator
@@ -58,7 +59,10 @@ def _emitter(here: tuple, emitter: dict, systems: dict, declared: dict) -> Found
     ]:
         for attribute in _mapping(owner.get("attributes")):
             if attribute not in declared:
-                yield (*path, "attributes", attribute), f"particle.attributes declares no '{attribute}'{_known(attribute, declared)}"
+                yield (
+                    (*path, "attributes", attribute),
+                    f"particle.attributes declares no '{attribute}'{_known(attribute, declared)}",
+                )
     source = emitter.get("from")
     if source is None:
         return
@@ -91,4 +95,7 @@ def _colors(here: tuple, look: dict, tags: list[str]) -> Found:
     for key in _mapping(color):
         if key not in _COLOR_KEYS and key not in tags:
             words = [*_COLOR_KEYS, *tags]
-            yield (*here, "emission", "color", key), f"is neither a key nor a tag of this system's emitters{_known(key, words)}"
+            yield (
+                (*here, "emission", "color", key),
+                f"is neither a key nor a tag of this system's emitters{_known(key, words)}",
+            )

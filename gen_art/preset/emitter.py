@@ -97,7 +97,9 @@ class FromEvent(Model):
     event: str = about(..., "SYSTEM.death, SYSTEM.birth or SYSTEM.path")
     tag: Words = about((), "only from particles of emitters (or choices) with one of these tags")
     inherit: Literal["velocity", "none"] = about("none", "whether the parent's velocity is added")
-    balance: Literal["pairs", "none"] = about("none", "pairs: velocities cancel two by two, the burst carries no momentum")
+    balance: Literal["pairs", "none"] = about(
+        "none", "pairs: velocities cancel two by two, the burst carries no momentum"
+    )
 
     @classmethod
     def from_short(cls, data):
@@ -136,7 +138,9 @@ class Emitter(Attributes):
     A scripted emitter stands here under its registered name: `spiral: {turns: 3}`.
     """
 
-    rate: Rate | None = about(None, "births a simulated second, or a curve over time; `from: path`: for each parent", unit="1/s")
+    rate: Rate | None = about(
+        None, "births a simulated second, or a curve over time; `from: path`: for each parent", unit="1/s"
+    )
     at: Times | None = about(None, "times of births", unit="s")
     count: CountRange | None = about(None, "births for each time or event; alone: all at `start`")
     start: NotNegative | None = about(None, "simulated time of the first births", unit="s")

@@ -64,8 +64,10 @@ class _Census:
         self.preset = preset
         self.width = max(until, 1e-300) / SLICES
         self.groups = {
-            (name, source, tag): np.zeros(SLICES + 1) for name, system in preset.systems.items()
-            for source, emitter in system.emitters.items() for tag in (emitter.tag, *(c.tag for c in emitter.choose.values()))
+            (name, source, tag): np.zeros(SLICES + 1)
+            for name, system in preset.systems.items()
+            for source, emitter in system.emitters.items()
+            for tag in (emitter.tag, *(c.tag for c in emitter.choose.values()))
         }  # deaths in each slice, by system, emitter and tag
         self.alive = dict.fromkeys(self.groups, 0.0)
         self.born = dict.fromkeys(preset.systems, 0.0)
@@ -121,10 +123,13 @@ class _Census:
                 return sum(start <= time < stop for time in emitter.at)
             if emitter.rate is None:
                 return float(start <= first < stop)
-            return _integral(emitter.rate, max(start, first), min(stop, _FOREVER if emitter.stop is None else emitter.stop))
+            return _integral(
+                emitter.rate, max(start, first), min(stop, _FOREVER if emitter.stop is None else emitter.stop)
+            )
         table = {"death": died, "birth": births, "path": self.alive}[emitter.source.kind]
         total = sum(
-            number for (system, _, tag), number in table.items()
+            number
+            for (system, _, tag), number in table.items()
             if system == emitter.source.system and (not emitter.source.tag or tag in emitter.source.tag)
         )
         return total * (_integral(emitter.rate, start, stop) if emitter.source.kind == "path" else 1.0)

@@ -63,12 +63,13 @@ def load_preset(
 ):
     """A validated Preset.
 
-    preset : a shipped name ("fire"), a path, "-" for standard input, or a mapping as YAML would hold it (with a `name`, if it is to have one)
+    preset : a shipped name ("fire"), a path, "-" for standard input, or a mapping as YAML would hold it, which
+        may have a `name` too
     overrides : dotted paths ({"clock.fps": 60}) or nested mappings, which merge
     seed : a whole number, or "random" for a fresh one
 
-    Raises PresetError with every problem and its place, UsageError for a name or path that leads nowhere, OutputError when the
-    file cannot be read.
+    Raises PresetError with every problem and its place, UsageError for a name or path that leads nowhere, OutputError
+    when the file cannot be read.
     """
     from gen_art.preset.schema import Preset
 
@@ -129,7 +130,9 @@ def _located(data: dict, source: Source, set_paths: list[tuple], path: tuple, te
     node: Any = data
     real: list = []
     for depth, part in enumerate(path):
-        if isinstance(node, dict) and part in node or isinstance(node, list) and isinstance(part, int) and part < len(node):
+        if (isinstance(node, dict) and part in node) or (
+            isinstance(node, list) and isinstance(part, int) and part < len(node)
+        ):
             node = node[part]
             real.append(part)
         elif depth == len(path) - 1 and text == "is missing":

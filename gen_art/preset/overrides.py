@@ -20,7 +20,9 @@ def parse_setting(text: str) -> tuple[str, Any]:
     """`a.b=VALUE` -> (`a.b`, value); VALUE is YAML. UsageError when it is neither."""
     path, equals, value = text.partition("=")
     if not equals or not path.strip():
-        raise UsageError(f"--set {shown(text)}: write a path, an equals sign and a value: systems.flame.emitters.base.rate=500")
+        raise UsageError(
+            f"--set {shown(text)}: write a path, an equals sign and a value: systems.flame.emitters.base.rate=500"
+        )
     return path.strip(), read_value(value, f"--set {path.strip()}")
 
 

@@ -1,4 +1,4 @@
-"""What is wrong with a preset, where it stands, and how it is shown: `file:line:column: path: problem`, line and caret."""
+"""What is wrong with a preset, where, and how it is shown: `file:line:column: path: problem`, the line, a caret."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass

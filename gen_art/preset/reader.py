@@ -27,8 +27,8 @@ _LINE_BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 _INTEGER = re.compile(r"[-+]?[0-9]+")
 _FLOAT = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?")
 _NOT_FINITE = re.compile(r"[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
-_WORDS = {"": None, "~": None, "null": None, "Null": None, "NULL": None}
-_WORDS |= {word: True for word in ("true", "True", "TRUE")} | {word: False for word in ("false", "False", "FALSE")}
+_WORDS: dict[str, bool | None] = {"": None, "~": None, "null": None, "Null": None, "NULL": None}
+_WORDS |= dict.fromkeys(("true", "True", "TRUE"), True) | dict.fromkeys(("false", "False", "FALSE"), False)
 
 
 @dataclass(slots=True)
@@ -69,7 +69,7 @@ class Source:
                 isinstance(node.value, list) and isinstance(part, int) and part < len(node.value)
             ):
                 return False
-            node = node.value[part]  # type: ignore[index]
+            node = node.value[part]
         return True
 
     def problem(self, path: tuple, text: str, at_key: bool = False) -> Problem:
@@ -144,7 +144,9 @@ def read_text(text: str, name: str) -> Source:
     if source.root.value is None and not source.problems:
         raise preset_error([Problem((), "is empty: a preset starts with `version: 1`", name)])
     if not isinstance(source.root.value, dict):
-        problem = source.at((source.root.line, source.root.column), (), "a preset is a mapping of keys: `version: 1`, ...")
+        problem = source.at(
+            (source.root.line, source.root.column), (), "a preset is a mapping of keys: `version: 1`, ..."
+        )
         raise preset_error([*source.problems, problem])
     return source
 

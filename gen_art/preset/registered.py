@@ -1,8 +1,8 @@
 """Registered classes (forces, shapes, velocities, interactions, scripted emitters) as values in a preset.
 
 One mechanism for all: `name: VALUE`, where VALUE is a mapping of parameters or, if it is none, the value of the first
-parameter. Angles (unit "rad") are written in degrees; a constant `G` that is left out is the one of `units:`. Registries are
-read when a preset is read, so the classes of a plugin count.
+parameter. Angles (unit "rad") are written in degrees; a constant `G` that is left out is the one of `units:`.
+Registries are read when a preset is read, so the classes of a plugin count.
 """
 
 import importlib
@@ -33,7 +33,7 @@ _HOMES = {
 
 
 def registry(kind: str) -> Registry:
-    """The registry of `forces`, `interactions`, `shapes`, `velocities` or `emitters`, with every built-in class in it."""
+    """The registry of `forces`, `interactions`, `shapes`, `velocities` or `emitters`, with all built-in classes."""
     package, module, name = _HOMES[kind]
     importlib.import_module(package)
     return getattr(importlib.import_module(module), name)
@@ -58,7 +58,13 @@ def _within(parameter: Parameter, value: float) -> float:
     convert = math.degrees if in_degrees(parameter) else float
     low, high = convert(parameter.minimum), convert(parameter.maximum)
     if not low <= value <= high:
-        bounds = f"at least {low:g}" if high == math.inf else f"from {low:g} to {high:g}" if low > -math.inf else f"at most {high:g}"
+        bounds = (
+            f"at least {low:g}"
+            if high == math.inf
+            else f"from {low:g} to {high:g}"
+            if low > -math.inf
+            else f"at most {high:g}"
+        )
         raise UsageError(f"must be {bounds}{' degrees' if in_degrees(parameter) else ''}, not {value:g}")
     return math.radians(value) if in_degrees(parameter) else value
 
@@ -115,7 +121,9 @@ def build(cls: type[Parametric], value: Any) -> Parametric:
         given = _as_mapping(cls, value)
     except UsageError as error:
         raise collected([((), str(error))]) from None
-    known, problems, values = parameters(cls), [], {}
+    known = parameters(cls)
+    problems: list[tuple[tuple, str]] = []
+    values: dict[str, Any] = {}
     if "G" in known and GRAVITATION.get() is not None:
         values["G"] = GRAVITATION.get()
     for key, item in given.items():
@@ -142,7 +150,7 @@ def _under(key, error: ValidationError) -> Iterator[tuple[tuple, str]]:
 
 
 class Many:
-    """Annotation for `forces: {gravity: ..., drag: ...}`: a tuple of instances; a list of mappings is several of a kind.
+    """Annotation for `forces: {gravity: ..., drag: ...}`: instances in a tuple; a list of mappings is several of a kind.
 
     The tuple is in the order of names, not of the file: sums in floating point depend on the order.
     """
@@ -165,7 +173,9 @@ class Many:
         for name in sorted(value):
             if name not in names:
                 one = registry(self.kind).kind
-                problems.append(((name,), f"unknown {one}{suggest(name, names) or '; there are ' + ', '.join(sorted(names))}"))
+                problems.append(
+                    ((name,), f"unknown {one}{suggest(name, names) or '; there are ' + ', '.join(sorted(names))}")
+                )
                 continue
             cls, item = registry(self.kind)[name], value[name]
             several = isinstance(item, list) and item and all(isinstance(part, dict) for part in item)
@@ -230,8 +240,12 @@ class One:
                 raise collected([((name,), str(error))]) from None
             return build(cls, {**first, **siblings})
         except ValidationError as error:
-            raise collected([(((name, *path) if path and path[0] not in siblings else path), text)
-                             for path, text in _under((), error)]) from None
+            raise collected(
+                [
+                    (((name, *path) if path and path[0] not in siblings else path), text)
+                    for path, text in _under((), error)
+                ]
+            ) from None
 
     def __get_pydantic_core_schema__(self, source, handler):
         return core_schema.no_info_plain_validator_function(self.validate)
@@ -242,13 +256,15 @@ class One:
         for name in sorted(classes):
             one = class_schema(classes[name])
             whole = one["anyOf"][0]
-            options.append({
-                "type": "object",
-                "description": one["description"],
-                "required": [name],
-                "additionalProperties": False,
-                "properties": {**whole["properties"], name: {"anyOf": one["anyOf"]}},
-            })
+            options.append(
+                {
+                    "type": "object",
+                    "description": one["description"],
+                    "required": [name],
+                    "additionalProperties": False,
+                    "properties": {**whole["properties"], name: {"anyOf": one["anyOf"]}},
+                }
+            )
         return {"anyOf": options}
 
 
@@ -261,7 +277,10 @@ def _parameter_schema(parameter: Parameter) -> dict:
         one |= {"maximum": convert(parameter.maximum)} if parameter.maximum < math.inf else {}
         if parameter.kind == "vector":
             one = {"type": "array", "items": {"anyOf": [one, {"type": "string"}]}, "minItems": 3, "maxItems": 3}
-        text = {"type": "string", "description": "a fraction 1/4, a $knob" + (", a range 2..4" * (parameter.kind == "range"))}
+        text = {
+            "type": "string",
+            "description": "a fraction 1/4, a $knob" + (", a range 2..4" * (parameter.kind == "range")),
+        }
         one = {"anyOf": [one, text]}
     elif parameter.kind == "bool":
         one = {"type": "boolean"}

@@ -1,4 +1,4 @@
-"""The Preset: the validated description of a piece. Attribute names are the YAML keys (`from` is `source` in Python)."""
+"""The Preset: the validated description of a piece. Attributes are the YAML keys (`from` is `source` in Python)."""
 
 import json
 from typing import Annotated, Any
@@ -10,7 +10,7 @@ from gen_art.preset.clock import Clock
 from gen_art.preset.emitter import Emitter, Particle
 from gen_art.preset.look import CameraSpec, DevelopSpec, Look
 from gen_art.preset.registered import Many, class_schema, is_field, registry
-from gen_art.preset.types import Model, NotNegative, NotNegativeRange, Number, Whole, about, parsed
+from gen_art.preset.types import Model, NotNegative, NotNegativeRange, Number, about, parsed
 from gen_art.preset.values import shown
 from gen_art.registry import suggest
 
@@ -54,7 +54,7 @@ class Units(Model):
 
 
 class Medium(Model):
-    """What the particles move in: a fluid's density, and a velocity field, the sum of its terms (wind, curl_noise, ...)."""
+    """What the particles move in: a fluid's density, and a velocity field: the sum of wind, curl_noise and others."""
 
     density: NotNegative = about(0.0, "density of the fluid", unit="kg/m^3")
     terms: Annotated[Any, Many("forces", is_field)] = about((), "velocity fields")
@@ -85,7 +85,9 @@ class System(Model):
     """A named group of particles with its own forces and look."""
 
     particle: Particle = about(Particle(), "what each particle is born with")
-    integrator: Annotated[str, parsed(_integrator, {"type": "string"})] = about("velocity_verlet", "the scheme of a time step")
+    integrator: Annotated[str, parsed(_integrator, {"type": "string"})] = about(
+        "velocity_verlet", "the scheme of a time step"
+    )
     forces: Annotated[Any, Many("forces")] = about((), "forces on this system alone")
     inherit_forces: bool = about(True, "whether the preset's shared forces act on it too")
     medium: Medium | None = about(None, "its own medium; the preset's when left out")
@@ -105,13 +107,17 @@ class Preset(Model):
     """A piece: systems, forces, medium, camera, development, seed and clock."""
 
     version: Annotated[int, parsed(_version, {"const": VERSION})] = about(..., "version of the preset format")
-    seed: Annotated[int, parsed(_seed, {"type": "integer", "minimum": 0})] = about(0, "another seed is another take of the piece")
+    seed: Annotated[int, parsed(_seed, {"type": "integer", "minimum": 0})] = about(
+        0, "another seed is another take of the piece"
+    )
     units: Units = about(Units(), "units of the numbers")
     clock: Clock = about(..., "duration, frames and time steps")
     medium: Medium = about(Medium(), "what the particles move in")
     forces: Annotated[Any, Many("forces")] = about((), "forces that act on every system")
     systems: dict[str, System] = about(..., "the particles", min_length=1)
-    camera: CameraSpec | None = about(None, "where the picture is taken from; one that frames the particles when left out")
+    camera: CameraSpec | None = about(
+        None, "where the picture is taken from; one that frames the particles when left out"
+    )
     develop: DevelopSpec = about(DevelopSpec(), "from light to picture")
     gallery: Gallery = about(Gallery(), "the moments that stand for the piece")
     _name: str = PrivateAttr("preset")

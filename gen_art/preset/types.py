@@ -1,6 +1,7 @@
 """Building blocks of the preset's models: strict, frozen, with messages for a person and JSON schema for an editor.
 
-Field types: Number (`1/240` allowed), Positive, NotNegative, Fraction (0 to 1), Whole, Vector, RangeOf (`2..4`), CurveOf, Words.
+Field types: Number (`1/240` allowed), Positive, NotNegative, Fraction (0 to 1), Whole, Vector, RangeOf (`2..4`),
+CurveOf, Words.
 A unit goes in the field's description: `fps: Positive = about(30, "frames per second", unit="1/s")`.
 """
 
@@ -34,7 +35,7 @@ __all__ = [
 
 def about(default: Any = ..., text: str = "", *, unit: str = "", **more):
     """A pydantic Field with a description and, in the JSON schema, a unit."""
-    extra = {"unit": unit} if unit else {}
+    extra: dict[str, Any] = {"unit": unit} if unit else {}
     return Field(default, description=f"{text} [{unit}]" if unit else text, json_schema_extra=extra or None, **more)
 
 
@@ -91,7 +92,9 @@ def _number_schema(**bounds) -> dict:
     return {"anyOf": [{"type": "number", **bounds}, {"type": "string", "pattern": r"^[^.]+(\.[0-9]+)?(/.+)?$|^\$"}]}
 
 
-_RANGE_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string", "description": "a range 2..4, a fraction 1/4 or a $knob"}]}
+_RANGE_SCHEMA = {
+    "anyOf": [{"type": "number"}, {"type": "string", "description": "a range 2..4, a fraction 1/4 or a $knob"}]
+}
 _VECTOR_SCHEMA = {"anyOf": [{"type": "array", "minItems": 3, "maxItems": 3}, {"type": "string", "pattern": r"^\$"}]}
 _CURVE_SCHEMA = {"type": "array", "items": {"type": "array", "minItems": 2, "maxItems": 2}, "minItems": 1}
 _WHOLE_SCHEMA = {"anyOf": [{"type": "integer"}, {"type": "string", "pattern": r"^\$"}]}

@@ -43,7 +43,8 @@ def vector(value) -> tuple[float, float, float]:
     """Three finite floats from a sequence `[x, y, z]`; UsageError otherwise."""
     if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__len__") or len(value) != 3:
         raise UsageError(f"must be three numbers [x, y, z], not {shown(value)}")
-    return tuple(number(component) for component in value)
+    x, y, z = (number(component) for component in value)
+    return x, y, z
 
 
 @dataclass(frozen=True, slots=True)

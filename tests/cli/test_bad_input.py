@@ -66,7 +66,9 @@ def refused(gen_art, tmp_path):
     return call
 
 
-@pytest.mark.parametrize("command", [["render", "-o", "film.mp4"], ["still", "-o", "a.png", "--time", "1"]], ids=["render", "still"])
+@pytest.mark.parametrize(
+    "command", [["render", "-o", "film.mp4"], ["still", "-o", "a.png", "--time", "1"]], ids=["render", "still"]
+)
 @pytest.mark.parametrize("label", FILES)
 def test_bad_files(refused, tmp_path, label, command):
     data, status, words = FILES[label]

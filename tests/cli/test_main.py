@@ -45,7 +45,13 @@ def test_the_launcher_and_the_module_are_the_command_line():
 
 @pytest.mark.parametrize(
     "arguments",
-    [["rendr", "fire"], ["render"], ["render", "fire"], ["still", "fire", "-o", "a.png"], ["render", "fire", "-o", "a.mp4", "--sped", "1"]],
+    [
+        ["rendr", "fire"],
+        ["render"],
+        ["render", "fire"],
+        ["still", "fire", "-o", "a.png"],
+        ["render", "fire", "-o", "a.mp4", "--sped", "1"],
+    ],
 )
 def test_wrong_usage_is_2(gen_art, arguments):
     result = gen_art(*arguments)
@@ -112,7 +118,10 @@ def test_sigterm_is_143_and_unwinds():
 def test_output_into_a_closed_pipe_is_no_error():
     code = "from gen_art.commands.main import main; main(['schema'])"
     process = subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(ROOT)}
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
     )
     process.stdout.read(10)
     process.stdout.close()

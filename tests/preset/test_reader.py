@@ -74,14 +74,17 @@ def test_every_problem_of_a_text_is_collected():
 
 def test_positions_and_caret():
     source = read_text("a:\n  b: [1, {c: 2}]\n", "f.yaml")
-    assert str(source.problem(("a", "b", 1, "c"), "wrong")) == "f.yaml:2:14: a.b[1].c: wrong\n      b: [1, {c: 2}]\n                 ^"
+    assert (
+        str(source.problem(("a", "b", 1, "c"), "wrong"))
+        == "f.yaml:2:14: a.b[1].c: wrong\n      b: [1, {c: 2}]\n                 ^"
+    )
     assert str(source.problem(("a", "b", 1, "c"), "wrong", at_key=True)).startswith("f.yaml:2:11: ")
     assert str(source.problem(("a", "b", 7), "wrong")).startswith("f.yaml:2:6: ")
 
 
 def test_a_long_line_is_cut_around_the_caret():
     source = read_text("a: [" + "1, " * 400 + "x]\n", "f.yaml")
-    head, line, caret = str(source.problem(("a", 400), "wrong")).splitlines()
+    _, line, caret = str(source.problem(("a", 400), "wrong")).splitlines()
     assert len(line) <= 104
     assert line[caret.index("^")] == "x"
 

@@ -17,7 +17,9 @@ def test_number(text, value):
     assert number(text) == value
 
 
-@pytest.mark.parametrize("bad", ["", "x", "1/0", "1//2", "nan", "inf", "1e999", math.nan, math.inf, True, None, [1], 10**400])
+@pytest.mark.parametrize(
+    "bad", ["", "x", "1/0", "1//2", "nan", "inf", "1e999", math.nan, math.inf, True, None, [1], 10**400]
+)
 def test_number_refuses(bad):
     with pytest.raises(UsageError, match="number"):
         number(bad)
@@ -25,7 +27,15 @@ def test_number_refuses(bad):
 
 @pytest.mark.parametrize(
     ("text", "lo", "hi"),
-    [("2..4", 2, 4), ("-3..5", -3, 5), ("-3..-1", -3, -1), (".5..1", 0.5, 1), ("1/4..1/2", 0.25, 0.5), (3, 3, 3), ("1e3..2e3", 1e3, 2e3)],
+    [
+        ("2..4", 2, 4),
+        ("-3..5", -3, 5),
+        ("-3..-1", -3, -1),
+        (".5..1", 0.5, 1),
+        ("1/4..1/2", 0.25, 0.5),
+        (3, 3, 3),
+        ("1e3..2e3", 1e3, 2e3),
+    ],
 )
 def test_range(text, lo, hi):
     assert Range.of(text) == Range(lo, hi)
