@@ -68,6 +68,8 @@ class Simulation:
             from gen_art.ledger import Bookkeeper
 
             self._ledger = Bookkeeper(self)
+            for stepper in self._stepped.values():
+                stepper.books = self._ledger
 
     def _check(self) -> None:
         for name, system in self._members.items():
@@ -138,8 +140,7 @@ class Simulation:
         for system in self._members.values():
             if system._state.tidy(t0, system.name in self._joined):
                 self._pairs_at = -1
-        if self._ledger:
-            self._ledger.before_step(t0, t1)
+        self._was_behind = self._behind
         for name, system in self._members.items():
             new = give_birth(system._state, [b for e in system.emitters for b in scheduled(e, t1)], self.precision)
             if new.stop > new.start:
@@ -166,8 +167,7 @@ class Simulation:
             parent = emission.event.system
             window = Window(t0, t1, before.get(parent), self._behind[parent])
             made.setdefault(name, []).extend(children(emission, name, self._members[parent]._state, window))
-        for name, system in self._members.items():
-            self._behind[name] = (system._state.next_id, system._state.next_id)
+        self._behind = {name: (s._state.next_id, s._state.next_id) for name, s in self._members.items()}
         for name, batches in made.items():
             new = give_birth(self._members[name]._state, batches, self.precision)
             self._behind[name] = (self._behind[name][0], self._members[name]._state.next_id)
@@ -259,6 +259,7 @@ class _Stepper:
     def __init__(self, system: ParticleSystem, precision: str, joined: bool):
         self.system, self.joined = system, joined
         dtype = system._state.floats.dtype
+        self.books = None
         self.numbers = system.composition.numbers(dtype)
         self.scheme_numbers = np.array(system.scheme.numbers, dtype)
         self.pair = np.zeros((1, 1), dtype)
@@ -294,6 +295,8 @@ class _Stepper:
     def _launch(self, begin, first, steps, dt, earliest, stage0, stage1) -> None:
         state = self.system._state
         if state.count > begin:
+            if self.books:
+                self.books.step(self.system.name, self, begin, first, dt, earliest, stage0, stage1)
             self.kernel(
                 state.floats, state.birth, state.key, self.pair, self.scratch, self.numbers, self.scheme_numbers,
                 begin, state.count, float(first), steps, dt, earliest, stage0, stage1,

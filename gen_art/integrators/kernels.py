@@ -12,7 +12,7 @@ from gen_art.composition import Composition
 from gen_art.integrators.terms import WIDTH, Terms, accumulate, kick, lifespan, load, store, tile
 from gen_art.runtime import ti
 
-__all__ = ["BLOCK", "make_step"]
+__all__ = ["BLOCK", "advance_stage", "drift", "make_step", "recall"]
 
 BLOCK = 1024
 
@@ -37,7 +37,7 @@ def make_step(composition: Composition, kind: str, rotates: bool, pairs: int, st
 
 
 @ti.func
-def _drift(L: ti.template(), X: ti.template(), fraction):
+def drift(L: ti.template(), X: ti.template(), fraction):
     for j in range(WIDTH):
         h = fraction * L.h[j]
         X.x0[j] += h * X.v0[j]
@@ -79,11 +79,11 @@ def _splitting(terms: Terms, rotates: bool, real):
                     for step in range(steps):
                         lifespan(L, S, birth, i, (first + ti.cast(step, ti.f64)) * dt, dt, earliest, real)
                         if stage0 < 0:
-                            _drift(L, X, P[0])
+                            drift(L, X, P[0])
                         for g in range(ti.max(stage0, 0), stage1):
                             accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
                             kick(terms, rotates, L, X, S, i, P[1 + 3 * g])
-                            _drift(L, X, P[3 + 3 * g])
+                            drift(L, X, P[3 + 3 * g])
                     store(X, S, i)
 
     return splitting
@@ -130,12 +130,12 @@ def _runge_kutta(terms: Terms, resumes: bool, real):
                             Z.x0[j], Z.x1[j], Z.x2[j], Z.v0[j], Z.v1[j], Z.v2[j] = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
                         if ti.static(resumes):
                             if stage0 > 0:
-                                _recall(Y, Z, R, i)
+                                recall(Y, Z, R, i)
                         for g in range(ti.max(stage0, 0), stage1):
                             accumulate(terms, L, Y, S, K, A, Q, i, P[2 + 3 * g])
-                            _stage(terms, L, X, Y, Z, S, i, P[1 + 3 * g], P[3 + 3 * g])
+                            advance_stage(terms, L, X, Y, Z, S, i, P[1 + 3 * g], P[3 + 3 * g])
                         if ti.static(resumes):
-                            _remember(Y, Z, R, i)
+                            remember(Y, Z, R, i)
                         if stage1 == (P.shape[0] - 1) // 3:
                             for j in range(WIDTH):
                                 X.x0[j] += Z.x0[j]
@@ -150,7 +150,7 @@ def _runge_kutta(terms: Terms, resumes: bool, real):
 
 
 @ti.func
-def _stage(terms: ti.template(), L: ti.template(), X: ti.template(), Y: ti.template(), Z: ti.template(), S: ti.template(), i, weight, ahead):
+def advance_stage(terms: ti.template(), L: ti.template(), X: ti.template(), Y: ti.template(), Z: ti.template(), S: ti.template(), i, weight, ahead):
     """Add this stage's increments to Z and move Y to the next stage's state; drag and rotation are part of the slope."""
     for j in range(WIDTH):
         v = ti.Vector([Y.v0[j], Y.v1[j], Y.v2[j]])
@@ -173,14 +173,14 @@ def _stage(terms: ti.template(), L: ti.template(), X: ti.template(), Y: ti.templ
 
 
 @ti.func
-def _recall(Y: ti.template(), Z: ti.template(), R: ti.template(), i):
+def recall(Y: ti.template(), Z: ti.template(), R: ti.template(), i):
     for j in range(WIDTH):
         Y.x0[j], Y.x1[j], Y.x2[j], Y.v0[j], Y.v1[j], Y.v2[j] = R[0, i + j], R[1, i + j], R[2, i + j], R[3, i + j], R[4, i + j], R[5, i + j]
         Z.x0[j], Z.x1[j], Z.x2[j], Z.v0[j], Z.v1[j], Z.v2[j] = R[6, i + j], R[7, i + j], R[8, i + j], R[9, i + j], R[10, i + j], R[11, i + j]
 
 
 @ti.func
-def _remember(Y: ti.template(), Z: ti.template(), R: ti.template(), i):
+def remember(Y: ti.template(), Z: ti.template(), R: ti.template(), i):
     for j in range(WIDTH):
         R[0, i + j], R[1, i + j], R[2, i + j], R[3, i + j], R[4, i + j], R[5, i + j] = Y.x0[j], Y.x1[j], Y.x2[j], Y.v0[j], Y.v1[j], Y.v2[j]
         R[6, i + j], R[7, i + j], R[8, i + j], R[9, i + j], R[10, i + j], R[11, i + j] = Z.x0[j], Z.x1[j], Z.x2[j], Z.v0[j], Z.v1[j], Z.v2[j]

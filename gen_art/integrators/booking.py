@@ -1,0 +1,139 @@
+"""The booking kernel: what each force does to the particles in a step, for the ledger.
+
+It repeats the step of kernels.py on local copies, with the same functions and so the same bits, and stores no state: work
+m a.(v0 + v1)/2 h of each push (stage weights in Runge-Kutta), what drag takes and what its medium gives, all impulses.
+"""
+
+from functools import cache
+
+from gen_art import runtime
+from gen_art.composition import Composition
+from gen_art.forces.base import term_acceleration
+from gen_art.integrators.kernels import BLOCK, advance_stage, drift, recall
+from gen_art.integrators.terms import WIDTH, Terms, accumulate, kick, lifespan, load, repeats, tile, view
+from gen_art.runtime import ti
+from gen_art.tracing import parameters
+
+__all__ = ["BOOKS", "make_booking"]
+
+BOOKS = 5  # work, dissipated, impulse x, y, z
+
+
+@ti.func
+def _note(B: ti.template(), b, row, work, dissipated, impulse):
+    B[b, row * BOOKS] = B[b, row * BOOKS] + ti.cast(work, ti.f64)
+    B[b, row * BOOKS + 1] = B[b, row * BOOKS + 1] + ti.cast(dissipated, ti.f64)
+    for c in ti.static(range(3)):
+        B[b, row * BOOKS + 2 + c] = B[b, row * BOOKS + 2 + c] + ti.cast(impulse[c], ti.f64)
+
+
+@ti.func
+def _book(
+    terms: ti.template(), B: ti.template(), b, L: ti.template(), X: ti.template(), O: ti.template(),
+    S: ti.template(), K: ti.template(), A: ti.template(), Q: ti.template(), i, n, tau, fraction, kicked: ti.template(),
+):  # fmt: skip
+    """Book a kick (kicked: old velocities in O, new in X) or a Runge-Kutta stage (slopes at X) over a fraction of the step."""
+    for j in range(WIDTH):
+        if i + j < n and L.h[j] > 0.0:
+            m = S[6, i + j]
+            h = fraction * L.h[j]
+            x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
+            new = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
+            old = ti.Vector([O.v0[j], O.v1[j], O.v2[j]])
+            mean = new
+            if ti.static(kicked):
+                mean = 0.5 * (old + new)
+            p = view(terms, S, K, i + j, x, old, L.age[j] + tau * L.h[j])
+            t = L.t[j] + tau * L.h[j]
+            rest = m * (new - old)  # what the kick changed, less what the pushes account for, is the drag's
+            for k in ti.static(range(terms.pairs)):
+                a = ti.Vector([A[3 * k, i + j], A[3 * k + 1, i + j], A[3 * k + 2, i + j]])
+                impulse = a * (m * h)
+                rest -= impulse
+                _note(B, b, terms.count + k, impulse.dot(mean), 0.0, impulse)
+            for force, offset, count, row in ti.static(terms.pushes):
+                for repeat in range(repeats(Q, count)):
+                    a = term_acceleration(force, p, t, parameters(Q, force, offset, repeat))
+                    impulse = a * (m * h)
+                    rest -= impulse
+                    _note(B, b, row, impulse.dot(mean), 0.0, impulse)
+            for force, offset, count, row in ti.static(terms.magnetics):
+                for repeat in range(repeats(Q, count)):
+                    field = force.magnetic(p, t, parameters(Q, force, offset, repeat))
+                    impulse = mean.cross(field) * (S[7, i + j] * h)
+                    if ti.static(terms.only_magnetic and kicked):
+                        impulse = rest
+                    rest -= impulse
+                    _note(B, b, row, 0.0, 0.0, impulse)
+            if ti.static(len(terms.dampings) > 0):
+                total = h * 0.0
+                pull = ti.Vector([0.0, 0.0, 0.0])
+                for d in ti.static(range(len(terms.dampings))):
+                    u = medium_velocity(terms, L, d, j)
+                    k = L.at("k", d)[j] + L.at("q", d)[j] * (mean - u).norm()
+                    total += k
+                    pull += k * u
+                met = mean  # the mean velocity the drag has acted at
+                if ti.static(kicked):
+                    if total * h > 0.0:
+                        met = (pull - rest / (m * h)) / total
+                for d in ti.static(range(len(terms.dampings))):
+                    u = medium_velocity(terms, L, d, j)
+                    k = L.at("k", d)[j] + L.at("q", d)[j] * (mean - u).norm()
+                    impulse = (u - met) * (k * m * h)
+                    work = impulse.dot(u)
+                    _note(B, b, ti.static(terms.dampings[d][3]), work, work - impulse.dot(mean), impulse)
+
+
+@ti.func
+def medium_velocity(terms: ti.template(), L: ti.template(), d: ti.template(), j):
+    m = ti.static(terms.dampings[d][2])
+    return ti.Vector([L.at("u", m, 0)[j], L.at("u", m, 1)[j], L.at("u", m, 2)[j]])
+
+
+@cache
+def make_booking(composition: Composition, kind: str, rotates: bool, pairs: int, channels: tuple, precision: str):
+    """The booking kernel of one system: as make_step's kernel, for one step, with B (blocks, rows x 5) f64 at the end."""
+    real = runtime.DTYPES[precision]
+    matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
+    terms = Terms(composition, channels, pairs)
+    names = terms.vectors
+    splitting = kind == "splitting"
+
+    @ti.kernel
+    def booking(
+        S: matrix, birth: ti.types.ndarray(ti.f64, 1), K: ti.types.ndarray(ti.u32, 2), A: matrix, R: matrix, Q: vector,
+        P: vector, begin: ti.i32, n: ti.i32, first: ti.f64, dt: ti.f64, earliest: ti.f64, stage0: ti.i32, stage1: ti.i32,
+        B: ti.types.ndarray(ti.f64, 2),
+    ):  # fmt: skip
+        ti.loop_config(block_dim=1)
+        for b in range((n - begin + BLOCK - 1) // BLOCK):
+            for s in range(BLOCK // WIDTH):
+                i = begin + b * BLOCK + s * WIDTH
+                if i < n:
+                    X = tile("x0 x1 x2 v0 v1 v2")
+                    Y = tile("x0 x1 x2 v0 v1 v2")
+                    Z = tile("x0 x1 x2 v0 v1 v2")
+                    L = tile(names)
+                    load(X, S, i)
+                    load(Y, S, i)
+                    lifespan(L, S, birth, i, first * dt, dt, earliest, real)
+                    if ti.static(splitting):
+                        if stage0 < 0:
+                            drift(L, X, P[0])
+                        for g in range(ti.max(stage0, 0), stage1):
+                            for j in range(WIDTH):
+                                Y.v0[j], Y.v1[j], Y.v2[j] = X.v0[j], X.v1[j], X.v2[j]
+                            accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
+                            kick(terms, rotates, L, X, S, i, P[1 + 3 * g])
+                            _book(terms, B, b, L, X, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], True)
+                            drift(L, X, P[3 + 3 * g])
+                    else:
+                        if stage0 > 0:
+                            recall(Y, Z, R, i)
+                        for g in range(ti.max(stage0, 0), stage1):
+                            accumulate(terms, L, Y, S, K, A, Q, i, P[2 + 3 * g])
+                            _book(terms, B, b, L, Y, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], False)
+                            advance_stage(terms, L, X, Y, Z, S, i, P[1 + 3 * g], P[3 + 3 * g])
+
+    return runtime.kernel(booking, precision)

@@ -1,0 +1,168 @@
+"""The ledger: the running account of mass, momentum, charge and energy.
+
+E(t) = E(0) + work + born - died - dissipated + residual, where E is the kinetic energy plus the time-independent potential
+of the living. Conservative forces book no work: the residual is the scheme's error. Every force books its impulse.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gen_art.diagnostics import diagnose, energy_of_pairs, living, sums
+from gen_art.integrators.booking import BOOKS, make_booking
+
+__all__ = ["Account", "Bookkeeper", "Ledger", "Passage"]
+
+
+class Account(dict):
+    """Amounts by name, and their `total`. Vectors are (3,) float64 arrays."""
+
+    zero: object = 0.0
+
+    @property
+    def total(self):
+        return sum(self.values(), self.zero)
+
+
+@dataclass(frozen=True)
+class Passage:
+    """What births brought or deaths took: number, mass (kg), charge (C), momentum (3,), angular momentum (3,), energy (J)."""
+
+    count: int = 0
+    mass: float = 0.0
+    charge: float = 0.0
+    momentum: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    angular_momentum: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    energy: float = 0.0
+
+    def __add__(self, other: "Passage") -> "Passage":
+        return Passage(*(getattr(self, k) + getattr(other, k) for k in self.__dataclass_fields__))
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """The account since the simulation began.
+
+    born, died : Passage by emitter     work, dissipated : J by force     impulse : (3,) N s by force; each with .total
+    residual : J, what the energy changed by beyond the account; momentum_residual : (3,), likewise
+    scale : J, the energy that moved (kinetic, work, dissipated, born, died), to judge the residual by
+    """
+
+    born: Account
+    died: Account
+    work: Account
+    dissipated: Account
+    impulse: Account
+    residual: float
+    momentum_residual: np.ndarray
+    scale: float
+
+    def as_dict(self) -> dict:
+        """Plain numbers, lists and dicts."""
+
+        def plain(x):
+            if isinstance(x, dict):
+                return {k: plain(v) for k, v in x.items()}
+            if isinstance(x, Passage):
+                return {k: plain(getattr(x, k)) for k in x.__dataclass_fields__}
+            return x.tolist() if isinstance(x, np.ndarray) else x
+
+        return {k: plain(getattr(self, k)) for k in self.__dataclass_fields__}
+
+
+class _Passages(Account):
+    zero = Passage()
+
+
+class _Vectors(Account):
+    zero = np.zeros(3)
+
+
+class Bookkeeper:
+    """Keeps the account of one simulation: called around each step and at each birth."""
+
+    def __init__(self, sim):
+        self.sim = sim
+        self.books_of = {}
+        for name, system in sim._members.items():
+            rows = len(system.composition.terms) + len(system.interactions)
+            self.books_of[name] = np.zeros((rows, BOOKS))
+        self._born, self._died = _Passages(), _Passages()
+        self._start = diagnose(sim)
+
+    def step(self, name: str, stepper, begin, first, dt, earliest, stage0, stage1) -> None:
+        """Book what the coming launch will do; the launch itself is not touched."""
+        system, state = stepper.system, stepper.system._state
+        rows = len(system.composition.terms) + len(system.interactions)
+        if rows == 0 or state.count <= begin:
+            return
+        kernel = make_booking(
+            system.composition, system.scheme.kind, system.scheme.rotates, len(system.interactions),
+            state.attributes, self.sim.precision,
+        )  # fmt: skip
+        blocks = -(-(state.count - begin) // 1024)
+        books = np.zeros((blocks, rows * BOOKS))
+        kernel(
+            state.floats, state.birth, state.key, stepper.pair, stepper.scratch, stepper.numbers, stepper.scheme_numbers,
+            begin, state.count, float(first), dt, earliest, stage0, stage1, books,
+        )  # fmt: skip
+        self.books_of[name] += books.sum(axis=0).reshape(rows, BOOKS)
+
+    def born(self, name: str, new: slice) -> None:
+        """Book births, at their exact times and before they move."""
+        self._pass(self._born, name, np.arange(new.start, new.stop))
+
+    def after_step(self, t0: float, t1: float) -> None:
+        """Book the deaths of the step; the dead stand where they died."""
+        for name, system in self.sim._members.items():
+            state = system._state
+            death, ids = state.death(), state.id[: state.count]
+            behind = self.sim._was_behind[name]
+            unseen = (death > t0) | ((ids >= behind[0]) & (ids < behind[1]))
+            self._pass(self._died, name, np.flatnonzero((death <= t1) & unseen))
+
+    def _pass(self, account: Account, name: str, slots: np.ndarray) -> None:
+        if not len(slots):
+            return
+        state = self.sim._members[name]._state
+        for source in np.unique(state.source[slots]):
+            of = slots[state.source[slots] == source]
+            part = sums(self.sim, name, of)
+            energy = float(part[12:].sum()) + self._mutual(name, of)
+            key = f"{name}.{state.sources[source].kind or state.sources[source].name}"
+            passage = Passage(len(of), float(part[1]), float(part[2]), part[3:6].copy(), part[6:9].copy(), energy)
+            account[key] = account.get(key, Passage()) + passage
+
+    def _mutual(self, name: str, slots: np.ndarray) -> float:
+        """The potential energy these particles share with each other and with the rest of the living."""
+        if not any(one.source_system is None for one in self.sim._members[name].interactions):
+            return 0.0
+        others = np.setdiff1d(living(self.sim, name), slots)
+        everyone = np.union1d(others, slots)
+        return energy_of_pairs(self.sim, name, everyone) - energy_of_pairs(self.sim, name, others)
+
+    def report(self) -> Ledger:
+        """The account so far."""
+        work, dissipated, impulse = Account(), Account(), _Vectors()
+        for name, system in self.sim._members.items():
+            labels = [t.name for t in system.composition.terms] + [one.name for one in system.interactions]
+            works = [not t.force.conservative for t in system.composition.terms]
+            works += [one.source_system is not None for one in system.interactions]
+            for label, does, row in zip(labels, works, self.books_of[name]):
+                key = f"{name}.{label}"
+                if does:
+                    work[key] = work.get(key, 0.0) + float(row[0])
+                    dissipated[key] = dissipated.get(key, 0.0) + float(row[1])
+                impulse[key] = impulse.get(key, np.zeros(3)) + row[2:5]
+        now = diagnose(self.sim)
+        born, died = self._born.total, self._died.total
+        expected = self._start.energy + work.total + born.energy - died.energy - dissipated.total
+        momentum = self._start.momentum + impulse.total + born.momentum - died.momentum
+        scale = max(
+            abs(self._start.kinetic_energy), now.kinetic_energy, abs(self._start.potential_energy), abs(work.total),
+            abs(dissipated.total), abs(born.energy), abs(died.energy), 1e-300,
+        )  # fmt: skip
+        return Ledger(
+            _Passages(self._born), _Passages(self._died), work, dissipated, impulse,
+            float(now.energy - expected), now.momentum - momentum, float(scale),
+        )  # fmt: skip
