@@ -190,7 +190,12 @@ class Emitter(Attributes):
 def _ways(emitter: Emitter) -> str:
     """What is wrong with the combination of rate, at, count, from, start and stop; empty when nothing is."""
     rate, at, count, source = emitter.rate, emitter.at, emitter.count, emitter.source
-    counted = count is not None or (bool(emitter.choose) and all(c.count is not None for c in emitter.choose.values()))
+    choices = emitter.choose.values()
+    counted = count is not None or (source is not None and choices and all(c.count is not None for c in choices))
+    if source is None and any(c.count is not None for c in choices):
+        return "a choice's count goes with from: births for each event"
+    if source is None and count is not None and not count.constant:
+        return "a range of counts goes with from: so many births for each event"
     if rate is not None and at is not None:
         return "rate and at are alternatives: give one of them"
     if rate is not None and count is not None:
@@ -199,6 +204,8 @@ def _ways(emitter: Emitter) -> str:
         return "from and at are alternatives: events bring their own times"
     if source is not None and source.kind == "path" and rate is None:
         return "from a path needs a rate: births a second for each parent"
+    if source is not None and isinstance(rate, Curve):
+        return "from a path takes a steady rate, not a curve"
     if source is not None and source.kind != "path":
         if rate is not None:
             return f"from a {source.kind} takes a count, not a rate"

@@ -105,15 +105,11 @@ class _Census:
     def _births(self, name, emitter, start, stop, died, births):
         """(tag, number, lifetime) born of one emitter in a slice."""
         events = self._events(emitter, start, stop, died, births)
-        if not emitter.choose:
-            count = 1.0 if emitter.rate is not None or emitter.count is None else emitter.count.mean
-            yield emitter.tag, events * count, emitter.lifetime
-            return
         weights = sum(choice.weight for choice in emitter.choose.values())
-        for choice in emitter.choose.values():
-            count = choice.count or emitter.count
-            number = events * choice.weight / weights * (count.mean if count and emitter.rate is None else 1.0)
-            yield choice.tag, number, choice.lifetime or emitter.lifetime
+        for choice in emitter.choose.values() or [None]:
+            count = (choice and choice.count) or emitter.count
+            number = events * (count.mean if count else 1.0) * (choice.weight / weights if choice else 1.0)
+            yield (choice or emitter).tag, number, (choice and choice.lifetime) or emitter.lifetime
 
     def _events(self, emitter, start, stop, died, births) -> float:
         """Times an emitter fires in a slice: births by rate, moments of `at`, or events of another system."""

@@ -150,7 +150,7 @@ def _under(key, error: ValidationError) -> Iterator[tuple[tuple, str]]:
 
 
 class Many:
-    """Annotation for `forces: {gravity: ..., drag: ...}`: instances in a tuple; a list of mappings is several of a kind.
+    """Annotation for `forces: {gravity: ..., drag: ...}`: instances in a tuple; a list of mappings is several.
 
     The tuple is in the order of names, not of the file: sums in floating point depend on the order.
     """
