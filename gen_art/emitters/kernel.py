@@ -40,6 +40,7 @@ class _Layout:
 
     def __init__(self, place, speed, scripted, attributes, channels):
         self.place, self.speed, self.scripted = place, speed, scripted
+        self.is_placed, self.is_moving, self.is_scripted = place is not None, speed is not None, scripted is not None
         self.at_speed = 0 if place is None else sum(s for _, _, s in place.layout())
         numbers = scripted if scripted is not None else None
         self.at_ranges = sum(s for _, _, s in numbers.layout()) if numbers else self.at_speed + self._size(speed)
@@ -91,13 +92,16 @@ def make_birth(signature, precision: str):
                         low, high = Q[at], Q[at + 1]
                         value = low
                         if high != low:  # an infinite lifetime must not meet the arithmetic of a range
-                            value = low + (high - low) * (pair if ti.static(is_paired) else own).uniform(channel)
+                            if ti.static(is_paired):
+                                value = low + (high - low) * pair.uniform(channel)
+                            else:
+                                value = low + (high - low) * own.uniform(channel)
                         S[row, k] = value
                 for row, channel, at, is_paired in ti.static(layout.ranges):
                     if ti.static(row < 0):
                         density = Q[at] + (Q[at + 1] - Q[at]) * pair.uniform(channel)
                         S[6, k] = density * 4.1887902047863905 * S[8, k] * S[8, k] * S[8, k]
-                if ti.static(layout.scripted is not None):
+                if ti.static(layout.is_scripted):
                     born = layout.scripted.birth(own, t, parameters(Q, layout.scripted, 0))
                     where, speed, rest = ti.static(parts(born))
                     x += where
@@ -105,9 +109,9 @@ def make_birth(signature, precision: str):
                     for name in ti.static(list(rest)):
                         S[layout.rows[name], k] = rest[name]
                 else:
-                    if ti.static(layout.place is not None):
+                    if ti.static(layout.is_placed):
                         x = layout.place.place(pair, t, parameters(Q, layout.place, 0))
-                    if ti.static(layout.speed is not None):
+                    if ti.static(layout.is_moving):
                         v = layout.speed.velocity(pair, t, parameters(Q, layout.speed, layout.at_speed), x)
                     x *= sign[i]
                     v *= sign[i]
