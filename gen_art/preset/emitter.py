@@ -101,9 +101,11 @@ class FromEvent(Model):
         "none", "pairs: velocities cancel two by two, the burst carries no momentum"
     )
 
+    short_form = {"type": "string", "description": "SYSTEM.death, SYSTEM.birth or SYSTEM.path"}
+
     @classmethod
-    def from_short(cls, data):
-        return {"event": data} if isinstance(data, str) else data
+    def from_short(cls, value):
+        return {"event": value} if isinstance(value, str) else value
 
     @model_validator(mode="after")
     def _event_exists(self):
@@ -155,7 +157,8 @@ class Emitter(Attributes):
 
     @classmethod
     def known_keys(cls) -> list[str]:
-        return [*(key for key in super().known_keys() if key != "scripted"), *registry("emitters")]
+        keys = (field.alias or name for name, field in cls.model_fields.items() if name != "scripted")
+        return [*keys, *registry("emitters")]
 
     @model_validator(mode="before")
     @classmethod
@@ -179,12 +182,9 @@ class Emitter(Attributes):
         return tuple(tag for tag in (self.tag, *(choice.tag for choice in self.choose.values())) if tag)
 
     @classmethod
-    def __get_pydantic_json_schema__(cls, schema, handler):
-        made = handler(schema)
-        body = handler.resolve_ref_schema(made)
-        body["properties"].pop("scripted", None)
-        body["properties"] |= {name: class_schema(registry("emitters")[name]) for name in registry("emitters")}
-        return made
+    def describe(cls, properties):
+        properties.pop("scripted", None)
+        properties |= {name: class_schema(registry("emitters")[name]) for name in registry("emitters")}
 
 
 def _ways(emitter: Emitter) -> str:

@@ -5,11 +5,12 @@ Frozen pydantic models; attribute names are the YAML keys. Angles stay in degree
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, PlainSerializer, WithJsonSchema, model_validator
 
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import Gradient, srgb
-from gen_art.preset.values import Curve, Range, number, shown, vector
+from gen_art.preset.types import Model
+from gen_art.preset.values import Curve, Range, number, vector
 
 __all__ = ["BY", "CameraKey", "CameraSpec", "Color", "DevelopSpec", "Emission", "Fog", "KeyLight", "Look", "Ramp", "Trail"]
 
@@ -51,12 +52,6 @@ ColourValue = Annotated[
 ]
 
 
-class Model(BaseModel):
-    """Frozen, and refuses keys it does not know."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True, ser_json_inf_nan="strings")
-
-
 class Ramp(Model):
     """A number that may follow a quantity of the particle: `3`, `[[0, 1], [1, 0]]` (by age) or a mapping.
 
@@ -69,9 +64,10 @@ class Ramp(Model):
     range: RangeValue | None = None
     curve: CurveValue = Curve(((0.0, 1.0),))
 
-    @model_validator(mode="before")
+    short_form = {"type": ["number", "string", "array"], "description": "a number, or a curve over age"}
+
     @classmethod
-    def _short(cls, value):
+    def from_short(cls, value):
         if isinstance(value, (Ramp, dict)):
             return value
         if isinstance(value, (list, tuple)):
@@ -97,9 +93,10 @@ class Color(Model):
     range: RangeValue | None = None
     gradient: GradientValue = Gradient(((0.0, "white"),))
 
-    @model_validator(mode="before")
+    short_form = {"type": ["string", "array"], "description": "a colour, a palette or a gradient"}
+
     @classmethod
-    def _short(cls, value):
+    def from_short(cls, value):
         return value if isinstance(value, (Color, dict)) else {"gradient": value}
 
     @model_validator(mode="after")
@@ -130,9 +127,10 @@ class Emission(Model):
     strobe: RangeValue | None = None
     duty: Annotated[Number, Field(gt=0, le=1)] = 0.35
 
-    @model_validator(mode="before")
+    short_form = {"type": ["string", "array"], "description": "a colour, a palette or a gradient"}
+
     @classmethod
-    def _short(cls, value):
+    def from_short(cls, value):
         if isinstance(value, (str, list, tuple)):
             return {"color": value}
         return value
@@ -174,9 +172,10 @@ class Trail(Model):
     strength: Annotated[Number, Field(ge=0)] = 1.0
     substeps: Annotated[int, Field(ge=1, le=64)] = 1
 
-    @model_validator(mode="before")
+    short_form = {"type": ["number", "string"]}
+
     @classmethod
-    def _short(cls, value):
+    def from_short(cls, value):
         return value if isinstance(value, (Trail, dict)) else {"half_life": value}
 
 
@@ -241,9 +240,10 @@ class Orbit(Model):
     start: Number = 0.0
     axis: Vector = (0.0, 1.0, 0.0)
 
-    @model_validator(mode="before")
+    short_form = {"type": ["number", "string"]}
+
     @classmethod
-    def _short(cls, value):
+    def from_short(cls, value):
         return value if isinstance(value, (Orbit, dict)) else {"rate": value}
 
 
@@ -254,9 +254,10 @@ class Fog(Model):
     start: Annotated[Number, Field(ge=0)] = 0.0
     color: ColourValue = "black"
 
-    @model_validator(mode="before")
+    short_form = {"type": ["number", "string"]}
+
     @classmethod
-    def _short(cls, value):
+    def from_short(cls, value):
         return value if isinstance(value, (Fog, dict)) else {"distance": value}
 
 
@@ -298,9 +299,10 @@ class Bloom(Model):
     strength: Annotated[Number, Field(ge=0, le=1)] = 0.05
     radius: Annotated[Number, Field(ge=0, le=1)] = 0.5
 
-    @model_validator(mode="before")
+    short_form = {"type": ["number", "string"]}
+
     @classmethod
-    def _short(cls, value):
+    def from_short(cls, value):
         return value if isinstance(value, (Bloom, dict)) else {"strength": value}
 
 
@@ -321,10 +323,3 @@ class DevelopSpec(Model):
     background: Literal["night"] | GradientValue = Gradient(((0.0, "black"),))
     grain: Annotated[Number, Field(ge=0, le=0.5)] = 0.0
     dither: bool = True
-
-    @model_validator(mode="before")
-    @classmethod
-    def _mapping(cls, value):
-        if not isinstance(value, (dict, DevelopSpec)):
-            raise UsageError(f"must be a mapping, not {shown(value)}")
-        return value

@@ -73,12 +73,9 @@ class Medium(Model):
         return {**({"density": value["density"]} if "density" in value else {}), "terms": terms}
 
     @classmethod
-    def __get_pydantic_json_schema__(cls, schema, handler):
-        made = handler(schema)
-        body = handler.resolve_ref_schema(made)
-        body["properties"].pop("terms", None)
-        body["properties"] |= Many("forces", is_field).__get_pydantic_json_schema__(None, None)["properties"]
-        return made
+    def describe(cls, properties):
+        properties.pop("terms", None)
+        properties |= Many("forces", is_field).__get_pydantic_json_schema__(None, None)["properties"]
 
 
 class System(Model):
@@ -125,7 +122,11 @@ class Preset(Model):
 
     @classmethod
     def known_keys(cls) -> list[str]:
-        return [*super().known_keys(), "knobs"]
+        return [*cls.model_fields, "knobs"]
+
+    @classmethod
+    def describe(cls, properties):
+        properties["knobs"] = {"type": "object", "description": "named values; `$name` stands for one elsewhere"}
 
     @property
     def name(self) -> str:
@@ -150,18 +151,9 @@ class Preset(Model):
 def json_schema() -> dict:
     """The JSON Schema of a preset, registered classes and their parameters included, for a YAML editor."""
     made = Preset.model_json_schema(by_alias=True)
-    made["properties"]["knobs"] = {"type": "object", "description": "named values; `$name` stands for one elsewhere"}
     made["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     made["title"] = "Gen Art preset"
-    close_objects(made)
     return made
-
-
-def close_objects(schema: dict) -> None:
-    """Unknown keys are problems, so every model's object is closed in the schema too."""
-    for one in [schema, *schema.get("$defs", {}).values()]:
-        if one.get("type") == "object" and "properties" in one:
-            one.setdefault("additionalProperties", False)
 
 
 def described(kind: str) -> dict[str, dict]:

@@ -6,7 +6,7 @@ A unit goes in the field's description: `fps: Positive = about(30, "frames per s
 """
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError, core_schema
@@ -130,15 +130,19 @@ class Model(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="ignore", arbitrary_types_allowed=True)
 
+    short_form: ClassVar[dict | None] = None  # JSON schema of what `from_short` widens
+
     @classmethod
-    def known_keys(cls) -> list[str]:
-        """The keys YAML may use here (aliases win over Python names)."""
+    def known_keys(cls) -> list[str] | None:
+        """The keys YAML may use here (aliases win over Python names); None where any may stand."""
+        if cls.model_config.get("extra") == "allow":
+            return None
         return [field.alias or name for name, field in cls.model_fields.items()]
 
     @classmethod
-    def from_short(cls, data):
-        """The mapping that a short form stands for; a model with one says so here."""
-        return data
+    def from_short(cls, value):
+        """The mapping that a short form stands for; a model with one says so here, and in `short_form`."""
+        return value
 
     @model_validator(mode="wrap")
     @classmethod
@@ -149,7 +153,8 @@ class Model(BaseModel):
         if not isinstance(data, dict):
             raise UsageError(f"must be a mapping of keys, not {shown(data)}")
         known = cls.known_keys()
-        problems = [((key,), f"unknown key{suggest(key, known)}") for key in data if key not in known]
+        unknown = [] if known is None else [key for key in data if key not in known]
+        problems = [((key,), f"unknown key{suggest(key, known)}") for key in unknown]
         try:
             result = handler(data)
         except ValidationError as error:
@@ -157,6 +162,23 @@ class Model(BaseModel):
         if problems:
             raise collected(problems)
         return result
+
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema, handler):
+        made = handler(schema)
+        body = handler.resolve_ref_schema(made)
+        body.setdefault("additionalProperties", False)
+        cls.describe(body["properties"])
+        if cls.short_form is not None:
+            whole = dict(body)
+            body.clear()
+            body |= {"description": whole.pop("description", ""), "anyOf": [whole, cls.short_form]}
+        return made
+
+    @classmethod
+    def describe(cls, properties: dict) -> None:
+        """Hook: change the JSON schema's properties, in place."""
 
 
 def collected(problems) -> ValidationError:
