@@ -44,7 +44,9 @@ KIND, SIZE_MODE, SIZE_VALUE, BLEND, CONSERVE, FALLOFF, TAIL_LIGHT, TAIL_WIDTH = 
 STROBE_LO, STROBE_HI, DUTY, FILM_TIME, RAW, LIT, WEIGHT, EMITS = range(33, 41)
 NUMBERS = 41
 
-F64, U2, I1, F3 = (ti.types.ndarray(d, n) for d, n in ((ti.f64, 1), (ti.u32, 2), (ti.i32, 1), (ti.f32, 3)))
+F64, U2, I1, L1, F3 = (
+    ti.types.ndarray(d, n) for d, n in ((ti.f64, 1), (ti.u32, 2), (ti.i32, 1), (ti.i64, 1), (ti.f32, 3))
+)
 
 
 def _channel(by: str, channels: dict[str, int]) -> float:
@@ -153,7 +155,7 @@ def _clip(p, q, low, high):
 
 @ti.kernel
 def _shade(
-    S: ti.types.ndarray(ndim=2), birth: F64, key: U2, source: I1, tag_rows: I1, n: ti.i32, base: ti.i32, P: F2, A: F2,
+    S: ti.types.ndarray(ndim=2), birth: F64, key: U2, id: L1, source: I1, tag_rows: I1, n: ti.i32, base: ti.i32, P: F2, A: F2,
     ramps: F2, curves: F2, colours: F3, Q: F64,
 ):  # fmt: skip
     ti.loop_config(block_dim=1)
@@ -233,7 +235,7 @@ def _shade(
                     elif by == 6:
                         q = radius
                     elif by == 7:
-                        q = ti.cast(i, ti.f32)
+                        q = ti.cast(id[i], ti.f32)
                     elif by == 8:
                         q = _unit(key[0, i], key[1, i], 11)
                     elif by == 9:
@@ -301,7 +303,7 @@ def _shade(
                 beyond = ti.max(shown, 1.0) * 1.5 + ti.max(abs(dx), abs(dy))
                 seen = px > -beyond and px < width + beyond and py > -beyond and py < rows + beyond
                 if seen and (cover > 0.0 or rgb[0] + rgb[1] + rgb[2] > 0.0 or Q[LIT] > 0.5):
-                    finish(P, o, ti.cast(Q[ROWS], ti.i32))
+                    finish(P, o, ti.cast(Q[WIDTH], ti.i32), ti.cast(Q[ROWS], ti.i32))
             elif Q[LIT] > 0.5:
                 A[i, 3] = 0.0
 
@@ -349,7 +351,7 @@ def add_sprites(sprites: Sprites, system, shading: Shading, q: np.ndarray) -> tu
     auxiliary = np.zeros((n if q[LIT] else 1, 7), np.float32)
     if n:
         shade(
-            system.floats, system.birth, system.key, system.source, shading.rows(system.sources), n, first, sprites.rows,
+            system.floats, system.birth, system.key, system.id, system.source, shading.rows(system.sources), n, first, sprites.rows,
             auxiliary, shading.ramps, shading.curves, shading.colours, q,
         )  # fmt: skip
     sprites.layered |= shading.look.blend == "alpha"

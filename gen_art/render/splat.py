@@ -1,8 +1,9 @@
 """Sprites into the film: points, soft discs and streaks, added or laid over each other, in the same order every time.
 
-A sprite is a row of 16 float32 (`Sprites.rows`); the film is cut into bands of rows, each sprite is listed in the bands
-it touches, in the order of drawing (counting sort over fixed chunks), and a band is drawn by one thread. The result
-does not depend on the number of threads, and no sum is atomic.
+A sprite is a row of 20 float32 (`Sprites.rows`). The film is cut into bins of 32 x 32 pixels; each sprite is listed in the bins it
+touches, in the order of drawing (a counting sort over fixed chunks), and a bin is drawn by one thread, 8 x 8 pixels at a
+time in a local array, which is what lets the blending vectorise. Neither the number of threads nor any atomic sum
+enters the result.
 
 A sprite's light is spread by weights that are divided by their sum over its whole footprint, so every sprite gives
 exactly its energy wherever its middle lies between pixels; only the frame's border cuts.
@@ -14,17 +15,21 @@ integral of the kernel between the ends, across it the kernel about the segment,
 
 import numpy as np
 
+from gen_art.errors import MemoryRefused
 from gen_art.runtime import kernel, ti
 
-__all__ = ["AREA", "BAND", "Film", "Sprites", "profile_integral", "splat"]
+__all__ = ["AREA", "Film", "Sprites", "profile_integral", "splat"]
 
 # columns of a sprite's row
-X, Y, REACH, DX, DY, RED, GREEN, BLUE, ALPHA, DEPTH, FIRST, LAST, NORM_X, NORM_Y, TAIL, TAPER = range(16)
-COLUMNS = 16
-BAND = 16  # rows of film in a band
-CHUNKS = 32  # fixed: the order of drawing must not depend on the number of threads
-LANE = 32  # floats of film handled at a time (8 pixels)
+X, Y, REACH, DX, DY, RED, GREEN, BLUE, ALPHA, DEPTH, FIRST, LAST, LEFT, RIGHT, NORM_X, NORM_Y, TAIL, TAPER, SLOPE, ACROSS = range(20)
+COLUMNS = 20
+BIN = 32  # pixels along the side of a bin
+TILE = 8  # pixels along the side of the local array
+SIDE = BIN // TILE
+CHUNKS = 16  # fixed: the order of drawing must not depend on the number of threads
+LANE = 4 * TILE  # floats in a tile's row
 SMALLEST = 1.5  # pixels of reach: half a pixel of standard deviation, or the kernel would alias
+SOFTNESS = 0.8819171  # reach of the step over that of the kernel, at the same variance: sqrt(7) / 3
 WIDE = 64.0  # pixels of reach from which the kernel's sum is its integral (to 1e-6)
 
 
@@ -66,7 +71,7 @@ def line_sum(middle, reach):
 
 @ti.func
 def _step(t):
-    """A smooth step from 0 at t = -1 to 1 at t = 1, with the variance of a kernel of reach 1.134."""
+    """A smooth step from 0 at t = -1 to 1 at t = 1; its slope has the standard deviation 1 / sqrt(7)."""
     u = ti.min(ti.max(0.5 * t + 0.5, 0.0), 1.0)
     return u * u * u * (u * (6.0 * u - 15.0) + 10.0)
 
@@ -78,8 +83,8 @@ def along(a, span, reach, tail):
     if span < reach * 0.3333333:
         value = profile((a - 0.5 * span) / ti.sqrt(reach * reach + 0.75 * span * span))
     else:
-        soft = reach * 0.8819171
-        value = ti.max(_step(a / soft) - _step((a - span) / soft), 0.0)
+        inverse = 1.0 / (reach * SOFTNESS)
+        value = ti.max(_step(a * inverse) - _step((a - span) * inverse), 0.0)
     return value * (tail + (1.0 - tail) * ti.min(ti.max(a / span, 0.0), 1.0))
 
 
@@ -101,195 +106,218 @@ def streak_slope(dm, dn, reach):
 
 
 @ti.func
-def finish(P: ti.template(), i, rows):
-    """Fill in a sprite's first and last row of film and its norms; x, y, reach, dx, dy, tail, taper must be there."""
+def finish(P: ti.template(), i, width, rows):
+    """Fill in the pixels a sprite touches (clipped to the frame; LAST < FIRST: none) and its norms; x, y, reach, dx, dy
+    and tail must be there.
+    """
     x, y, reach, dx, dy = P[i, X], P[i, Y], P[i, REACH], P[i, DX], P[i, DY]
-    low = ti.min(y, y - dy)
-    high = ti.max(y, y - dy)
+    left, right = ti.min(x, x - dx), ti.max(x, x - dx)
+    low, high = ti.min(y, y - dy), ti.max(y, y - dy)
     if reach <= 0.0:
-        low, high = y - 0.5, y + 0.5
+        left, right, low, high = x - 0.5, x + 0.5, y - 0.5, y + 0.5
     elif ti.max(abs(dx), abs(dy)) < 1e-3:
-        low, high = low - reach, high + reach
+        left, right, low, high = x - reach, x + reach, y - reach, y + reach
         P[i, DX], P[i, DY] = 0.0, 0.0
         P[i, NORM_X], P[i, NORM_Y] = 1.0 / line_sum(x, reach), 1.0 / line_sum(y, reach)
     else:
         dm, dn, end = dx, dy, x
-        if abs(dy) > abs(dx):
+        upright = abs(dy) > abs(dx)
+        if upright:
             dm, dn, end = dy, dx, y
         span = abs(dm)
         sign = dm / span
         margin = streak_margin(span, reach)
         slope, across = streak_slope(dm, dn, reach)
+        P[i, SLOPE], P[i, ACROSS] = slope, across
         start = end - dm
+        total = 0.0
         first = ti.cast(ti.floor(ti.min(start, end) - margin), ti.i32)
         last = ti.cast(ti.floor(ti.max(start, end) + margin), ti.i32)
-        total = 0.0
         for k in range(first, last + 1):
             total += along((ti.cast(k, ti.f32) + 0.5 - start) * sign, span, reach, P[i, TAIL])
         P[i, NORM_X] = 1.0 / ti.max(total, 1e-30)
-        if abs(dy) > abs(dx):
-            low, high = low - margin, high + margin
+        swing = ti.max(across, SMALLEST) + abs(slope) * margin + 0.5
+        if upright:
+            left, right, low, high = left - swing, right + swing, low - margin, high + margin
         else:
-            swing = ti.max(across + abs(slope) * margin, reach) + 1.0
-            low, high = low - swing, high + swing
-    first_row = ti.cast(ti.floor(ti.max(low, 0.0)), ti.i32)
-    last_row = ti.cast(ti.floor(ti.min(high, ti.cast(rows, ti.f32) - 0.5)), ti.i32)
-    if reach <= 0.0:
-        first_row = ti.cast(ti.floor(ti.max(low, 0.0)), ti.i32)
-        last_row = ti.min(ti.cast(ti.floor(high), ti.i32), rows - 1)
-    P[i, FIRST], P[i, LAST] = ti.cast(first_row, ti.f32), ti.cast(last_row, ti.f32)
+            left, right, low, high = left - margin, right + margin, low - swing, high + swing
+    P[i, LEFT], P[i, RIGHT] = ti.floor(ti.max(left, 0.0)), ti.floor(ti.min(right, ti.cast(width, ti.f32) - 0.5))
+    P[i, FIRST], P[i, LAST] = ti.floor(ti.max(low, 0.0)), ti.floor(ti.min(high, ti.cast(rows, ti.f32) - 0.5))
+    if P[i, RIGHT] < P[i, LEFT]:
+        P[i, LAST] = P[i, FIRST] - 1.0
 
 
 @ti.kernel
-def _finish_all(P: F2, n: ti.i32, rows: ti.i32):
+def _finish_all(P: F2, n: ti.i32, width: ti.i32, rows: ti.i32):
     ti.loop_config(block_dim=1)
     for b in range((n + 4095) // 4096):
         for i in range(b * 4096, ti.min((b + 1) * 4096, n)):
-            finish(P, i, rows)
-
-
-@ti.kernel
-def _count(P: F2, order: I1, n: ti.i32, chunk: ti.i32, bands: ti.i32, counts: I2):
-    ti.loop_config(block_dim=1)
-    for c in range(CHUNKS):
-        for b in range(bands):
-            counts[b, c] = 0
-        for j in range(c * chunk, ti.min((c + 1) * chunk, n)):
-            i = order[j]
-            if P[i, LAST] >= P[i, FIRST]:
-                for b in range(ti.cast(P[i, FIRST], ti.i32) // BAND, ti.cast(P[i, LAST], ti.i32) // BAND + 1):
-                    counts[b, c] = counts[b, c] + 1
-
-
-@ti.kernel
-def _list(P: F2, order: I1, n: ti.i32, chunk: ti.i32, starts: I2, listed: I1):
-    ti.loop_config(block_dim=1)
-    for c in range(CHUNKS):
-        for j in range(c * chunk, ti.min((c + 1) * chunk, n)):
-            i = order[j]
-            if P[i, LAST] >= P[i, FIRST]:
-                for b in range(ti.cast(P[i, FIRST], ti.i32) // BAND, ti.cast(P[i, LAST], ti.i32) // BAND + 1):
-                    listed[starts[b, c]] = i
-                    starts[b, c] = starts[b, c] + 1
+            finish(P, i, width, rows)
 
 
 @ti.func
-def _over(film: ti.template(), o, w, r, g, b, a):
-    keep = 1.0 - a * w
-    film[o] = film[o] * keep + r * w
-    film[o + 1] = film[o + 1] * keep + g * w
-    film[o + 2] = film[o + 2] * keep + b * w
-    film[o + 3] = film[o + 3] * keep + a * w
+def _bins(P: ti.template(), i):
+    """First and last bin in each direction; none for a sprite that is not seen."""
+    y0, y1 = ti.cast(P[i, FIRST], ti.i32) // BIN, ti.cast(P[i, LAST], ti.i32) // BIN
+    if P[i, LAST] < P[i, FIRST]:
+        y0, y1 = 0, -1
+    return ti.cast(P[i, LEFT], ti.i32) // BIN, ti.cast(P[i, RIGHT], ti.i32) // BIN, y0, y1
 
 
 @ti.func
-def _point(P: ti.template(), i, film: ti.template(), stride, width, top, bottom):
-    x, y = P[i, X] - 0.5, P[i, Y] - 0.5
-    x0, y0 = ti.floor(x), ti.floor(y)
-    for v in range(2):
+def _tiles(first, last, place):
+    """First and last of the tiles along one side of bin `place` that pixels first..last touch."""
+    start = place * BIN
+    return (
+        ti.max(ti.cast(first, ti.i32) - start, 0) // TILE,
+        ti.min(ti.cast(last, ti.i32) - start, BIN - 1) // TILE,
+    )
+
+
+@ti.kernel
+def _count(P: F2, order: I1, n: ti.i32, chunk: ti.i32, across: ti.i32, counts: I2):
+    ti.loop_config(block_dim=1)
+    for c in range(CHUNKS):
+        for j in range(c * chunk, ti.min((c + 1) * chunk, n)):
+            x0, x1, y0, y1 = _bins(P, order[j])
+            for y in range(y0, y1 + 1):
+                for x in range(x0, x1 + 1):
+                    counts[c, y * across + x] = counts[c, y * across + x] + 1
+
+
+@ti.kernel
+def _list(P: F2, order: I1, n: ti.i32, chunk: ti.i32, across: ti.i32, starts: I2, listed: I1, touched: I1):
+    """`touched`: one bit for each of the bin's tiles."""
+    ti.loop_config(block_dim=1)
+    for c in range(CHUNKS):
+        for j in range(c * chunk, ti.min((c + 1) * chunk, n)):
+            i = order[j]
+            x0, x1, y0, y1 = _bins(P, i)
+            for y in range(y0, y1 + 1):
+                for x in range(x0, x1 + 1):
+                    b = y * across + x
+                    at = starts[c, b]
+                    u0, u1 = _tiles(P[i, LEFT], P[i, RIGHT], x)
+                    v0, v1 = _tiles(P[i, FIRST], P[i, LAST], y)
+                    row = (1 << (u1 + 1)) - (1 << u0)
+                    bits = 0
+                    for v in range(v0, v1 + 1):
+                        bits |= row << (v * SIDE)
+                    listed[at], touched[at] = i, bits
+                    starts[c, b] = at + 1
+
+
+@ti.func
+def _point(P: ti.template(), i, tile: ti.template(), x, y):
+    """A bilinear dot of light; x, y from the tile's corner."""
+    x0, y0 = ti.floor(x - 0.5), ti.floor(y - 0.5)
+    fx, fy = x - 0.5 - x0, y - 0.5 - y0
+    r, g, b = P[i, RED], P[i, GREEN], P[i, BLUE]
+    for v in ti.static(range(2)):
         row = ti.cast(y0, ti.i32) + v
-        if row >= top and row < bottom:
-            wy = ti.select(v == 1, y - y0, 1.0 - (y - y0))
-            for u in range(2):
-                column = ti.cast(x0, ti.i32) + u
-                if column >= 0 and column < width:
-                    wx = ti.select(u == 1, x - x0, 1.0 - (x - x0))
-                    _over(film, row * stride + column * 4, wx * wy, P[i, RED], P[i, GREEN], P[i, BLUE], P[i, ALPHA])
+        for u in ti.static(range(2)):
+            column = ti.cast(x0, ti.i32) + u
+            if row >= 0 and row < TILE and column >= 0 and column < TILE:
+                w = (fx if u else 1.0 - fx) * (fy if v else 1.0 - fy)
+                o = row * LANE + column * 4
+                tile[o] += r * w
+                tile[o + 1] += g * w
+                tile[o + 2] += b * w
 
 
 @ti.func
-def _disc(P: ti.template(), i, film: ti.template(), stride, width, top, bottom, weights: ti.template(), band):
-    x, y, reach = P[i, X], P[i, Y], P[i, REACH]
-    left = ti.max(ti.cast(ti.floor(x - reach), ti.i32), 0)
-    right = ti.min(ti.cast(ti.floor(x + reach), ti.i32), width - 1)
-    lanes = (right - left) // 8 + 1
-    base = band * stride
-    for k in range(lanes * 8):
-        w = 0.0
-        if left + k <= right:
-            w = profile((ti.cast(left + k, ti.f32) + 0.5 - x) / reach) * P[i, NORM_X]
-        weights[base + 4 * k], weights[base + 4 * k + 1] = w, w
-        weights[base + 4 * k + 2], weights[base + 4 * k + 3] = w, w
-    colour = ti.Vector([0.0] * LANE)
-    for j in range(LANE // 4):
-        colour[4 * j], colour[4 * j + 1] = P[i, RED], P[i, GREEN]
-        colour[4 * j + 2], colour[4 * j + 3] = P[i, BLUE], P[i, ALPHA]
-    alpha = P[i, ALPHA]
+def _disc(P: ti.template(), i, tile: ti.template(), x, y, top, bottom):
+    reach, norm = P[i, REACH], P[i, NORM_X] * P[i, NORM_Y]
+    r, g, b, a = P[i, RED], P[i, GREEN], P[i, BLUE], P[i, ALPHA]
+    inverse = 1.0 / reach
+    light, veil, down = ti.Vector([0.0] * LANE), ti.Vector([0.0] * LANE), ti.Vector([0.0] * TILE)
+    for j in range(LANE):
+        c = j & 3
+        w = profile((ti.cast(j >> 2, ti.f32) + 0.5 - x) * inverse) * norm
+        light[j] = w * ti.select(c == 0, r, ti.select(c == 1, g, ti.select(c == 2, b, a)))
+        veil[j] = w * a
+    for row in range(TILE):
+        down[row] = profile((ti.cast(row, ti.f32) + 0.5 - y) * inverse)
     for row in range(top, bottom):
-        wy = profile((ti.cast(row, ti.f32) + 0.5 - y) / reach) * P[i, NORM_Y]
-        for lane in range(lanes):
-            o = row * stride + (left + lane * 8) * 4
-            m = base + lane * LANE
-            mixed = ti.Vector([0.0] * LANE)
-            for j in range(LANE):
-                w = weights[m + j] * wy
-                mixed[j] = film[o + j] * (1.0 - alpha * w) + colour[j] * w
-            for j in range(LANE):
-                film[o + j] = mixed[j]
+        wy = down[row]
+        for j in range(LANE):
+            under = tile[row * LANE + j]
+            tile[row * LANE + j] = under + wy * (light[j] - under * veil[j])
 
 
 @ti.func
-def _streak(P: ti.template(), i, film: ti.template(), stride, width, top, bottom):
-    x, y, reach, dx, dy = P[i, X], P[i, Y], P[i, REACH], P[i, DX], P[i, DY]
+def _streak(P: ti.template(), i, tile: ti.template(), x, y, dx, dy, top, bottom):
+    """Column by column along the longer axis; across it each pixel gets the step's rise over its width, which sums to 1."""
+    reach, slope, across = P[i, REACH], P[i, SLOPE], P[i, ACROSS]
     upright = abs(dy) > abs(dx)
-    dm, dn, end, side = dx, dy, x, y - 0.5 * dy
-    low, high, low_n, high_n = 0, width, top, bottom  # the limits along and across
-    step_m, step_n = 4, stride
+    dm, end, side = dx, x, y - 0.5 * dy
+    low, high, low_n, high_n = 0, TILE, top, bottom  # the limits along and across
+    step_m, step_n = 4, LANE
     if upright:
-        dm, dn, end, side = dy, dx, y, x - 0.5 * dx
-        low, high, low_n, high_n = top, bottom, 0, width
-        step_m, step_n = stride, 4
+        dm, end, side = dy, y, x - 0.5 * dx
+        low, high, low_n, high_n = top, bottom, 0, TILE
+        step_m, step_n = LANE, 4
     span = abs(dm)
-    sign = dm / span
-    margin = streak_margin(span, reach)
-    slope, across = streak_slope(dm, dn, reach)
-    start = end - dm
-    first = ti.max(ti.cast(ti.floor(ti.min(start, end) - margin), ti.i32), low)
-    last = ti.min(ti.cast(ti.floor(ti.max(start, end) + margin), ti.i32), high - 1)
-    if not upright and abs(slope) > 0.05:  # only the columns whose light reaches this band
-        pad = across + 1.0
-        a = ((ti.cast(top, ti.f32) - pad) - side) / slope
-        b = ((ti.cast(bottom, ti.f32) + pad) - side) / slope
-        centre = end - 0.5 * dm
-        first = ti.max(first, ti.cast(ti.floor(ti.max(centre + ti.min(a, b), -1.0)), ti.i32))
-        last = ti.min(last, ti.cast(ti.floor(ti.min(centre + ti.max(a, b), ti.cast(width, ti.f32))), ti.i32))
-    for m in range(first, last + 1):
-        c = ti.cast(m, ti.f32) + 0.5
-        a = (c - start) * sign
-        weight = along(a, span, reach, P[i, TAIL]) * P[i, NORM_X]
-        middle = side + slope * (c - (end - 0.5 * dm))
-        wide = ti.max(across * (P[i, TAPER] + (1.0 - P[i, TAPER]) * ti.min(ti.max(a / span, 0.0), 1.0)), SMALLEST)
-        weight = weight / line_sum(middle, wide)
-        first_n = ti.max(ti.cast(ti.floor(middle - wide), ti.i32), low_n)
-        last_n = ti.min(ti.cast(ti.floor(middle + wide), ti.i32), high_n - 1)
-        for n in range(first_n, last_n + 1):
-            w = weight * profile((ti.cast(n, ti.f32) + 0.5 - middle) / wide)
-            _over(film, m * step_m + n * step_n, w, P[i, RED], P[i, GREEN], P[i, BLUE], P[i, ALPHA])
+    sign = ti.select(dm > 0.0, 1.0, -1.0)
+    r, g, b = P[i, RED] * P[i, NORM_X], P[i, GREEN] * P[i, NORM_X], P[i, BLUE] * P[i, NORM_X]
+    tail, taper, per_span, soft = P[i, TAIL], P[i, TAPER], 1.0 / span, across * SOFTNESS
+    weight, middle, wide = ti.Vector([0.0] * TILE), ti.Vector([0.0] * TILE), ti.Vector([0.0] * TILE)
+    for m in range(TILE):
+        c = ti.cast(m, ti.f32) + 0.5 - end
+        weight[m] = along(c * sign + span, span, reach, tail)
+        middle[m] = side + slope * (c + 0.5 * dm)
+        head = ti.min(ti.max((c * sign + span) * per_span, 0.0), 1.0)
+        wide[m] = ti.max(soft * (taper + (1.0 - taper) * head), SMALLEST * SOFTNESS)
+    for m in range(low, high):
+        if weight[m] > 0.0:
+            w0, inverse = weight[m], 1.0 / wide[m]
+            first = ti.max(ti.cast(ti.floor(middle[m] - wide[m]), ti.i32), low_n)
+            last = ti.min(ti.cast(ti.floor(middle[m] + wide[m]), ti.i32), high_n - 1)
+            before = _step((ti.cast(first, ti.f32) - middle[m]) * inverse)
+            for n in range(first, last + 1):
+                after = _step((ti.cast(n + 1, ti.f32) - middle[m]) * inverse)
+                w = w0 * (after - before)
+                before = after
+                o = m * step_m + n * step_n
+                tile[o] += r * w
+                tile[o + 1] += g * w
+                tile[o + 2] += b * w
 
 
 @ti.kernel
-def _draw(
-    P: F2, listed: I1, bounds: I1, bands: ti.i32, film: F1, weights: F1, stride: ti.i32, width: ti.i32, rows: ti.i32
-):
+def _draw(P: F2, listed: I1, touched: I1, bounds: I1, across: ti.i32, bins: ti.i32, film: F1, stride: ti.i32):
     ti.loop_config(block_dim=1)
-    for band in range(bands):
-        for j in range(bounds[band], bounds[band + 1]):
-            i = listed[j]
-            top = ti.max(band * BAND, ti.cast(P[i, FIRST], ti.i32))
-            bottom = ti.min(ti.min(band * BAND + BAND, rows), ti.cast(P[i, LAST], ti.i32) + 1)
-            if P[i, REACH] <= 0.0:
-                _point(P, i, film, stride, width, top, bottom)
-            elif P[i, DX] == 0.0 and P[i, DY] == 0.0:
-                _disc(P, i, film, stride, width, top, bottom, weights, band)
-            else:
-                _streak(P, i, film, stride, width, top, bottom)
+    for b in range(bins):
+        if bounds[b + 1] > bounds[b]:
+            for t in range(SIDE * SIDE):
+                ox, oy = (b % across) * BIN + (t % SIDE) * TILE, (b // across) * BIN + (t // SIDE) * TILE
+                tile = ti.Vector([0.0] * (TILE * LANE))
+                for row in range(TILE):
+                    for j in range(LANE):
+                        tile[row * LANE + j] = film[(oy + row) * stride + ox * 4 + j]
+                ax, ay = ti.cast(ox, ti.f32), ti.cast(oy, ti.f32)
+                for k in range(bounds[b], bounds[b + 1]):
+                    if (touched[k] >> t) & 1:
+                        i = listed[k]
+                        top = ti.max(ti.cast(P[i, FIRST] - ay, ti.i32), 0)
+                        bottom = ti.min(ti.cast(P[i, LAST] - ay, ti.i32) + 1, TILE)
+                        x, y = P[i, X] - ax, P[i, Y] - ay
+                        if P[i, REACH] <= 0.0:
+                            _point(P, i, tile, x, y)
+                        elif P[i, DX] == 0.0 and P[i, DY] == 0.0:
+                            _disc(P, i, tile, x, y, top, bottom)
+                        else:
+                            _streak(P, i, tile, x, y, P[i, DX], P[i, DY], top, bottom)
+                for row in range(TILE):
+                    for j in range(LANE):
+                        film[(oy + row) * stride + ox * 4 + j] = tile[row * LANE + j]
 
 
-finish_all, count, list_bands, draw = (kernel(k) for k in (_finish_all, _count, _list, _draw))
+finish_all, count, list_bins, draw = (kernel(k) for k in (_finish_all, _count, _list, _draw))
 
 
 class Sprites:
-    """Rows of sprites for one picture, reused from frame to frame: `rows` (capacity, 16) float32, `count` in use."""
+    """Rows of sprites for one picture, reused from frame to frame: `rows` (capacity, 20) float32, `count` in use."""
 
     def __init__(self):
         self.rows = np.zeros((0, COLUMNS), np.float32)
@@ -325,20 +353,19 @@ class Sprites:
 
 
 class Film:
-    """A float32 buffer of linear premultiplied RGBA, (height, width, 4), with padding at the end of each row."""
+    """A float32 buffer of linear premultiplied RGBA, (height, width, 4), padded to whole bins at the right and below."""
 
     def __init__(self, size: tuple[int, int]):
         self.width, self.height = size
-        self.stride = 4 * ((self.width + 7) // 8 * 8 + 8)
-        self.buffer = np.zeros(self.height * self.stride, np.float32)
-        self.bands = -(-self.height // BAND)
-        self._weights = np.zeros(self.bands * self.stride, np.float32)
-        self._listed = np.zeros(0, np.int32)
+        self.across, self.down = -(-self.width // BIN), -(-self.height // BIN)
+        self.stride = 4 * BIN * self.across
+        self.buffer = np.zeros(self.down * BIN * self.stride, np.float32)
+        self._listed, self._touched = np.zeros(0, np.int32), np.zeros(0, np.int32)
 
     @property
     def pixels(self) -> np.ndarray:
         """The picture, (height, width, 4): a view."""
-        return self.buffer.reshape(self.height, -1)[:, : 4 * self.width].reshape(self.height, self.width, 4)
+        return self.buffer.reshape(-1, self.stride // 4, 4)[: self.height, : self.width]
 
     def clear(self):
         self.buffer.fill(0.0)
@@ -350,20 +377,19 @@ def splat(sprites: Sprites, film: Film) -> None:
     if n == 0:
         return
     order = sprites.order()
-    chunk = -(-n // CHUNKS)
-    counts = np.zeros((film.bands, CHUNKS), np.int32)
-    count(sprites.rows, order, n, chunk, film.bands, counts)
-    ends = np.cumsum(counts.reshape(-1), dtype=np.int64)
+    chunk, bins = -(-n // CHUNKS), film.across * film.down
+    counts = np.zeros((CHUNKS, bins), np.int32)
+    count(sprites.rows, order, n, chunk, film.across, counts)
+    by_bin = counts.T.reshape(-1)
+    ends = np.cumsum(by_bin, dtype=np.int64)
     total = int(ends[-1])
     if total == 0:
         return
     if total >= 2**31:
-        raise MemoryError(f"{total} sprite pieces do not fit in one picture")
-    starts = (ends - counts.reshape(-1)).astype(np.int32).reshape(counts.shape)
-    bounds = np.append(starts[:, 0], total).astype(np.int32)
+        raise MemoryRefused(f"one picture would need {total} sprite pieces, more than 2^31: make sprites or picture smaller")
+    starts = np.ascontiguousarray((ends - by_bin).astype(np.int32).reshape(bins, CHUNKS).T)
+    bounds = np.append(starts[0], total).astype(np.int32)
     if total > len(film._listed):
-        film._listed = np.zeros(total * 5 // 4, np.int32)
-    list_bands(sprites.rows, order, n, chunk, starts, film._listed)
-    draw(
-        sprites.rows, film._listed, bounds, film.bands, film.buffer, film._weights, film.stride, film.width, film.height
-    )
+        film._listed, film._touched = (np.zeros(total * 5 // 4, np.int32) for _ in range(2))
+    list_bins(sprites.rows, order, n, chunk, film.across, starts, film._listed, film._touched)
+    draw(sprites.rows, film._listed, film._touched, bounds, film.across, bins, film.buffer, film.stride)
