@@ -7,7 +7,7 @@ from gen_art.preset.look import Look
 from gen_art.render.camera import Camera
 from gen_art.render.light import incoming_light
 from gen_art.render.shade import Shading, add_sprites, numbers
-from gen_art.render.splat import BLUE, RED, Film, Sprites, splat
+from gen_art.render.splat import BLUE, LEVEL, RED, Film, Sprites, splat
 
 __all__ = ["LARGEST", "Painter", "check_size", "living", "render_frame"]
 
@@ -105,7 +105,8 @@ class Painter:
                 eye = view.axes[2] if parallel else view.position
                 rows = self._sprites.rows[first : first + len(lit)]
                 light_in = incoming_light(light, lit[:, :3], lit[:, 3], eye, parallel)
-                rows[:, RED : BLUE + 1] += lit[:, 4:] * light_in
+                smaller = np.float32(0.25) ** rows[:, LEVEL : LEVEL + 1]  # energy counts in the pixels of its film
+                rows[:, RED : BLUE + 1] += lit[:, 4:] * light_in * smaller
         splat(self._sprites, film)
 
 

@@ -17,7 +17,8 @@ from gen_art.registry import suggest
 from gen_art.render.camera import View
 from gen_art.render.colour import TABLE, blackbody, gradient_table, planck_luminance
 from gen_art.render.splat import (
-    ALPHA, AREA, BLUE, DEPTH, DX, DY, F2, FIRST, GREEN, LAST, REACH, RED, SMALLEST, TAIL, TAPER, Sprites, X, Y, finish
+    ALPHA, AREA, BLUE, DEPTH, DX, DY, F2, FIRST, GREEN, LAST, LEVEL, REACH, RED, SMALLEST, TAIL, TAPER, Sprites, X, Y,
+    coarsen, finish
 )  # fmt: skip
 from gen_art.runtime import kernel, ti
 
@@ -162,7 +163,7 @@ def _shade(
     for block in range((n + 2047) // 2048):
         for i in range(block * 2048, ti.min((block + 1) * 2048, n)):
             o = base + i
-            P[o, FIRST], P[o, LAST], P[o, DEPTH] = 1.0, 0.0, 0.0
+            P[o, FIRST], P[o, LAST], P[o, DEPTH], P[o, LEVEL] = 1.0, 0.0, 0.0, 0.0
             age = ti.cast(Q[TIME] - birth[i], ti.f32)
             life = ti.cast(S[9, i], ti.f32)
             local = ti.Vector([0.0, 0.0, 0.0])  # right, up, forward
@@ -303,7 +304,11 @@ def _shade(
                 beyond = ti.max(shown, 1.0) * 1.5 + ti.max(abs(dx), abs(dy))
                 seen = px > -beyond and px < width + beyond and py > -beyond and py < rows + beyond
                 if seen and (cover > 0.0 or rgb[0] + rgb[1] + rgb[2] > 0.0 or Q[LIT] > 0.5):
-                    finish(P, o, ti.cast(Q[WIDTH], ti.i32), ti.cast(Q[ROWS], ti.i32))
+                    level = 0
+                    if Q[KIND] < 1.5:
+                        level = coarsen(P, o)
+                    side = (1 << level) - 1
+                    finish(P, o, (ti.cast(Q[WIDTH], ti.i32) + side) >> level, (ti.cast(Q[ROWS], ti.i32) + side) >> level)
             elif Q[LIT] > 0.5:
                 A[i, 3] = 0.0
 

@@ -1,9 +1,13 @@
 """Sprites into the film: points, soft discs and streaks, added or laid over each other, in the same order every time.
 
-A sprite is a row of 20 float32 (`Sprites.rows`). The film is cut into bins of 32 x 32 pixels; each sprite is listed in the bins it
+A sprite is a row of 21 float32 (`Sprites.rows`). The film is cut into bins of 32 x 32 pixels; each sprite is listed in the bins it
 touches, in the order of drawing (a counting sort over fixed chunks), and a bin is drawn by one thread, 8 x 8 pixels at a
 time in a local array, which is what lets the blending vectorise. Neither the number of threads nor any atomic sum
 enters the result.
+
+Large discs are smooth, so they are drawn on films of a half, a quarter or an eighth of the size (`LEVEL`), which are laid over
+the film with bilinear weights; their reach is shortened by what that adds. Where sprites hide each other, the order of
+drawing is cut into SLICES, and in each of them the coarse films come first.
 
 A sprite's light is spread by weights that are divided by their sum over its whole footprint, so every sprite gives
 exactly its energy wherever its middle lies between pixels; only the frame's border cuts.
@@ -21,14 +25,17 @@ from gen_art.runtime import kernel, ti
 __all__ = ["AREA", "Film", "Sprites", "profile_integral", "splat"]
 
 # columns of a sprite's row
-X, Y, REACH, DX, DY, RED, GREEN, BLUE, ALPHA, DEPTH, FIRST, LAST, LEFT, RIGHT, NORM_X, NORM_Y, TAIL, TAPER, SLOPE, ACROSS = range(20)
-COLUMNS = 20
+X, Y, REACH, DX, DY, RED, GREEN, BLUE, ALPHA, DEPTH, FIRST, LAST, LEFT, RIGHT, NORM_X, NORM_Y, TAIL, TAPER, SLOPE, ACROSS, LEVEL = range(21)
+COLUMNS = 21
 BIN = 32  # pixels along the side of a bin
 TILE = 8  # pixels along the side of the local array
 SIDE = BIN // TILE
 CHUNKS = 16  # fixed: the order of drawing must not depend on the number of threads
 LANE = 4 * TILE  # floats in a tile's row
 SMALLEST = 1.5  # pixels of reach: half a pixel of standard deviation, or the kernel would alias
+COARSE = 16.0  # pixels of reach from which a disc is drawn at half the size, then at a quarter, an eighth
+COARSEST = 3
+SLICES = 16
 SOFTNESS = 0.8819171  # reach of the step over that of the kernel, at the same variance: sqrt(7) / 3
 WIDE = 64.0  # pixels of reach from which the kernel's sum is its integral (to 1e-6)
 
@@ -147,6 +154,21 @@ def finish(P: ti.template(), i, width, rows):
         P[i, LAST] = P[i, FIRST] - 1.0
 
 
+@ti.func
+def coarsen(P: ti.template(), i):
+    """Move a disc to the film of its size: energy, place and reach in that film's pixels."""
+    level = 0
+    while level < COARSEST and P[i, REACH] >= COARSE:
+        for c in ti.static((X, Y, REACH)):
+            P[i, c] = P[i, c] * 0.5
+        for c in ti.static((RED, GREEN, BLUE, ALPHA)):
+            P[i, c] = P[i, c] * 0.25
+        level += 1
+        P[i, REACH] = ti.sqrt(P[i, REACH] * P[i, REACH] - 1.5)  # bilinear weights add 1/6 pixel^2 of variance
+    P[i, LEVEL] = ti.cast(level, ti.f32)
+    return level
+
+
 @ti.kernel
 def _finish_all(P: F2, n: ti.i32, width: ti.i32, rows: ti.i32):
     ti.loop_config(block_dim=1)
@@ -156,10 +178,10 @@ def _finish_all(P: F2, n: ti.i32, width: ti.i32, rows: ti.i32):
 
 
 @ti.func
-def _bins(P: ti.template(), i):
-    """First and last bin in each direction; none for a sprite that is not seen."""
+def _bins(P: ti.template(), i, level):
+    """First and last bin in each direction; none for a sprite that is not seen, or not on this level."""
     y0, y1 = ti.cast(P[i, FIRST], ti.i32) // BIN, ti.cast(P[i, LAST], ti.i32) // BIN
-    if P[i, LAST] < P[i, FIRST]:
+    if P[i, LAST] < P[i, FIRST] or P[i, LEVEL] != level:
         y0, y1 = 0, -1
     return ti.cast(P[i, LEFT], ti.i32) // BIN, ti.cast(P[i, RIGHT], ti.i32) // BIN, y0, y1
 
@@ -175,24 +197,26 @@ def _tiles(first, last, place):
 
 
 @ti.kernel
-def _count(P: F2, order: I1, n: ti.i32, chunk: ti.i32, across: ti.i32, counts: I2):
+def _count(P: F2, order: I1, n: ti.i32, level: ti.f32, chunk: ti.i32, across: ti.i32, counts: I2):
     ti.loop_config(block_dim=1)
     for c in range(CHUNKS):
         for j in range(c * chunk, ti.min((c + 1) * chunk, n)):
-            x0, x1, y0, y1 = _bins(P, order[j])
+            x0, x1, y0, y1 = _bins(P, order[j], level)
             for y in range(y0, y1 + 1):
                 for x in range(x0, x1 + 1):
                     counts[c, y * across + x] = counts[c, y * across + x] + 1
 
 
 @ti.kernel
-def _list(P: F2, order: I1, n: ti.i32, chunk: ti.i32, across: ti.i32, starts: I2, listed: I1, touched: I1):
+def _list(
+    P: F2, order: I1, n: ti.i32, level: ti.f32, chunk: ti.i32, across: ti.i32, starts: I2, listed: I1, touched: I1
+):
     """`touched`: one bit for each of the bin's tiles."""
     ti.loop_config(block_dim=1)
     for c in range(CHUNKS):
         for j in range(c * chunk, ti.min((c + 1) * chunk, n)):
             i = order[j]
-            x0, x1, y0, y1 = _bins(P, i)
+            x0, x1, y0, y1 = _bins(P, i, level)
             for y in range(y0, y1 + 1):
                 for x in range(x0, x1 + 1):
                     b = y * across + x
@@ -313,11 +337,37 @@ def _draw(P: F2, listed: I1, touched: I1, bounds: I1, across: ti.i32, bins: ti.i
                         film[(oy + row) * stride + ox * 4 + j] = tile[row * LANE + j]
 
 
-finish_all, count, list_bins, draw = (kernel(k) for k in (_finish_all, _count, _list, _draw))
+@ti.kernel
+def _lay(coarse: F1, cw: ti.i32, ch: ti.i32, cs: ti.i32, film: F1, stride: ti.i32, across: ti.i32, busy: I1, n: ti.i32, over: ti.i32):
+    """Lay a film of half the size over (or under) another, in the bins listed as busy."""
+    ti.loop_config(block_dim=1)
+    for k in range(n):
+        x0, y0 = (busy[k] % across) * BIN, (busy[k] // across) * BIN
+        for y in range(y0, y0 + BIN):
+            j = y >> 1
+            ja, jb = ti.min(j, ch - 1) * cs, ti.min(ti.max(j - 1 + 2 * (y & 1), 0), ch - 1) * cs
+            for x in range(x0, x0 + BIN):
+                i = x >> 1
+                ia, ib = ti.min(i, cw - 1) * 4, ti.min(ti.max(i - 1 + 2 * (x & 1), 0), cw - 1) * 4
+                v = ti.Vector([0.0, 0.0, 0.0, 0.0])
+                for c in ti.static(range(4)):
+                    v[c] = 0.5625 * coarse[ja + ia + c] + 0.1875 * (coarse[ja + ib + c] + coarse[jb + ia + c])
+                    v[c] += 0.0625 * coarse[jb + ib + c]
+                o = y * stride + x * 4
+                u = ti.Vector([film[o], film[o + 1], film[o + 2], film[o + 3]])
+                if over == 1:
+                    u = u * (1.0 - v[3]) + v
+                else:
+                    u = v * (1.0 - u[3]) + u
+                for c in ti.static(range(4)):
+                    film[o + c] = u[c]
+
+
+finish_all, count, list_bins, draw, lay = (kernel(k) for k in (_finish_all, _count, _list, _draw, _lay))
 
 
 class Sprites:
-    """Rows of sprites for one picture, reused from frame to frame: `rows` (capacity, 20) float32, `count` in use."""
+    """Rows of sprites for one picture, reused from frame to frame: `rows` (capacity, 21) float32, `count` in use."""
 
     def __init__(self):
         self.rows = np.zeros((0, COLUMNS), np.float32)
@@ -361,35 +411,84 @@ class Film:
         self.stride = 4 * BIN * self.across
         self.buffer = np.zeros(self.down * BIN * self.stride, np.float32)
         self._listed, self._touched = np.zeros(0, np.int32), np.zeros(0, np.int32)
+        self._half: Film | None = None
 
     @property
     def pixels(self) -> np.ndarray:
         """The picture, (height, width, 4): a view."""
         return self.buffer.reshape(-1, self.stride // 4, 4)[: self.height, : self.width]
 
+    @property
+    def half(self) -> "Film":
+        """The film of half the size, for large discs."""
+        if self._half is None:
+            self._half = Film(((self.width + 1) // 2, (self.height + 1) // 2))
+        return self._half
+
     def clear(self):
         self.buffer.fill(0.0)
+
+    def draw(self, sprites: Sprites, order: np.ndarray, level: int) -> np.ndarray:
+        """Draw those of the sprites that are of this film's level; gives which bins they touch, (down, across) bool."""
+        n, bins = len(order), self.across * self.down
+        chunk = -(-n // CHUNKS)
+        counts = np.zeros((CHUNKS, bins), np.int32)
+        count(sprites.rows, order, n, float(level), chunk, self.across, counts)
+        by_bin = counts.T.reshape(-1)
+        ends = np.cumsum(by_bin, dtype=np.int64)
+        total = int(ends[-1])
+        touched = counts.any(axis=0).reshape(self.down, self.across)
+        if total == 0:
+            return touched
+        if total >= 2**31:
+            raise MemoryRefused(f"one picture would need {total} sprite pieces, more than 2^31: make sprites or picture smaller")
+        starts = np.ascontiguousarray((ends - by_bin).astype(np.int32).reshape(bins, CHUNKS).T)
+        bounds = np.append(starts[0], total).astype(np.int32)
+        if total > len(self._listed):
+            self._listed, self._touched = (np.zeros(total * 5 // 4, np.int32) for _ in range(2))
+        list_bins(sprites.rows, order, n, float(level), chunk, self.across, starts, self._listed, self._touched)
+        draw(sprites.rows, self._listed, self._touched, bounds, self.across, bins, self.buffer, self.stride)
+        return touched
+
+    def lay(self, coarse: "Film", touched: np.ndarray, over: bool) -> np.ndarray:
+        """Lay a film of half the size over or under this one, where it was touched; gives this film's bins it changed."""
+        wide = np.zeros((coarse.down + 2, coarse.across + 2), bool)
+        for dy in range(3):  # bilinear weights reach one pixel into the next bin
+            for dx in range(3):
+                wide[dy : dy + coarse.down, dx : dx + coarse.across] |= touched
+        mine = wide[1:-1, 1:-1].repeat(2, axis=0).repeat(2, axis=1)[: self.down, : self.across]
+        busy = np.flatnonzero(mine).astype(np.int32)
+        if len(busy):
+            lay(
+                coarse.buffer, coarse.width, coarse.height, coarse.stride, self.buffer, self.stride, self.across, busy,
+                len(busy), int(over),
+            )  # fmt: skip
+        return mine
 
 
 def splat(sprites: Sprites, film: Film) -> None:
     """Draw the sprites into the film, over what it holds."""
-    n = sprites.count
-    if n == 0:
+    if sprites.count == 0:
         return
     order = sprites.order()
-    chunk, bins = -(-n // CHUNKS), film.across * film.down
-    counts = np.zeros((CHUNKS, bins), np.int32)
-    count(sprites.rows, order, n, chunk, film.across, counts)
-    by_bin = counts.T.reshape(-1)
-    ends = np.cumsum(by_bin, dtype=np.int64)
-    total = int(ends[-1])
-    if total == 0:
-        return
-    if total >= 2**31:
-        raise MemoryRefused(f"one picture would need {total} sprite pieces, more than 2^31: make sprites or picture smaller")
-    starts = np.ascontiguousarray((ends - by_bin).astype(np.int32).reshape(bins, CHUNKS).T)
-    bounds = np.append(starts[0], total).astype(np.int32)
-    if total > len(film._listed):
-        film._listed, film._touched = (np.zeros(total * 5 // 4, np.int32) for _ in range(2))
-    list_bins(sprites.rows, order, n, chunk, film.across, starts, film._listed, film._touched)
-    draw(sprites.rows, film._listed, film._touched, bounds, film.across, bins, film.buffer, film.stride)
+    coarsest = int(sprites.rows[: sprites.count, LEVEL].max())
+    slices = SLICES if coarsest and sprites.layered else 1
+    for part in np.array_split(order, slices):
+        if coarsest:
+            _draw_coarse(sprites, part, film, coarsest)
+        film.draw(sprites, part, 0)
+
+
+def _draw_coarse(sprites: Sprites, order: np.ndarray, film: Film, coarsest: int) -> None:
+    """Levels 1 to `coarsest` of these sprites, each laid under the next finer one, and all over the film."""
+    films = [film]
+    for _ in range(coarsest):
+        films.append(films[-1].half)
+        films[-1].clear()
+    below = None
+    for level in range(coarsest, 0, -1):
+        touched = films[level].draw(sprites, order, level)
+        if below is not None:
+            touched = touched | films[level].lay(films[level + 1], below, over=False)
+        below = touched
+    film.lay(films[1], below, over=True)
