@@ -306,7 +306,7 @@ def _shade(
                 if seen and (cover > 0.0 or rgb[0] + rgb[1] + rgb[2] > 0.0 or Q[LIT] > 0.5):
                     level = 0
                     if Q[KIND] < 1.5:
-                        level = coarsen(P, o)
+                        level = coarsen(P, o, _unit(key[0, i], key[1, i], 21))
                     side = (1 << level) - 1
                     finish(P, o, (ti.cast(Q[WIDTH], ti.i32) + side) >> level, (ti.cast(Q[ROWS], ti.i32) + side) >> level)
             elif Q[LIT] > 0.5:

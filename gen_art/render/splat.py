@@ -35,7 +35,7 @@ LANE = 4 * TILE  # floats in a tile's row
 SMALLEST = 1.5  # pixels of reach: half a pixel of standard deviation, or the kernel would alias
 COARSE = 16.0  # pixels of reach from which a disc is drawn at half the size, then at a quarter, an eighth
 COARSEST = 3
-SLICES = 16
+SLICES = 24
 SOFTNESS = 0.8819171  # reach of the step over that of the kernel, at the same variance: sqrt(7) / 3
 WIDE = 64.0  # pixels of reach from which the kernel's sum is its integral (to 1e-6)
 
@@ -155,10 +155,13 @@ def finish(P: ti.template(), i, width, rows):
 
 
 @ti.func
-def coarsen(P: ti.template(), i):
-    """Move a disc to the film of its size: energy, place and reach in that film's pixels."""
+def coarsen(P: ti.template(), i, chance):
+    """Move a disc to the film of its size: energy, place and reach in that film's pixels. `chance` in 0..1, the sprite's
+    own, spreads the size at which that happens, so that no edge shows where sprites grow past it.
+    """
     level = 0
-    while level < COARSEST and P[i, REACH] >= COARSE:
+    limit = COARSE * (0.75 + 0.75 * chance)
+    while level < COARSEST and P[i, REACH] >= limit:
         for c in ti.static((X, Y, REACH)):
             P[i, c] = P[i, c] * 0.5
         for c in ti.static((RED, GREEN, BLUE, ALPHA)):
