@@ -3,7 +3,7 @@
 from gen_art.elementary import cos, power, sin
 from gen_art.emitters.base import Shape, shape
 from gen_art.registry import param
-from gen_art.runtime import ti
+from gen_art.runtime import real, ti
 
 
 @ti.func
@@ -97,19 +97,23 @@ class Disc(Shape):
 
 @shape("ring")
 class Ring(Shape):
-    """A circle, uniformly.
+    """A circle, uniformly, or `spokes` points evenly spread on it.
 
-    abs(x - center) = radius, across `axis`;  radius : m, >= 0;  center, axis : (3,)
+    abs(x - center) = radius, across `axis`;  radius : m, >= 0;  center, axis : (3,);  spokes : 0 for the whole circle
     """
 
     radius: float = param(1.0, unit="m", min=0)
     center: tuple = param((0.0, 0.0, 0.0), unit="m")
     axis: tuple = param((0.0, 1.0, 0.0))
+    spokes: int = param(0, min=0, max=100000, doc="points on the circle; 0 is all of it")
+    phase: float = param(0.0, unit="rad", doc="where the first spoke stands")
 
     @ti.func
     def place(self, r, t, q):
         e, f, _ = across(q.axis)
-        angle = 6.283185307179586 * r.uniform(1)
+        u = r.uniform(1)
+        n = ti.cast(q.spokes, real())
+        angle = 6.283185307179586 * ti.select(n > 0.0, ti.floor(u * n) / ti.max(n, 1.0), u) + q.phase
         return q.center + (e * cos(angle) + f * sin(angle)) * q.radius
 
 

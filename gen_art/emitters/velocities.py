@@ -55,6 +55,29 @@ class Isotropic(Velocity):
         return r.sphere(11) * r.range(q.speed, 13)
 
 
+@velocity("pitched")
+class Pitched(Velocity):
+    """Along an axis at a fixed pitch angle, the part across it turned as the place of birth is: ions on field lines.
+
+    v = speed (cos(pitch) n + sin(pitch) e_phi), e_phi around the axis n at the place of birth; plus a spread
+    speed m/s;  pitch degrees in YAML (radians in Python), 0 along the axis;  spread m/s, normal in each direction
+    """
+
+    axis: tuple = param((0.0, 1.0, 0.0))
+    pitch: float = param(1.0, unit="rad", min=0, max=3.1415926535897936)
+    speed: tuple = param((1.0, 1.0), unit="m/s", kind="range")
+    spread: float = param(0.0, unit="m/s", min=0)
+
+    @ti.func
+    def velocity(self, r, t, q, x):
+        e, _, n = across(q.axis)
+        around = n.cross(x)
+        length = around.norm()
+        around = ti.select(length > 1e-12, around / ti.max(length, 1e-30), e)
+        jitter = ti.Vector([r.normal(14), r.normal(16), r.normal(17)])
+        return (n * cos(q.pitch) + around * sin(q.pitch)) * r.range(q.speed, 13) + q.spread * jitter
+
+
 @velocity("radial")
 class Radial(Velocity):
     """Away from the emitter's origin, through the place of birth.
