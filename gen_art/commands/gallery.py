@@ -23,7 +23,8 @@ def command(names, folder, threads, progress):
     """
     from gen_art.commands.progress import reporter
     from gen_art.output import job
-    from gen_art.preset.load import load_preset, preset_names
+    from gen_art.preset.load import load_preset
+    from gen_art.preset.shipped import preset_names
 
     out = Path(folder)
     for name in names or preset_names():
@@ -55,7 +56,7 @@ def moments(piece) -> tuple[float, range]:
 
 def page(names) -> str:
     """index.html: every preset's loop over its still, with the first lines of its file."""
-    from gen_art.preset.load import presets_folder
+    from gen_art.preset.shipped import presets_folder
 
     pieces = []
     for name in names:

@@ -104,9 +104,9 @@ def invariants(piece, system) -> tuple[list[str], dict[str, str]]:
     """What a system should conserve, and for what it does not, why: the ledger books the difference."""
     forces, interactions = _forces(piece, system), system.interactions
     working = [force.name for force in forces if not force.conservative and force.does_work]
-    working += [one.name for one in interactions if not getattr(one, "conservative", False)]
+    working += [one.name for one in interactions if not one.conservative or one.source_system]
     outer = [force.name for force in forces]
-    outer += [one.name for one in interactions if not getattr(one, "reciprocal", False) or one.values.get("sources")]
+    outer += [one.name for one in interactions if not one.reciprocal or one.source_system]
     mortal = [name for name, emitter in system.emitters.items() if _goes_on(system, emitter)]
     holds, booked = [], {}
     for quantity, reasons, why in (

@@ -1,6 +1,5 @@
 """`load_preset`: from a name, a path, `-` or a mapping to a validated Preset."""
 
-import difflib
 import secrets
 import sys
 from collections.abc import Mapping
@@ -14,37 +13,12 @@ from gen_art.errors import UsageError
 from gen_art.preset.overrides import apply, fill_knobs, plain
 from gen_art.preset.problems import Problem, dotted, preset_error
 from gen_art.preset.reader import Node, Source, read_bytes, read_file
+from gen_art.preset.shipped import find, presets_folder
 from gen_art.preset.values import number
 
-__all__ = ["find", "load_preset", "open_source", "preset_names", "presets_folder"]
+__all__ = ["load_preset", "open_source", "validate"]
 
 _ABOUT_KEYS = ("unknown", "is neither a key", "a name may not", "particle.attributes declares")  # shown at the key
-
-
-def presets_folder() -> Path:
-    """The shipped presets: inside the installed package, or beside it in a source checkout."""
-    package = Path(__file__).resolve().parent.parent
-    inside = package / "presets"
-    return inside if inside.is_dir() else package.parent / "presets"
-
-
-def preset_names() -> list[str]:
-    return sorted(path.stem for path in presets_folder().glob("*.yaml"))
-
-
-def find(name: str) -> Path:
-    """The file of a shipped preset's name or of a path; UsageError, with the nearest name, for neither."""
-    shipped = presets_folder() / f"{name}.yaml"
-    if name in preset_names():
-        return shipped
-    path = Path(name)
-    if path.suffix.lower() in (".yaml", ".yml") or len(path.parts) > 1 or path.exists():
-        return path
-    near = difflib.get_close_matches(name, preset_names(), n=1)
-    raise UsageError(
-        f"there is no preset '{name}'{f'; did you mean {near[0]!r}?' if near else ''} "
-        "(`gen-art list` names them; a file of your own is given by its path)"
-    )
 
 
 def open_source(preset: str | Path) -> tuple[Source, str]:

@@ -163,7 +163,6 @@ class Model(BaseModel):
             raise collected(problems)
         return result
 
-
     @classmethod
     def __get_pydantic_json_schema__(cls, schema, handler):
         made = handler(schema)

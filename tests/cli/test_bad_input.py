@@ -83,7 +83,7 @@ def test_a_folder_as_a_preset(refused, tmp_path):
 
 
 def test_an_unknown_preset_is_suggested(refused, monkeypatch):
-    monkeypatch.setattr("gen_art.preset.load.preset_names", lambda: ["fire", "smoke"])
+    monkeypatch.setattr("gen_art.preset.shipped.preset_names", lambda: ["fire", "smoke"])
     assert "there is no preset 'fier'; did you mean 'fire'?" in refused(2, "render", "fier", "-o", "film.mp4")
 
 

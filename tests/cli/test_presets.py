@@ -4,7 +4,8 @@ import json
 
 import pytest
 
-from gen_art.preset.load import load_preset, preset_names
+from gen_art.preset.load import load_preset
+from gen_art.preset.shipped import preset_names
 from tests.preset.piece import TEXT
 
 

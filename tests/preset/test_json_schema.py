@@ -5,10 +5,11 @@ import copy
 import jsonschema
 import pytest
 
-from gen_art.preset.load import open_source, preset_names
+from gen_art.preset.load import open_source
 from gen_art.preset.reader import read_text
 from gen_art.preset.registered import registry
 from gen_art.preset.schema import json_schema
+from gen_art.preset.shipped import preset_names
 
 from .piece import TEXT
 

@@ -1,0 +1,34 @@
+"""The presets that come with the package, and what a PRESET on the command line names."""
+
+import difflib
+from pathlib import Path
+
+from gen_art.errors import UsageError
+
+__all__ = ["find", "preset_names", "presets_folder"]
+
+
+def presets_folder() -> Path:
+    """The shipped presets: inside the installed package, or beside it in a source checkout."""
+    package = Path(__file__).resolve().parent.parent
+    inside = package / "presets"
+    return inside if inside.is_dir() else package.parent / "presets"
+
+
+def preset_names() -> list[str]:
+    return sorted(path.stem for path in presets_folder().glob("*.yaml"))
+
+
+def find(name: str) -> Path:
+    """The file of a shipped preset's name or of a path; UsageError, with the nearest name, for neither."""
+    shipped = presets_folder() / f"{name}.yaml"
+    if name in preset_names():
+        return shipped
+    path = Path(name)
+    if path.suffix.lower() in (".yaml", ".yml") or len(path.parts) > 1 or path.exists():
+        return path
+    near = difflib.get_close_matches(name, preset_names(), n=1)
+    raise UsageError(
+        f"there is no preset '{name}'{f'; did you mean {near[0]!r}?' if near else ''} "
+        "(`gen-art list` names them; a file of your own is given by its path)"
+    )
