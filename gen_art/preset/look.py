@@ -182,7 +182,7 @@ class Trail(Model):
 class Look(Model):
     """How a system's particles are drawn.
 
-    draw: `point` (a bilinear dot), `disc` (a soft Gaussian sprite; its radius is two standard deviations) or `streak`
+    draw: `point` (a bilinear dot), `disc` (a soft Gaussian sprite; its radius is 2.2 standard deviations) or `streak`
     (the path of the last `length` seconds, by default the time the shutter is open). radius, width: world units;
     without them the particle's own radius. pixels: the size in pixels of a picture 720 rows high instead.
     size multiplies either. blend `add` is light, `alpha` also hides what is behind it.

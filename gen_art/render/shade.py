@@ -25,7 +25,7 @@ from gen_art.runtime import kernel, ti
 __all__ = ["Shading", "add_sprites"]
 
 REFERENCE_ROWS = 720.0  # a "pixel" of a preset is 1/720 of the picture's height
-SOFT = 1.5  # a disc's reach over its radius: the radius is two standard deviations, the reach three
+SOFT = 1.5  # a disc's reach over its radius
 
 _BY = {
     "age": 0, "seconds": 1, "speed": 2, "energy": 3, "charge": 4, "mass": 5, "radius": 6, "id": 7, "random": 8,

@@ -12,7 +12,7 @@ drawing is cut into SLICES, and in each of them the coarse films come first.
 A sprite's light is spread by weights that are divided by their sum over its whole footprint, so every sprite gives
 exactly its energy wherever its middle lies between pixels; only the frame's border cuts.
 
-Kernel of a disc, per axis: g(t) = (1 - 0.3125 t^2)^8 (1 - t^2)^2, t = distance / reach, reach = 3 standard deviations:
+Kernel of a disc, per axis: g(t) = (1 - 0.3125 t^2)^8 (1 - t^2)^2, t = distance / reach, reach = 3.3 standard deviations:
 a Gaussian that ends softly. A streak is a disc swept along a segment: its profile along the longer axis is the
 integral of the kernel between the ends, across it the kernel about the segment, with the covariance of the swept disc.
 """
@@ -32,11 +32,12 @@ TILE = 8  # pixels along the side of the local array
 SIDE = BIN // TILE
 CHUNKS = 16  # fixed: the order of drawing must not depend on the number of threads
 LANE = 4 * TILE  # floats in a tile's row
-SMALLEST = 1.5  # pixels of reach: half a pixel of standard deviation, or the kernel would alias
+SMALLEST = 1.5  # pixels of reach: a standard deviation of 0.45, or the kernel would alias
 COARSE = 16.0  # pixels of reach from which a disc is drawn at half the size, then at a quarter, an eighth
 COARSEST = 3
 SLICES = 24
-SOFTNESS = 0.8819171  # reach of the step over that of the kernel, at the same variance: sqrt(7) / 3
+VARIANCE = 0.0903  # of the kernel of reach 1
+THINNEST = 1.15  # the same for a streak, whose weights are integrals over pixels
 WIDE = 64.0  # pixels of reach from which the kernel's sum is its integral (to 1e-6)
 
 
@@ -78,9 +79,10 @@ def line_sum(middle, reach):
 
 @ti.func
 def _step(t):
-    """A smooth step from 0 at t = -1 to 1 at t = 1; its slope has the standard deviation 1 / sqrt(7)."""
-    u = ti.min(ti.max(0.5 * t + 0.5, 0.0), 1.0)
-    return u * u * u * (u * (6.0 * u - 15.0) + 10.0)
+    """A smooth step from 0 at t = -1 to 1 at t = 1, nearly the kernel's integral: its slope goes as (1 - t^2)^4."""
+    u = ti.min(ti.max(t, -1.0), 1.0)
+    s = u * u
+    return 0.5 + u * (1.23046875 + s * (-1.640625 + s * (1.4765625 + s * (-0.703125 + s * 0.13671875))))
 
 
 @ti.func
@@ -88,9 +90,9 @@ def along(a, span, reach, tail):
     """A streak's brightness at distance `a` from its old end along the longer axis (span > 0: its length there)."""
     value = 0.0
     if span < reach * 0.3333333:
-        value = profile((a - 0.5 * span) / ti.sqrt(reach * reach + 0.75 * span * span))
+        value = profile((a - 0.5 * span) / ti.sqrt(reach * reach + span * span / (12.0 * VARIANCE)))
     else:
-        inverse = 1.0 / (reach * SOFTNESS)
+        inverse = 1.0 / reach
         value = ti.max(_step(a * inverse) - _step((a - span) * inverse), 0.0)
     return value * (tail + (1.0 - tail) * ti.min(ti.max(a / span, 0.0), 1.0))
 
@@ -100,16 +102,16 @@ def streak_margin(span, reach):
     """How far a streak's light goes beyond its ends along the longer axis."""
     margin = reach
     if span < reach * 0.3333333:
-        margin = ti.sqrt(reach * reach + 0.75 * span * span)
+        margin = ti.sqrt(reach * reach + span * span / (12.0 * VARIANCE))
     return margin
 
 
 @ti.func
 def streak_slope(dm, dn, reach):
     """Slope of the middle line and reach across, for a streak dm along its longer axis and dn across."""
-    var = reach * reach / 9.0
+    var = reach * reach * VARIANCE
     xx, xy, yy = var + dm * dm / 12.0, dm * dn / 12.0, var + dn * dn / 12.0
-    return xy / xx, 3.0 * ti.sqrt(ti.max(yy - xy * xy / xx, 0.0))
+    return xy / xx, ti.sqrt(ti.max(yy - xy * xy / xx, 0.0) / VARIANCE)
 
 
 @ti.func
@@ -135,7 +137,8 @@ def finish(P: ti.template(), i, width, rows):
         sign = dm / span
         margin = streak_margin(span, reach)
         slope, across = streak_slope(dm, dn, reach)
-        P[i, SLOPE], P[i, ACROSS] = slope, across
+        P[i, SLOPE] = slope
+        P[i, ACROSS] = ti.sqrt(ti.max(across * across - 1.0 / (12.0 * VARIANCE), 0.0))  # what a pixel's width adds
         start = end - dm
         total = 0.0
         first = ti.cast(ti.floor(ti.min(start, end) - margin), ti.i32)
@@ -167,7 +170,7 @@ def coarsen(P: ti.template(), i, chance):
         for c in ti.static((RED, GREEN, BLUE, ALPHA)):
             P[i, c] = P[i, c] * 0.25
         level += 1
-        P[i, REACH] = ti.sqrt(P[i, REACH] * P[i, REACH] - 1.5)  # bilinear weights add 1/6 pixel^2 of variance
+        P[i, REACH] = ti.sqrt(P[i, REACH] * P[i, REACH] - 1.0 / (6.0 * VARIANCE))  # what bilinear weights add
     P[i, LEVEL] = ti.cast(level, ti.f32)
     return level
 
@@ -287,14 +290,14 @@ def _streak(P: ti.template(), i, tile: ti.template(), x, y, dx, dy, top, bottom)
     span = abs(dm)
     sign = ti.select(dm > 0.0, 1.0, -1.0)
     r, g, b = P[i, RED] * P[i, NORM_X], P[i, GREEN] * P[i, NORM_X], P[i, BLUE] * P[i, NORM_X]
-    tail, taper, per_span, soft = P[i, TAIL], P[i, TAPER], 1.0 / span, across * SOFTNESS
+    tail, taper, per_span = P[i, TAIL], P[i, TAPER], 1.0 / span
     weight, middle, wide = ti.Vector([0.0] * TILE), ti.Vector([0.0] * TILE), ti.Vector([0.0] * TILE)
     for m in range(TILE):
         c = ti.cast(m, ti.f32) + 0.5 - end
         weight[m] = along(c * sign + span, span, reach, tail)
         middle[m] = side + slope * (c + 0.5 * dm)
         head = ti.min(ti.max((c * sign + span) * per_span, 0.0), 1.0)
-        wide[m] = ti.max(soft * (taper + (1.0 - taper) * head), SMALLEST * SOFTNESS)
+        wide[m] = ti.max(across * (taper + (1.0 - taper) * head), THINNEST)
     for m in range(low, high):
         if weight[m] > 0.0:
             w0, inverse = weight[m], 1.0 / wide[m]

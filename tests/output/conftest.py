@@ -1,0 +1,8 @@
+import pytest
+
+from gen_art import runtime
+
+
+@pytest.fixture(autouse=True, scope="session")
+def taichi():
+    runtime.init("cpu")

@@ -1,0 +1,212 @@
+"""Splatting: every sprite gives its energy, wherever it lies, and the same bytes on any number of threads."""
+
+import hashlib
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gen_art.preset.look import Look
+from gen_art.render.camera import Camera
+from gen_art.render.frame import Painter, render_frame
+from gen_art.render.splat import AREA, profile_integral
+from tests.render.particles import scene, state
+
+SIZE = (400, 240)
+PIXELS = Camera(position=(0, 0, 10), height=240.0)  # one world unit is one pixel
+
+
+def paint(look: dict, position, velocity=None, *, size=SIZE, camera=PIXELS, shutter=1.0, time=1.0, **more):
+    painter = Painter(size, camera, {"a": Look(**look)}, shutter)
+    return np.array(painter.paint(scene(time, a=state(position, velocity, **more)), 0.0))
+
+
+def light(picture) -> np.ndarray:
+    return picture[..., :3].sum(axis=(0, 1), dtype=np.float64)
+
+
+@pytest.fixture
+def places():
+    return np.random.default_rng(7).uniform(-40, 40, (40, 3)) * (1, 1, 0)
+
+
+@pytest.mark.parametrize("radius", [0.01, 0.3, 0.8, 2.0, 6.0, 10.6, 10.7, 15, 21.3, 22, 43])
+def test_a_disc_gives_its_energy_at_any_size_and_offset(places, radius):
+    got = light(paint({"draw": "disc", "radius": radius}, places, size=(800, 600), camera=Camera(position=(0, 0, 9), height=600.0)))
+    assert got == pytest.approx([len(places) * AREA * (1.5 * radius) ** 2] * 3, rel=1e-5)
+
+
+@pytest.mark.parametrize("width", [0.1, 1.0, 3.0, 12.0, 30.0])
+@pytest.mark.parametrize("tail, taper", [(1, 1), (0.1, 0.3)])
+def test_a_streak_gives_its_energy_whatever_its_length(places, width, tail, taper):
+    for speed in (0.01, 0.5, 3.0, 60.0):
+        velocity = np.random.default_rng(3).normal(0, speed, places.shape)
+        look = {"draw": "streak", "width": width, "tail": tail, "taper": taper}
+        got = light(paint(look, places, velocity, size=(1200, 1000), camera=Camera(position=(0, 0, 9), height=1000.0)))
+        assert got == pytest.approx([len(places) * AREA * (0.75 * width) ** 2] * 3, rel=1e-5)
+
+
+def test_a_point_gives_a_reference_pixel_of_light_at_any_size(places):
+    for rows in (120, 240, 720, 960):
+        camera = Camera(position=(0, 0, 9), height=240.0)
+        got = paint({"draw": "point"}, places, size=(2 * rows, rows), camera=camera).mean(axis=(0, 1), dtype=np.float64)
+        assert got[:3] == pytest.approx([len(places) / (2 * 720**2)] * 3, rel=1e-5)
+
+
+@pytest.mark.parametrize("look", [{"draw": "disc", "radius": 1.0}, {"draw": "disc", "radius": 30.0}, {"draw": "streak", "width": 3.0}])
+def test_the_frame_s_border_cuts_and_nothing_else(look):
+    middle = light(paint(look, [[0, 0, 0]], [[4, 0, 0]]))
+    corner = light(paint(look, [[-200, 120, 0]], [[4, 0, 0]]))
+    assert 0.03 < corner[0] / middle[0] < 0.5
+    assert light(paint(look, [[-900, 0, 0]], [[4, 0, 0]])) == pytest.approx([0, 0, 0])
+
+
+def test_a_streak_of_no_length_is_a_disc():
+    place = [[3.3, -7.7, 0], [20.5, 9.1, 0]]
+    disc = paint({"draw": "disc", "radius": 2.5}, place)
+    streak = paint({"draw": "streak", "width": 5.0}, place, [[0, 0, 0], [0, 0, 0]])
+    assert np.array_equal(disc, streak)
+    short = paint({"draw": "streak", "width": 5.0}, place, [[0.02, 0.01, 0], [0.01, -0.02, 0]])
+    assert np.abs(short - disc).max() < 0.03 * disc.max()
+
+
+def test_a_streak_lies_between_where_the_particle_was_and_is():
+    picture = paint({"draw": "streak", "width": 1.0, "tail": 0.0}, [[10.5, 0.5, 0]], [[30, 15, 0]])
+    rows, columns = np.nonzero(picture[..., 0] > 0.01 * picture[..., 0].max())
+    assert abs(columns.max() - 210) <= 2 and abs(columns.min() - 181) <= 4
+    assert abs(rows.min() - 119) <= 2 and abs(rows.max() - 134) <= 3
+    along = picture[..., 0].sum(axis=0)
+    assert along[205:209].mean() > 4 * along[184:188].mean(), "the head must be brighter than the tail"
+
+
+def test_streaks_agree_with_the_mean_of_many_discs():
+    velocity, place = np.array([26.0, 11.0, 0.0]), np.array([5.2, 3.1, 0.0])
+    streak = paint({"draw": "streak", "width": 4.0}, [place], [velocity])[..., 0]
+    steps = (np.arange(400) + 0.5) / 400
+    many = paint({"draw": "disc", "radius": 2.0}, place - steps[:, None] * velocity)[..., 0] / 400
+    assert np.abs(streak - many).sum() < 0.06 * many.sum()
+
+
+def test_discs_are_round():
+    picture = paint({"draw": "disc", "radius": 12.0}, [[0, 0, 0]])[..., 0]
+    y, x = np.mgrid[: SIZE[1], : SIZE[0]] + 0.5
+    r, angle = np.hypot(x - 200, y - 120), np.arctan2(y - 120, x - 200)
+    ring = (r > 9.5) & (r < 10.5)
+    octants = [picture[ring & (np.abs(angle - k * np.pi / 4) < 0.3)].mean() for k in range(-3, 4)]
+    assert max(octants) / min(octants) < 1.06
+
+
+@pytest.mark.parametrize("radius", [7.0, 10.0, 15.0, 25.0, 60.0])
+def test_large_discs_on_coarser_films_keep_their_shape(radius):
+    picture = paint({"draw": "disc", "radius": radius}, [[0.3, -0.2, 0]], size=(800, 480), camera=Camera(position=(0, 0, 9), height=480.0))
+    reach = 1.5 * np.hypot(radius, 1)  # a pixel and a half is the least reach
+    x, y = (np.arange(800) + 0.5 - 400.3) / reach, (np.arange(480) + 0.5 - 240.2) / reach
+    gx, gy = ((1 - 0.3125 * np.minimum(t * t, 1)) ** 8 * (1 - np.minimum(t * t, 1)) ** 2 for t in (x, y))
+    assert np.abs(picture[..., 0] * (reach / (1.5 * radius)) ** 2 - gy[:, None] * gx).max() < 0.006
+
+
+def test_the_picture_at_twice_the_size_is_the_picture():
+    rng = np.random.default_rng(2)
+    place, look = rng.normal(0, 30, (300, 3)), {"draw": "disc", "radius": 5.0}
+    one = paint(look, place)
+    two = paint(look, place, size=(800, 480)).reshape(240, 2, 400, 2, 4).mean(axis=(1, 3))
+    assert np.abs(one - two).sum() < 0.01 * two.sum()
+
+
+def test_alpha_is_laid_back_to_front_and_ties_go_by_id():
+    look = {"draw": "disc", "blend": "alpha", "radius": 8.0, "opacity": 50.0, "albedo": {"by": "id", "range": "0..1", "gradient": ["red", "blue"]}}
+    near_is_second = paint(look, [[0, 0, 0], [0, 0, 2]])[120, 200]
+    near_is_first = paint(look, [[0, 0, 2], [0, 0, 0]])[120, 200]
+    tie = paint(look, [[0, 0, 0], [0, 0, 0]])[120, 200]
+    assert near_is_second[2] > 5 * near_is_second[0], "the blue one is in front"
+    assert near_is_first[0] > 3 * near_is_first[2], "the red one is in front"
+    assert np.array_equal(tie, near_is_second), "of two at one depth the later is in front"
+    assert near_is_second[3] == pytest.approx(1.0, abs=0.02)
+
+
+def test_what_is_in_front_hides_light_and_what_is_behind_does_not():
+    looks = {
+        "smoke": Look(draw="disc", blend="alpha", radius=20.0, opacity=3.0, albedo="black"),
+        "lamp": Look(draw="disc", radius=0.4),
+    }
+
+    def at(depth):
+        systems = {"smoke": state([[0, 0, 0]]), "lamp": state([[0, 0, depth]])}
+        return light(np.array(Painter(SIZE, PIXELS, looks).paint(scene(**systems), 0.0)))[0]
+
+    assert at(-2) / at(2) == pytest.approx(np.exp(-3.0), rel=0.1)
+
+
+def test_premultiplied_alpha_stays_within_bounds():
+    rng = np.random.default_rng(5)
+    picture = paint({"draw": "disc", "blend": "alpha", "radius": 9.0, "opacity": 0.4}, rng.normal(0, 20, (4000, 3)))
+    assert picture.min() >= 0 and picture[..., 3].max() <= 1.0 + 1e-5
+    assert np.all(picture[..., :3] <= picture[..., 3:] * (1 + 1e-4) + 1e-6), "white smoke is as bright as it covers"
+
+
+def test_light_in_the_frame_is_the_mean_of_the_film():
+    stars = scene(stars=state(np.random.default_rng(1).normal(0, 1, (500, 3))))
+    far = Camera(position=(0, 0, 30), fov=60)
+    for size in ((160, 90), (640, 360), (1280, 720)):
+        assert render_frame(stars, size, far).mean(axis=(0, 1), dtype=np.float64) == pytest.approx([500, 500, 500, 0], rel=1e-5)
+
+
+def test_float64_storage_is_drawn_the_same():
+    place = np.random.default_rng(1).normal(0, 20, (200, 3)).astype(np.float32)
+    one, two = (paint({"draw": "disc", "radius": 2.0}, place, dtype=d) for d in (np.float32, np.float64))
+    assert np.abs(one - two).max() < 1e-5
+
+
+def test_the_dead_and_the_unborn_are_not_drawn():
+    got = light(paint({"draw": "disc", "radius": 2.0}, [[0, 0, 0]] * 3, birth=[0.0, 1.5, 0.9], life=[0.5, 5.0, 5.0]))
+    assert got[0] == pytest.approx(AREA * 9.0, rel=1e-5)
+
+
+def test_positions_that_are_no_numbers_are_left_out():
+    got = light(paint({"draw": "disc", "radius": 2.0}, [[np.nan, 0, 0], [np.inf, 0, 0], [0, 0, 0]]))
+    assert got[0] == pytest.approx(AREA * 9.0, rel=1e-5)
+
+
+def test_no_particles_make_a_black_picture():
+    assert not paint({"draw": "point"}, np.zeros((0, 3))).any()
+
+
+def test_the_kernel_s_integral():
+    assert profile_integral() == pytest.approx(0.7923188656, abs=1e-8)
+
+
+_DIGEST = """
+import sys, hashlib, numpy as np
+sys.path.insert(0, {root!r})
+from gen_art import runtime
+runtime.init("cpu", int(sys.argv[1]))
+from tests.render.particles import scene, state
+from gen_art.preset.look import Look
+from gen_art.render.camera import Camera
+from gen_art.render.frame import Painter
+from gen_art.render.develop import develop
+rng = np.random.default_rng(0)
+x, v = rng.normal(0, 1, (20000, 3)), rng.normal(0, 2, (20000, 3))
+looks = dict(
+    points=Look(draw="point"), streaks=Look(draw="streak", width=0.02, emission=dict(blackbody=1800)),
+    smoke=Look(draw="disc", blend="alpha", radius=0.04, size=dict(by="random", curve=[[0, 1], [1, 8]]), opacity=0.2, light={{}}),
+)
+film = Painter((320, 200), Camera(position=(0, 0, 6)), looks, 0.05).paint(scene(1.0, **{{k: state(x + i, v) for i, k in enumerate(looks)}}), 0.0)
+print(hashlib.sha256(np.ascontiguousarray(film)).hexdigest(), hashlib.sha256(develop(film)).hexdigest())
+"""
+
+
+def test_one_and_two_threads_give_the_same_bytes():
+    root = str(Path(__file__).parents[2])
+    runs = [
+        subprocess.run([sys.executable, "-c", _DIGEST.format(root=root), str(n)], capture_output=True, text=True, check=True).stdout
+        for n in (1, 2)
+    ]
+    assert runs[0] == runs[1] and len(runs[0]) > 100
+
+
+def test_a_picture_repeats(places):
+    digests = {hashlib.sha256(paint({"draw": "disc", "radius": 4.0}, places)).hexdigest() for _ in range(3)}
+    assert len(digests) == 1
