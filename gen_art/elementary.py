@@ -164,12 +164,14 @@ def power(x, y):
 
 @ti.func
 def phi(z):
-    """(1 - e^-z) / z for z >= 0, without cancellation near 0: the mean of e^-s over [0, z]."""
-    y = ti.min(z, ti.static(708.0 if is_f64() else 87.0))
+    """(1 - e^-z) / z, without cancellation near 0: the mean of e^-s over [0, z]; z from -87 (f32) or -708 on."""
+    limit = ti.static(708.0 if is_f64() else 87.0)
+    y = ti.min(ti.max(z, -limit), limit)
     n = ti.floor(0.5 - y * 1.4426950408889634)
     ln2 = ti.static(_LN2[is_f64()])
     r = (-y - n * ln2[0]) - n * ln2[1]
     scale = _two_to(ti.cast(n, ti.i32))
     shrink = scale * r * _horner(r, _EXPM1[is_f64()]) + (scale - 1.0)
     tiny = ti.static(1e-290 if is_f64() else 1e-30)
-    return ti.select(z > tiny, -shrink / ti.max(z, tiny), 1.0)
+    near = ti.abs(z) <= tiny
+    return ti.select(near, 1.0, -shrink / ti.select(near, 1.0, z))

@@ -1,0 +1,70 @@
+"""A force's vectors and potential at given states, straight from its own functions, for comparison with NumPy."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from gen_art import runtime
+from gen_art.composition import Composition
+from gen_art.forces.base import term_acceleration
+from gen_art.integrators.terms import Terms, view
+from gen_art.medium import Medium
+from gen_art.runtime import ti
+from gen_art.tracing import parameters
+
+
+def states(n: int = 64, seed: int = 1) -> SimpleNamespace:
+    """n particles about the origin with every attribute set."""
+    r = np.random.default_rng(seed)
+    return SimpleNamespace(
+        position=r.normal(size=(3, n)), velocity=r.normal(size=(3, n)), mass=r.uniform(0.5, 2, n),
+        charge=r.uniform(0.5, 2, n), radius=r.uniform(0.1, 0.3, n), age=r.uniform(0, 2, n), time=0.7,
+    )  # fmt: skip
+
+
+def probe(force, p, precision="f64", medium=None):
+    """(acceleration (3, n), magnetic (3, n), damping (2, n), potential (n,)) of one force at the states p."""
+    dtype = np.float64 if precision == "f64" else np.float32
+    real = runtime.DTYPES[precision]
+    composition = Composition([force], medium or Medium())
+    terms = Terms(composition, (), 0)
+    n = p.position.shape[1]
+    S = np.zeros((10, n), dtype)
+    S[0:3], S[3:6], S[6], S[7], S[8], S[9] = p.position, p.velocity, p.mass, p.charge, p.radius, np.inf
+    out = np.zeros((9, n), dtype)
+    term = composition.terms[0]
+    kinds = {k: force.provides(k) for k in ("acceleration", "force", "electric", "magnetic", "damping", "potential")}
+    pushes = kinds["acceleration"] or kinds["force"] or kinds["electric"]
+    count = force.values[force.repeat] if force.repeat else 1
+
+    @ti.kernel
+    def kernel(
+        S: ti.types.ndarray(real, 2), K: ti.types.ndarray(ti.u32, 2), A: ti.types.ndarray(real, 1),
+        Q: ti.types.ndarray(real, 1), t: real, out: ti.types.ndarray(real, 2), count: ti.i32,
+    ):  # fmt: skip
+        ti.loop_config(block_dim=1)
+        for b in range(1):
+            for i in range(S.shape[1]):
+                for k in range(count):
+                    x = ti.Vector([S[0, i], S[1, i], S[2, i]])
+                    v = ti.Vector([S[3, i], S[4, i], S[5, i]])
+                    q = parameters(Q, force, 0, k)
+                    p = view(terms, S, K, i, x, v, A[i])
+                    if ti.static(pushes):
+                        a = term_acceleration(force, p, t, q)
+                        for c in ti.static(range(3)):
+                            out[c, i] = out[c, i] + a[c]
+                    if ti.static(kinds["magnetic"]):
+                        field = force.magnetic(p, t, q)
+                        for c in ti.static(range(3)):
+                            out[3 + c, i] = field[c]
+                    if ti.static(kinds["damping"]):
+                        rates = force.damping(p, t, q)
+                        out[6, i], out[7, i] = rates[0], rates[1]
+                    if ti.static(kinds["potential"]):
+                        out[8, i] = force.potential(p, t, q)
+
+    assert term.offset == 0 or medium is not None
+    numbers = np.array(force.bound_numbers(medium or Medium()) or [0.0], dtype)
+    runtime.kernel(kernel, precision)(S, np.zeros((2, n), np.uint32), p.age.astype(dtype), numbers, p.time, out, count)
+    return out[:3], out[3:6], out[6:8], out[8]

@@ -1,0 +1,106 @@
+"""One canonical instance of every force, and its formula written again in NumPy."""
+
+import numpy as np
+
+import gen_art as ga
+from gen_art.medium import Medium
+
+F = ga.forces
+
+
+def _column(v):
+    return np.asarray(v, float)[:, None]
+
+
+def _softened(p, center, soft):
+    r = p.position - _column(center)
+    return r, np.sqrt((r * r).sum(0) + soft**2)
+
+
+def central(p):
+    r, s = _softened(p, (0.1, 0.2, -0.3), 0.2)
+    return -1.7 * s ** (-1.5 - 1) * r
+
+
+def hernquist(p):
+    r = p.position - _column((0.1, 0, 0))
+    d = np.linalg.norm(r, axis=0)
+    return -3.0 * r / (d * (d + 0.7) ** 2)
+
+
+def spring(p):
+    r = p.position - _column((0.1, 0.2, -0.3))
+    d = np.linalg.norm(r, axis=0)
+    return -2.5 * (d - 0.4) * r / d / p.mass
+
+
+def point_gravity(p):
+    r, s = _softened(p, (0.3, 0, 0), 0.1)
+    return -2.0 * r / s**3
+
+
+def vortex(p):
+    n = np.array([0.0, 1.0, 0.0])
+    r = p.position - _column((0.1, 0, 0))
+    rho = r - np.outer(n, n @ r)
+    return np.cross(n, rho.T).T * 3.0 / (2 * np.pi) / ((rho**2).sum(0) + 0.2**2)
+
+
+def aperture(p):
+    """Gradient of speed b atan(s) by central differences of the potential, s from oblate spheroidal coordinates."""
+
+    def potential(x):
+        y = x / 0.8
+        z = y[2]
+        d = (y * y).sum(0) - 1
+        return 1.5 * 0.8 * np.arctan(np.sign(z) * np.sqrt(0.5 * (d + np.sqrt(d * d + 4 * z * z))))
+
+    out, h = np.zeros_like(p.position), 1e-6
+    for c in range(3):
+        e = np.zeros((3, 1))
+        e[c] = h
+        out[c] = (potential(p.position + e) - potential(p.position - e)) / (2 * h)
+    return out
+
+
+def mirror(p):
+    x, y, z = (p.position - _column((0, 0.1, 0))) / 1.3
+    rho2 = x * x + z * z
+    return 0.5 * np.stack([-x * y, 1 + y * y - 0.5 * rho2, -z * y])
+
+
+# name: (instance, what it gives, the NumPy formula); "push" is compared after multiplying fields by charge / mass
+CASES = {
+    "gravity": (F.Gravity((1.0, -9.81, 0.5)), "push", lambda p: np.tile(_column((1.0, -9.81, 0.5)), p.mass.size)),
+    "wind": (F.Wind((1.0, 2.0, 3.0)), "push", lambda p: np.tile(_column((1.0, 2.0, 3.0)), p.mass.size)),
+    "drag": (
+        F.Drag(linear=0.3, quadratic=0.2, cd=0.5, density=1.2),
+        "damping",
+        lambda p: np.stack([0.3 / p.mass, (0.2 + 0.5 * 1.2 * 0.5 * np.pi * p.radius**2) / p.mass]),
+    ),
+    "damping": (F.Damping(0.7), "damping", lambda p: np.stack([np.full(p.mass.size, 0.7), np.zeros(p.mass.size)])),
+    "buoyancy": (
+        F.Buoyancy(1.3, (0.0, -9.0, 1.0)),
+        "push",
+        lambda p: -1.3 * 4 / 3 * np.pi * p.radius**3 / p.mass * _column((0.0, -9.0, 1.0)),
+    ),
+    "thermal_lift": (
+        F.ThermalLift(400.0, 300.0, 0.8, 290.0),
+        "push",
+        lambda p: np.outer((0, 9.81, 0), (300 + 100 * np.exp(-p.age / 0.8)) / 290.0 - 1),
+    ),
+    "spring": (F.Spring((0.1, 0.2, -0.3), 2.5, 0.4), "push", spring),
+    "central_force": (F.CentralForce((0.1, 0.2, -0.3), 1.7, -1.5, 0.2), "push", central),
+    "point_gravity": (F.PointGravity((0.3, 0.0, 0.0), 2.0, 0.1), "push", point_gravity),
+    "hernquist": (F.Hernquist(3.0, 0.7, (0.1, 0.0, 0.0)), "push", hernquist),
+    "vortex": (F.Vortex((0.1, 0.0, 0.0), (0.0, 2.0, 0.0), 3.0, 0.2), "push", vortex),
+    "aperture": (F.Aperture(1.5, 0.8), "push", aperture),
+    "curl_noise": (F.CurlNoise(1.2, 0.6, 0.8, 3), "noise", None),
+    "electric_field": (
+        F.ElectricField((1.0, 2.0, -3.0)), "push", lambda p: _column((1.0, 2.0, -3.0)) * p.charge / p.mass
+    ),
+    "magnetic_field": (F.MagneticField((1.0, 2.0, -3.0)), "magnetic", lambda p: np.tile(_column((1.0, 2.0, -3.0)), p.mass.size)),
+    "magnetic_mirror": (F.MagneticMirror(0.5, 1.3, (0.0, 0.1, 0.0), (0.0, 3.0, 0.0)), "magnetic", mirror),
+}  # fmt: skip
+
+STILL = Medium()

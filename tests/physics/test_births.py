@@ -1,0 +1,226 @@
+"""Births: exact times, keys that depend on nothing else, particles spread within a step, children of events."""
+
+import numpy as np
+import pytest
+
+import gen_art as ga
+from gen_art.emitters.schedule import Burst, Rate
+
+
+def preset(systems, step=0.01, **more):
+    return ga.load_preset(
+        {
+            "version": 1,
+            "seed": 5,
+            "clock": {"duration": 1, "fps": 10, "step": step, "speed": 1},
+            "systems": systems,
+            **more,
+        }
+    )
+
+
+def simulate(systems, seconds, step=0.01, precision="f64", **more):
+    sim = ga.Simulation(preset(systems, step, **more), precision=precision)
+    sim.advance(seconds)
+    return sim
+
+
+FOUNTAIN = {
+    "particle": {"lifetime": "0.2..0.6", "radius": "0.01..0.02", "density": 1000},
+    "emitters": {
+        "a": {"rate": 137.7, "shape": {"ball": 0.3}, "velocity": {"cone": [0, 1, 0], "angle": 30, "speed": "1..3"}},
+        "b": {"rate": [[0, 0], [0.5, 400], [1, 50]], "shape": {"disc": 1.0}, "velocity": {"sphere": 2}},
+    },
+}
+
+
+@pytest.mark.parametrize("schedule", [Rate(137.7), Rate([[0, 0], [0.5, 400], [1, 50]]), Rate(50, 0.123, 0.7), Burst([0.1, 0.25, 0.25, 0.7], [3, 5, 1, 2])])
+def test_times_and_counts_agree(schedule):
+    """until(t) counts exactly the births whose own times are at or before t."""
+    n = schedule.until(1.5)
+    times = schedule.times(0, n)
+    assert (np.diff(times) >= 0).all() and times[-1] <= 1.5
+    for t in [*np.linspace(0, 1.5, 301), *times, *np.nextafter(times, 0)]:
+        assert schedule.until(t) == np.count_nonzero(times <= t)
+
+
+def test_births_follow_the_integral_of_the_rate():
+    times = Rate([[0, 0], [0.5, 400], [1, 50]]).times(0, 150)
+    rising = times <= 0.5
+    assert np.allclose(400 * times[rising] ** 2, np.arange(rising.sum()) + 0.5)  # integral of 800 t
+    assert np.allclose(Rate(8.0, 2.0).times(0, 4), 2 + (np.arange(4) + 0.5) / 8)
+    assert not np.allclose(Rate(8.0, 2.0).times(0, 4), 2 + np.arange(4) / 8)  # the mutant: births at whole counts
+
+
+def test_same_particles_at_every_time_step():
+    runs = [simulate({"s": FOUNTAIN}, 0.8, step)["s"] for step in (0.02, 0.01, 0.005)]
+    for other in runs[1:]:
+        for name in ("ids", "keys", "emitter", "mass", "radius"):
+            assert np.array_equal(getattr(runs[0], name), getattr(other, name)), name
+        assert np.array_equal(runs[0].attribute("lifetime"), other.attribute("lifetime"))
+        assert np.allclose(runs[0].age, other.age, rtol=0, atol=1e-14)
+        assert np.allclose(runs[0].position, other.position, rtol=0, atol=1e-12)  # no forces: exact up to rounding
+
+
+def test_a_step_at_a_time_or_many_are_the_same_bits():
+    one, many = ga.Simulation(preset({"s": FOUNTAIN})), ga.Simulation(preset({"s": FOUNTAIN}))
+    for _ in range(70):
+        one.step(1)
+    many.step(70)
+    assert one.digest() == many.digest()
+    many.step(1)
+    assert one.digest() != many.digest()
+
+
+def by_key(system, emitter):
+    of = system.emitter == emitter
+    return {k: (*x, *v, m) for k, x, v, m in zip(system.keys[of], system.position[of], system.velocity[of], system.mass[of])}
+
+
+def test_emitters_do_not_know_of_each_other():
+    forces = {"forces": {"gravity": [0, -9.81, 0], "curl_noise": {"strength": 3, "octaves": 2}}}
+    base = by_key(simulate({"s": FOUNTAIN}, 0.7, **forces)["s"], "a")
+    louder = {**FOUNTAIN, "emitters": {**FOUNTAIN["emitters"], "b": {"rate": 3000, "velocity": {"sphere": 1}}}}
+    added = {**FOUNTAIN, "emitters": {"0new": {"rate": 500}, **FOUNTAIN["emitters"]}}
+    turned = {**FOUNTAIN, "emitters": dict(reversed(FOUNTAIN["emitters"].items()))}
+    for systems in ({"s": louder}, {"s": added}, {"s": turned}, {"other": FOUNTAIN, "s": FOUNTAIN}):
+        assert by_key(simulate(systems, 0.7, **forces)["s"], "a") == base
+    faster = {**FOUNTAIN, "emitters": {**FOUNTAIN["emitters"], "a": {**FOUNTAIN["emitters"]["a"], "rate": 138.7}}}
+    assert by_key(simulate({"s": faster}, 0.7, **forces)["s"], "b") == by_key(simulate({"s": FOUNTAIN}, 0.7, **forces)["s"], "b")
+    reseeded = simulate({"s": FOUNTAIN}, 0.7, seed=6, **forces)["s"]
+    assert not set(by_key(reseeded, "a")) & set(base)
+
+
+def test_a_fast_emitter_makes_a_line():
+    """50 particles a step from a moving emitter are uniform along its path, the partial first step included."""
+    systems = {"s": {"emitters": {"jet": {"rate": 5000, "motion": {"velocity": [100, 0, 0]}}}}}
+    x = simulate(systems, 0.1)["s"].position[:, 0]
+    assert np.allclose(np.sort(x), 100 * (np.arange(500) + 0.5) / 5000, atol=1e-9)
+
+
+def test_newborns_move_only_from_their_birth_on():
+    systems = {"s": {"emitters": {"jet": {"rate": 5000, "velocity": [0, 7, 0]}}}}
+    sim = simulate(systems, 0.03)
+    assert np.allclose(sim["s"].position[:, 1], 7 * sim["s"].age, atol=1e-13)
+    assert sim["s"].age.min() < 0.01 / 50
+
+
+def test_deaths_come_at_their_time_and_ids_are_never_reused():
+    system = {"particle": {"lifetime": 0.1}, "emitters": {"e": {"rate": 1000}}}
+    sim = simulate({"s": system}, 0.5)
+    assert sim["s"].count == 100 and sim["s"].ids[0] == 400
+    assert (sim["s"].age < 0.1).all() and np.array_equal(np.sort(sim["s"].ids), sim["s"].ids)
+
+
+BURST = {
+    "shells": {
+        "particle": {"lifetime": 0.155, "mass": 2},
+        "emitters": {"m": {"at": [0, 0.031, 0.2], "velocity": {"cone": [0, 1, 0], "angle": 20, "speed": 5}}},
+    },
+    "stars": {
+        "particle": {"lifetime": "0.3..0.5", "radius": "0.01..0.03", "density": 800},
+        "emitters": {
+            "burst": {
+                "from": {"event": "shells.death", "inherit": "velocity", "balance": "pairs"},
+                "choose": {"round": {"weight": 2, "count": 40, "velocity": {"sphere": 9}}, "odd": {"count": "7..11", "velocity": {"sphere": 4}, "tag": "t"}},
+            }
+        },
+    },
+    "glitter": {"particle": {"lifetime": 0.2}, "emitters": {"g": {"from": {"event": "stars.path"}, "rate": 300}}},
+}
+
+
+def test_a_burst_carries_no_momentum_of_its_own():
+    sim = simulate(BURST, 0.15)
+    assert sim["stars"].count == 0
+    parent = sim["shells"].velocity[0]
+    sim.step(1)
+    stars = sim["stars"]
+    momentum = (stars.mass[:, None] * (stars.velocity - parent)).sum(0)
+    size = (stars.mass[:, None] * np.abs(stars.velocity - parent)).sum()
+    assert np.abs(momentum).max() <= 4 * np.finfo(float).eps * size
+    lopsided = simulate({**BURST, "stars": {**BURST["stars"], "emitters": {"burst": {**BURST["stars"]["emitters"]["burst"], "from": {"event": "shells.death"}}}}}, 0.16)["stars"]
+    assert np.abs((lopsided.mass[:, None] * lopsided.velocity).sum(0)).max() > 1e-3 * size
+
+
+def test_children_are_the_same_at_every_time_step_and_exact_in_time():
+    runs = [simulate(BURST, 0.4, step) for step in (0.02, 0.01, 0.005)]
+    for name in ("stars", "glitter"):
+        for other in runs[1:]:
+            assert set(runs[0][name].keys) == set(other[name].keys)
+    stars = runs[0]["stars"]
+    assert np.allclose(np.unique(np.round(0.4 - stars.age, 9)), [0.155, 0.186, 0.355])
+    assert np.array_equal(stars.ids, runs[2]["stars"].ids)
+    assert np.array_equal(stars.keys, runs[2]["stars"].keys)
+
+
+def test_glitter_lies_on_its_parents_path():
+    """Without forces a star's path is a straight line from the burst, and its glitter stays where it was dropped."""
+    sim = simulate(BURST, 0.3)
+    stars, glitter = sim["stars"], sim["glitter"]
+    assert glitter.count > 500
+    lines = stars.velocity / np.linalg.norm(stars.velocity, axis=1)[:, None]
+    nearest = np.array([np.linalg.norm(np.cross(x - stars.position, lines), axis=1).min() for x in glitter.position])
+    assert nearest.max() < 1e-9
+
+
+def test_momentum_of_a_crossette_is_its_parents():
+    systems = {
+        "star": {"particle": {"lifetime": 0.05, "mass": 4}, "emitters": {"m": {"at": 0, "velocity": [1, 2, 3]}}},
+        "bits": {"emitters": {"x": {"from": {"event": "star.death", "inherit": "velocity"}, "count": 4, "velocity": {"cross": 30}}}},
+    }
+    bits = simulate(systems, 0.1)["bits"]
+    assert np.allclose(bits.velocity.mean(0), (1, 2, 3), atol=1e-12)
+    angles = (bits.velocity - (1, 2, 3)) @ (bits.velocity - (1, 2, 3)).T / 900
+    assert np.allclose(angles, [[1, 0, -1, 0], [0, 1, 0, -1], [-1, 0, 1, 0], [0, -1, 0, 1]], atol=1e-12)
+
+
+SHAPES = {
+    "ball": ({"ball": 2.0}, lambda x: ((x**2).sum(1) / 4) ** 1.5),
+    "disc": ({"disc": 2.0, "inner": 1.0}, lambda x: ((x**2).sum(1) - 1) / 3),
+    "line": ({"line": [[0, 0, 0], [2, 0, 0]]}, lambda x: x[:, 0] / 2),
+    "box": ({"box": {"min": [0, 0, 0], "max": [1, 2, 3]}}, lambda x: x[:, 2] / 3),
+    "ring": ({"ring": 2.0}, lambda x: np.arctan2(x[:, 0], x[:, 2]) / (2 * np.pi) + 0.5),
+    "sphere": ({"sphere": 2.0}, lambda x: x[:, 1] / 4 + 0.5),
+    "gaussian": ({"gaussian": [2, 2, 2]}, lambda x: 0.5 * (1 + np.vectorize(__import__("math").erf)(x[:, 1] / np.sqrt(8)))),
+    "point": ({"point": [1, 2, 3]}, None),
+}
+
+
+@pytest.mark.parametrize("name", sorted(ga.emitters.SHAPES))
+def test_shapes_are_uniform(name):
+    """What should be uniform in (0, 1) is: Kolmogorov-Smirnov at p about 1e-3; a mutant distribution is not."""
+    shape, quantile = SHAPES[name]
+    x = simulate({"s": {"emitters": {"e": {"count": 4000, "shape": shape}}}}, 0.0)["s"].position
+    assert len(x) == 4000
+    if quantile is None:
+        assert np.array_equal(np.unique(x, axis=0), [[1, 2, 3]])
+        return
+
+    def distance(u):
+        return np.abs(np.sort(u) - (np.arange(4000) + 0.5) / 4000).max()
+
+    u = quantile(x)
+    assert (u > -1e-12).all() and (u < 1 + 1e-12).all()
+    assert distance(u) < 1.95 / np.sqrt(4000)
+    assert distance(np.clip(u, 0, 1) ** 1.2) > 1.95 / np.sqrt(4000)
+
+
+VELOCITIES = {
+    "constant": ([1, 2, 3], lambda v, x: np.allclose(v, (1, 2, 3))),
+    "cone": ({"cone": [0, 0, 1], "angle": 30, "speed": "2..3"}, lambda v, x: (v[:, 2] >= np.cos(np.pi / 6) * np.linalg.norm(v, axis=1) - 1e-9).all()),
+    "sphere": ({"sphere": 2}, lambda v, x: np.allclose(np.linalg.norm(v, axis=1), 2) and np.abs(v.mean(0)).max() < 0.1),
+    "radial": ({"radial": 2}, lambda v, x: np.allclose(v, 2 * x / np.linalg.norm(x, axis=1)[:, None])),
+    "thermal": ({"thermal": 3, "mean": [1, 0, 0]}, lambda v, x: np.allclose(v.std(0), 3, rtol=0.05) and np.allclose(v.mean(0), (1, 0, 0), atol=0.2)),
+    "cross": ({"cross": 3}, lambda v, x: np.allclose(np.linalg.norm(v, axis=1), 3)),
+    "ring": ({"ring": 3, "axis": [0, 1, 0]}, lambda v, x: np.allclose(v[:, 1], 0, atol=1e-12) and np.allclose(np.linalg.norm(v, axis=1), 3)),
+    "pitched": ({"pitched": [1, 0, 0], "pitch": 60, "speed": 2}, lambda v, x: np.allclose(v[:, 0], 1) and np.allclose((v * x)[:, 1:].sum(1), 0, atol=1e-12)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", sorted(ga.emitters.VELOCITIES))
+def test_velocities(name):
+    velocity, right = VELOCITIES[name]
+    s = simulate({"s": {"emitters": {"e": {"count": 3000, "shape": {"ball": 1}, "velocity": velocity}}}}, 0.0)["s"]
+    assert right(s.velocity, s.position)
+    assert not right(s.velocity * 1.3 + 0.2, s.position)

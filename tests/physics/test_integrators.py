@@ -1,0 +1,127 @@
+"""The order of every integrator, reversibility, and what a wrong one would do."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import gen_art as ga
+from gen_art.integrators import INTEGRATORS
+
+SYMPLECTIC = ["semi_implicit_euler", "position_verlet", "velocity_verlet", "leapfrog", "yoshida4"]
+
+
+def on_orbit(t, e):
+    """The position at time t of an orbit with GM = a = 1 from pericentre, by Kepler's equation."""
+    E = t
+    for _ in range(60):
+        E -= (E - e * np.sin(E) - t) / (1 - e * np.cos(E))
+    return np.array([np.cos(E) - e, np.sqrt(1 - e * e) * np.sin(E), 0.0])
+
+
+def kepler(integrator, dt, periods=0.4, eccentricity=0.5, forces=(), scheme=None):
+    """The position error after some periods of an orbit with GM = a = 1, and the simulation."""
+    x, v = 1 - eccentricity, np.sqrt((1 + eccentricity) / (1 - eccentricity))
+    star = ga.ParticleSystem(
+        position=[[x, 0, 0]], velocity=[[0, v, 0]], forces=[ga.forces.PointGravity(GM=1.0), *forces], integrator=integrator
+    )
+    if scheme is not None:
+        star.scheme = scheme
+    sim = ga.Simulation({"star": star}, dt=dt, precision="f64")
+    sim.step(round(periods * 2 * np.pi / dt))
+    return np.linalg.norm(sim["star"].position[0] - on_orbit(sim.time, eccentricity)), sim
+
+
+def orders(error, steps):
+    errors = np.array([error(2 * np.pi / n) for n in steps])
+    return np.log2(errors[:-1] / errors[1:])
+
+
+def measured_order(integrator, scheme=None):
+    coarse = {1: 20000, 2: 2000, 4: 500}[INTEGRATORS[integrator].order]
+    return orders(lambda dt: kepler(integrator, dt, scheme=scheme)[0], [coarse, 2 * coarse, 4 * coarse])[-1]
+
+
+@pytest.mark.parametrize("name", INTEGRATORS)
+def test_order_on_an_eccentric_orbit(name):
+    assert measured_order(name) == pytest.approx(INTEGRATORS[name].order, abs=0.1)
+
+
+@pytest.mark.parametrize("name", ["leapfrog", "position_verlet", "rk2", "rk4", "yoshida4"])
+def test_a_wrong_weight_shows_in_the_order(name):
+    right = INTEGRATORS[name]
+    first, *rest = right.stages
+    wrong = replace(right, stages=((first[0] * 0.9, *first[1:]), *rest) if first[0] else ((0.1, *first[1:]), *rest))
+    assert measured_order(name, wrong) < right.order - 0.5
+
+
+def test_swapped_kick_and_drift_lose_the_second_order():
+    swapped = replace(INTEGRATORS["leapfrog"], stages=((1.0, 0.0, 0.5),), first_drift=0.0)
+    assert measured_order("leapfrog", swapped) < 1.5
+
+
+@pytest.mark.parametrize("name", ["position_verlet", "velocity_verlet", "leapfrog", "yoshida4"])
+def test_forward_then_back_returns(name):
+    r = np.random.default_rng(0)
+    x, v = r.normal(size=(20, 3)), r.normal(size=(20, 3))
+
+    def run(x, v):
+        system = ga.ParticleSystem(
+            position=x, velocity=v, forces=[ga.forces.Spring(stiffness=3.0), ga.forces.Gravity()], integrator=name
+        )
+        sim = ga.Simulation({"s": system}, dt=0.01, precision="f64")
+        sim.step(400)
+        return sim["s"].position, sim["s"].velocity
+
+    there, speed = run(x, v)
+    back, reversed_speed = run(there, -speed)
+    assert np.abs(back - x).max() <= 1e-10
+    assert np.abs(reversed_speed + v).max() <= 1e-10
+    assert np.abs(there - x).max() > 0.1
+
+
+def test_velocities_stand_at_the_time_of_positions():
+    """In free fall both are exact at every step, for every scheme of second order."""
+    for name in ("leapfrog", "velocity_verlet", "position_verlet", "rk2", "rk4", "yoshida4", "boris"):
+        ball = ga.ParticleSystem(position=[[0, 0, 0]], velocity=[[1, 2, 3]], forces=[ga.forces.Gravity((0, -9, 0))], integrator=name)
+        sim = ga.Simulation({"b": ball}, dt=0.1, precision="f64")
+        sim.step(7)
+        assert np.allclose(sim["b"].velocity[0], (1, 2 - 6.3, 3), atol=1e-13)
+        assert np.allclose(sim["b"].position[0], (0.7, 1.4 - 4.5 * 0.49, 2.1), atol=1e-13)
+
+
+@pytest.mark.parametrize("name", ["leapfrog", "position_verlet", "rk4", "yoshida4", "euler", "boris"])
+def test_order_with_drag_and_a_varying_wind(name):
+    """Drag must not lower the order of the composition: symmetric ones keep 2, RK4 keeps 4.
+
+    The closed form of quadratic drag takes its rate at a predicted middle, which is not reversible: yoshida4 falls to 3.
+    """
+    medium = ga.Medium(field=ga.forces.Vortex(circulation=3.0, core_radius=0.7))
+    forces = [ga.forces.Damping(1.5, medium), ga.forces.Drag(linear=0.2, quadratic=0.3), ga.forces.Gravity()]
+
+    def end(dt):
+        one = ga.ParticleSystem(position=[[1.0, 0.2, 0]], velocity=[[0, 1, 2]], forces=forces, integrator=name)
+        sim = ga.Simulation({"s": one}, dt=dt, precision="f64")
+        sim.step(round(1.0 / dt))
+        return sim["s"].position[0]
+
+    ends = [end(1 / n) for n in (40, 80, 160, 320)]
+    differences = [np.linalg.norm(a - b) for a, b in zip(ends, ends[1:])]
+    order = np.log2(differences[-2] / differences[-1])
+    expected = 3 if name == "yoshida4" else INTEGRATORS[name].order
+    assert order == pytest.approx(expected, abs=0.15)
+
+
+def test_symplectic_energy_error_stays_bounded_and_eulers_grows():
+    def energies(name, periods):
+        _, sim = kepler(name, 2 * np.pi / 2000, periods)
+        return abs(sim.diagnostics().energy + 0.5)
+
+    for name in SYMPLECTIC:
+        assert energies(name, 100.25) < 3 * max(energies(name, 3.25), 1e-12)
+    assert energies("euler", 20.25) > 2 * energies("euler", 3.25)
+
+
+def test_unknown_integrator_names_the_nearest():
+    with pytest.raises(ga.UsageError, match="did you mean 'leapfrog'"):
+        ga.ParticleSystem(position=np.zeros((1, 3)), integrator="leapfrg")
