@@ -43,14 +43,15 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
         click.echo(f"  {'should hold':13} {', '.join(system['should_hold']) or 'nothing by itself'}")
         for quantity, reason in system["booked"].items():
             click.echo(f"  {'in the ledger':13} {quantity}: {reason}")
-    click.echo(
-        f"\nmemory: {memory['state']} of state, {memory['frame']} a {facts['size'][0]}x{facts['size'][1]} frame, "
-        f"about {memory['peak']} at the peak of the process"
-    )
+    from gen_art.preset.estimate import megabytes
+
+    state, still, film = (megabytes(memory[key]) for key in ("state", "still", "film"))
+    width, height = facts["size"]
+    click.echo(f"\nmemory: {state} of state; about {still} for a still and {film} for a film of {width}x{height}")
 
 
 def _facts(piece, size, precision) -> dict:
-    from gen_art.preset.estimate import FRAME_BYTES, estimate, megabytes, peak_memory
+    from gen_art.preset.estimate import estimate
 
     expected, clock = estimate(piece, precision), piece.clock
     systems = {}
@@ -83,10 +84,9 @@ def _facts(piece, size, precision) -> dict:
         },
         "particles": _count(expected.particles),
         "memory": {
-            "state": megabytes(expected.memory),
-            "frame": megabytes(FRAME_BYTES * size[0] * size[1]),
-            "peak": megabytes(peak_memory(expected, size)),
-            "peak_bytes": _count(peak_memory(expected, size)),
+            "state": _count(expected.memory),
+            "still": _count(expected.process(size, film=False)),
+            "film": _count(expected.process(size, film=True)),
         },
         "systems": systems,
     }

@@ -31,7 +31,7 @@ def command(
     frames = range(piece.clock.frames) if frames is None else frames
     shape = job.picture_size(piece, size, scale, quality)
     until = piece.clock.preroll + frames[-1] * piece.clock.speed / piece.clock.fps
-    expected = refuse_if_too_large(piece, precision, shape, until)
+    expected = refuse_if_too_large(piece, precision, shape, until, film=out.endswith(".mp4"))
     if dry_run:
         job.check_target(piece, out, size=shape, overwrite=overwrite, transparent=transparent, frames=frames)
         click.echo(f"{out}: {len(frames)} frames of {shape[0]}x{shape[1]}, {expected}")

@@ -14,23 +14,36 @@ from gen_art.errors import MemoryRefused
 from gen_art.preset.schema import Preset, System
 from gen_art.preset.values import Curve, Range
 
-__all__ = ["Estimate", "available_memory", "estimate", "megabytes", "peak_memory", "refuse_if_too_large"]
+__all__ = ["Estimate", "available_memory", "estimate", "megabytes", "refuse_if_too_large"]
 
 SLICES = 600
 FLOAT_CHANNELS = 10  # position, velocity, mass, charge, radius, lifetime
 BOOKKEEPING = 28  # bytes: birth time, key, id, source
 INDEX_LIMIT = 2**31 - 1  # of a system's whole array
-FRAME_BYTES = 100.0  # a pixel's worth of film, merge and developed buffers
 _FOREVER = 1e300
+
+
+# bytes at the peak of the process, measured with one preset of each kind at several sizes and rates
+PROCESS = 170e6  # with Taichi, a small picture and no particles
+GROWTH = 2.0  # capacity beyond the slots in use, and the old arrays beside the new ones
+BIRTH = 160  # a birth while it is being made
+DRAWN = {"disc": 250, "point": 75, "streak": 75}  # a particle while it is drawn
+LIT = 8 * 4  # a cell of the density grid that a light shines through
+PIXEL, FILM_PIXEL = 40, 340  # a picture; with the encoder's look-ahead
+BATCH = 64  # steps taken at once where no events and no interactions tie them
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """Per system: births over the whole piece, the most alive at once, and bytes of state at that moment."""
+    """Per system: births over the whole piece, the most alive at once, bytes of state then; and the process's peak.
+
+    `working` is the memory that goes with the particles, in bytes: state with room to grow, births, drawing.
+    """
 
     born: dict[str, float]
     peak: dict[str, float]
     bytes: dict[str, float]
+    working: float
 
     @property
     def particles(self) -> float:
@@ -39,6 +52,10 @@ class Estimate:
     @property
     def memory(self) -> float:
         return sum(self.bytes.values())
+
+    def process(self, size: tuple[int, int], film: bool) -> float:
+        """Bytes at the peak of the process that makes a still, or a film, of this size."""
+        return PROCESS + self.working + (FILM_PIXEL if film else PIXEL) * size[0] * size[1]
 
     def __str__(self) -> str:
         return f"at most about {self.particles:,.0f} particles at once, {megabytes(self.memory)} of state"
@@ -54,9 +71,17 @@ def estimate(preset: Preset, precision: str = "f32", until: float | None = None)
     census = _Census(preset, preset.clock.simulated if until is None else until)
     with np.errstate(over="ignore", invalid="ignore"):
         census.run()
-    peak = {name: float(np.nan_to_num(census.peak[name], nan=np.inf)) for name in preset.systems}
-    size = {name: peak[name] * bytes_per_particle(system, precision) for name, system in preset.systems.items()}
-    return Estimate({name: float(census.born[name]) for name in preset.systems}, peak, size)
+    peak, size, working = {}, {}, 0.0
+    for name, system in preset.systems.items():
+        peak[name] = float(np.nan_to_num(census.peak[name], nan=np.inf))
+        size[name] = peak[name] * bytes_per_particle(system, precision)
+        steady, sudden = (float(np.nan_to_num(most[name], nan=np.inf)) for most in (census.steady, census.sudden))
+        slots = peak[name] + steady  # the births of a batch stand beside its dead
+        working += GROWTH * slots * bytes_per_particle(system, precision) + BIRTH * max(steady, sudden)
+        if system.look is not None:
+            working += DRAWN[system.look.draw] * peak[name]
+            working += LIT * system.look.light.resolution**3 if system.look.light else 0.0
+    return Estimate({name: float(census.born[name]) for name in preset.systems}, peak, size, working)
 
 
 class _Census:
@@ -72,6 +97,10 @@ class _Census:
         self.alive = dict.fromkeys(self.groups, 0.0)
         self.born = dict.fromkeys(preset.systems, 0.0)
         self.peak = dict.fromkeys(preset.systems, 0.0)
+        self.steady = dict.fromkeys(preset.systems, 0.0)  # the most births made together, by rates
+        self.sudden = dict.fromkeys(preset.systems, 0.0)  # and by counts
+        tied = any(s.interactions or any(e.source for e in s.emitters.values()) for s in preset.systems.values())
+        self.batch = (1 if tied else BATCH) * preset.clock.step
 
     def run(self) -> None:
         births = dict.fromkeys(self.groups, 0.0)
@@ -84,7 +113,11 @@ class _Census:
                     for tag, number, lifetime in self._births(name, emitter, start, stop, died, births):
                         born[name, label, tag] += number
                         self._schedule((name, label, tag), k, number, lifetime or system.particle.lifetime)
-            for name in self.preset.systems:
+            for name, system in self.preset.systems.items():
+                by_rate = sum(n for (s, e, _), n in born.items() if s == name and system.emitters[e].rate is not None)
+                by_count = sum(n for (s, e, _), n in born.items() if s == name and system.emitters[e].rate is None)
+                self.steady[name] = max(self.steady[name], by_rate * self.batch / self.width)
+                self.sudden[name] = max(self.sudden[name], by_count)
                 mine = [group for group in self.groups if group[0] == name]
                 number = sum(born[group] for group in mine)
                 self.born[name] += number
@@ -137,14 +170,6 @@ def _integral(rate: float | Curve, start: float, stop: float) -> float:
     return rate.integral(start, stop) if isinstance(rate, Curve) else rate * (stop - start)
 
 
-PROCESS = 330e6  # bytes of a process that has rendered one small picture
-
-
-def peak_memory(expected: Estimate, size: tuple[int, int]) -> float:
-    """Bytes at the peak of the process: itself, the state with room to grow, and frame buffers."""
-    return PROCESS + 1.5 * expected.memory + FRAME_BYTES * size[0] * size[1]
-
-
 def megabytes(size: float) -> str:
     """12345678 -> `12 MB`, in the unit that fits."""
     for unit, scale in (("EB", 1e18), ("PB", 1e15), ("TB", 1e12), ("GB", 1e9)):
@@ -170,9 +195,13 @@ def available_memory() -> float:
 
 
 def refuse_if_too_large(
-    preset: Preset, precision: str = "f32", size: tuple[int, int] | None = None, until: float | None = None
+    preset: Preset,
+    precision: str = "f32",
+    size: tuple[int, int] | None = None,
+    until: float | None = None,
+    film: bool = False,
 ) -> Estimate:
-    """The estimate; MemoryRefused, naming the figures, when its particles (and a frame of `size`) cannot fit."""
+    """The estimate; MemoryRefused, naming the figures, when its particles (and a picture of `size`) cannot fit."""
     expected = estimate(preset, precision, until)
     for name, peak in expected.peak.items():
         limit = INDEX_LIMIT // (FLOAT_CHANNELS + len(preset.systems[name].particle.attributes))
@@ -181,12 +210,11 @@ def refuse_if_too_large(
                 f"system '{name}' would hold {peak:.3g} particles at once ({megabytes(expected.bytes[name])}); "
                 f"a system holds {limit:,} at most"
             )
-    frame = 0.0 if size is None else FRAME_BYTES * size[0] * size[1]
-    free = available_memory()
-    if expected.memory + frame > free:
+    needed, free = expected.process(size or (0, 0), film), available_memory()
+    if needed > free:
+        picture = f" in a picture of {size[0]}x{size[1]}" if size else ""
         raise MemoryRefused(
-            f"{expected.particles:.3g} particles need {megabytes(expected.memory)}"
-            + (f" and a {size[0]}x{size[1]} frame {megabytes(frame)}" if size else "")
-            + f"; {megabytes(free)} are free. Lower a rate, a count, a lifetime or the size"
+            f"{expected.particles:.3g} particles{picture} need about {megabytes(needed)} of memory; "
+            f"{megabytes(free)} are free. Lower a rate, a count, a lifetime or the size"
         )
     return expected
