@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from gen_art.errors import UsageError
+from gen_art.errors import GenArtError, UsageError
 
 __all__ = ["command"]
 
@@ -29,4 +29,4 @@ def command(names):
             raise UsageError(f"no benchmark '{name}'{suggest(name, scripts) or '; there are ' + ', '.join(scripts)}")
     failed = [name for name in names or scripts if subprocess.run([sys.executable, str(scripts[name])]).returncode]
     if failed:
-        raise UsageError(f"failed: {', '.join(failed)}")
+        raise GenArtError(f"failed: {', '.join(failed)}")
