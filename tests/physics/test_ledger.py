@@ -1,0 +1,109 @@
+"""The ledger closes: what remains is the scheme's error, of the scheme's order in float64."""
+
+import numpy as np
+import pytest
+
+import gen_art as ga
+from tests.physics.test_births import BURST, preset
+
+F = ga.forces
+N = 60
+
+
+def system(integrator, forces, medium=None, interactions=(), charge=0.0):
+    r = np.random.default_rng(0)
+    return ga.ParticleSystem(
+        position=r.normal(size=(N, 3)), velocity=r.normal(size=(N, 3)), mass=r.uniform(0.5, 2, N), charge=charge,
+        forces=forces, medium=medium, interactions=list(interactions), integrator=integrator,
+    )  # fmt: skip
+
+
+CASES = {
+    "gravity": lambda: dict(forces=[F.Gravity()]),
+    "spring": lambda: dict(forces=[F.Spring(stiffness=3.0)]),
+    "wind": lambda: dict(forces=[F.Gravity(), F.Drag(0.1, 0.05)], medium=ga.Medium(wind=(2, 0, 0))),
+    "turbulence": lambda: dict(forces=[F.Damping(1.0)], medium=ga.Medium(curl_noise={"strength": 2.0, "octaves": 3})),
+    "two media": lambda: dict(forces=[F.Drag(0.1, 0.05), F.Damping(0.5, ga.Medium(wind=(0, 1, 0)))], medium=ga.Medium(wind=(2, 0, 0))),
+    "push": lambda: dict(forces=[F.CurlNoise(2.0, 1.0, 1.0, 3), F.ThermalLift()]),
+    "bottle": lambda: dict(forces=[F.MagneticMirror(1.0), F.ElectricField((0.3, 0, 0))], charge=1.0),
+    "mutual": lambda: dict(forces=[], interactions=[ga.interactions.SelfGravity(G=0.05, softening=0.3)]),
+}
+# the order of the residual at dt -> dt/2: None where the scheme closes to round-off
+ORDERS = {
+    ("gravity", "leapfrog"): None, ("gravity", "rk4"): None, ("gravity", "euler"): 1,
+    ("spring", "leapfrog"): 2, ("spring", "rk4"): 5, ("spring", "euler"): 1,
+    ("wind", "leapfrog"): 2, ("wind", "rk4"): 4, ("wind", "euler"): 1, ("wind", "position_verlet"): None,
+    ("turbulence", "position_verlet"): None, ("turbulence", "euler"): 1,
+    ("two media", "position_verlet"): None, ("two media", "rk4"): 4,
+    ("push", "leapfrog"): None, ("push", "position_verlet"): None,
+    ("bottle", "boris"): None,
+    ("mutual", "leapfrog"): 2, ("mutual", "position_verlet"): 2, ("mutual", "rk4"): 4,
+}  # fmt: skip
+
+
+def ledger(case, integrator, dt, precision="f64"):
+    sim = ga.Simulation({"s": system(integrator, **CASES[case]())}, dt=dt, precision=precision, ledger=True)
+    sim.step(round(0.5 / dt))
+    return sim, sim.ledger()
+
+
+@pytest.mark.parametrize("case,integrator", ORDERS)
+def test_residual_falls_with_the_order_of_the_scheme(case, integrator):
+    order = ORDERS[case, integrator]
+    accounts = [ledger(case, integrator, dt)[1] for dt in (0.01, 0.005)]
+    scale = accounts[0].scale
+    for account in accounts:
+        assert np.abs(account.momentum_residual).max() <= 1e-13 * N * 10
+    if order is None:
+        assert abs(accounts[1].residual) <= 1e-13 * scale
+    else:
+        assert abs(accounts[1].residual) > 1e-14 * scale
+        assert np.log2(abs(accounts[0].residual / accounts[1].residual)) == pytest.approx(order, abs=0.35)
+
+
+@pytest.mark.parametrize("case", ["wind", "turbulence", "mutual", "bottle"])
+def test_float32_has_a_stated_floor(case):
+    integrator = "boris" if case == "bottle" else "position_verlet"
+    exact, single = ledger(case, integrator, 0.01)[1], ledger(case, integrator, 0.01, "f32")[1]
+    floor = 2e-6  # of the energy that moved, after 50 steps
+    assert abs(single.residual - exact.residual) <= floor * single.scale
+
+
+def test_the_account_says_who_did_what():
+    sim, account = ledger("wind", "position_verlet", 0.01)
+    assert set(account.work) == {"s.drag"} and account.work["s.drag"] > 0  # the wind drives the particles
+    assert account.dissipated["s.drag"] > 0
+    mass = sim["s"].mass.sum()
+    assert np.allclose(account.impulse["s.gravity"], (0, -9.81 * mass * 0.5, 0), rtol=1e-12)
+    assert account.work.total == account.work["s.drag"]
+    unbooked = account.residual + account.work.total  # the mutant: work not booked
+    assert abs(unbooked) > 1e-3 * account.scale
+
+
+def test_it_leaves_the_bits_alone():
+    for case, integrator in (("wind", "leapfrog"), ("mutual", "rk4"), ("bottle", "boris"), ("turbulence", "position_verlet")):
+        with_books, _ = ledger(case, integrator, 0.01, "f32")
+        without = ga.Simulation({"s": system(integrator, **CASES[case]())}, dt=0.01)
+        without.step(50)
+        assert with_books.digest() == without.digest(), case
+
+
+def test_births_deaths_and_bursts_close_to_round_off():
+    """Born and died at their exact times inside steps, children included."""
+    sim = ga.Simulation(preset(BURST, 0.01, forces={"gravity": [0, -9.81, 0]}), precision="f64", ledger=True)
+    start = sim.diagnostics()  # the shell of time 0 is there from the start
+    sim.step(45)
+    account = sim.ledger()
+    assert account.born["stars.burst.round"].count == 40 and account.born["stars.burst.odd"].count > 13
+    assert account.died["shells.m"].count == 3 and account.died["glitter.g"].count > 100
+    assert abs(account.residual) <= 1e-12 * account.scale
+    assert np.abs(account.momentum_residual).max() <= 1e-12 * np.sqrt(account.scale * account.born.total.mass)
+    d = sim.diagnostics()
+    assert start.count + account.born.total.count - account.died.total.count == d.count
+    assert start.mass + account.born.total.mass - account.died.total.mass == pytest.approx(d.mass, rel=1e-12)
+
+
+def test_a_simulation_without_it_says_how_to_keep_it():
+    sim = ga.Simulation({"s": system("leapfrog", [F.Gravity()])}, dt=0.01)
+    with pytest.raises(ga.UsageError, match="ledger=True"):
+        sim.ledger()
