@@ -37,7 +37,7 @@ def picture_size(preset, size=None, scale=None, quality: str = "final", even: bo
     if factor == 1.0:
         return width, height
     unit = 2 if even else 1
-    return check_size(max(unit, round(side * factor / unit) * unit) for side in (width, height))
+    return check_size(tuple(max(unit, round(side * factor / unit) * unit) for side in (width, height)))
 
 
 def check_target(preset, out, *, size=None, overwrite=False, moving=True, transparent=False, frames=None) -> Target:
@@ -67,7 +67,7 @@ class _Run:
         self.camera = Camera.from_spec(preset.camera) if preset.camera else None
         open_ = (self.camera.shutter if self.camera else 180.0) / 360.0 * clock.speed / clock.fps
         self.painter = Painter(size, self.camera, {n: s.look for n, s in preset.systems.items()}, open_)
-        wanted = max((look.trail.substeps for look in self.painter.trails.values()), default=1)
+        wanted = max((look.trail.substeps for look in self.painter.trails.values() if look.trail), default=1)
         per_frame = clock.steps_per_frame
         self._between = per_frame // max(n for n in range(1, min(wanted, per_frame) + 1) if per_frame % n == 0)
         self._done = 0
@@ -170,7 +170,13 @@ def render(
     size = picture_size(preset, size, scale, quality, even=moving)
     target = check_target(preset, out, size=size, overwrite=overwrite, transparent=transparent, frames=frames)
     report = _Report(progress, len(frames))
-    job = {"size": list(size), "fps": preset.clock.fps, "quality": quality, "precision": precision, "transparent": transparent}
+    job = {
+        "size": list(size),
+        "fps": preset.clock.fps,
+        "quality": quality,
+        "precision": precision,
+        "transparent": transparent,
+    }
     if not target.moving:
         run = _Run(preset, size, precision, threads)
         paths = [target.frame(k) if target.pattern else target.path for k in frames]

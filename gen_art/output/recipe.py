@@ -65,7 +65,9 @@ def read_recipe(path) -> dict:
     except ValueError:
         recipe = None
     if not isinstance(recipe, dict) or "preset" not in recipe or "format" not in recipe:
-        raise UsageError(f"{path}: there is no recipe inside; it is not a picture of gen-art, or a program took its metadata away")
+        raise UsageError(
+            f"{path}: there is no recipe inside; it is not a picture of gen-art, or a program took its metadata away"
+        )
     if recipe["format"] != FORMAT:
         raise UsageError(f"{path}: its recipe is of format {recipe['format']}; this gen-art reads format {FORMAT}")
     return recipe
@@ -101,7 +103,9 @@ def _film_text(path: Path) -> str | None:
 def verify(recipe: dict, plugins) -> None:
     """UsageError unless version, plugins and files are those of the recipe."""
     if recipe.get("gen_art") != version():
-        raise UsageError(f"the picture was made by gen-art {recipe.get('gen_art')}; this is {version()}, whose pictures may differ")
+        raise UsageError(
+            f"the picture was made by gen-art {recipe.get('gen_art')}; this is {version()}, whose pictures may differ"
+        )
     given = {p.sha256: p for p in plugins}
     for plugin in recipe.get("plugins", ()):
         if plugin["sha256"] not in given:

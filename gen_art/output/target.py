@@ -51,7 +51,9 @@ def find_target(out, *, moving: bool, name: str = "", seed: int = 0, size=None, 
     if ending not in known:
         if ending in _LATER:
             raise UsageError(f"{path.name}: '{ending}' is not available yet; there are {' '.join(known)}")
-        what = f"'{ending}' is no ending of a {'film or picture' if moving else 'picture'}" if ending else "has no ending"
+        what = (
+            f"'{ending}' is no ending of a {'film or picture' if moving else 'picture'}" if ending else "has no ending"
+        )
         raise UsageError(f"{path.name}: {what}{suggest(ending, known) if ending else ''}; there are {' '.join(known)}")
     is_film = moving and not pattern and ending in FILMS
     if transparent and ending not in _TRANSPARENT:

@@ -194,7 +194,7 @@ def probe(path) -> Probe:
             size=(context.width, context.height),
             fps=float(stream.average_rate or 0),
             frames=frames,
-            duration=float(stream.duration * stream.time_base) if stream.duration else 0.0,
+            duration=float(stream.duration * (stream.time_base or 0)) if stream.duration else 0.0,
             primaries=int(context.color_primaries),
             transfer=int(context.color_trc),
             matrix=int(context.colorspace),

@@ -48,14 +48,15 @@ def srgb(value) -> tuple[float, float, float]:
         if text.startswith("#") and len(text) in (4, 7):
             digits = text[1:] if len(text) == 7 else "".join(2 * c for c in text[1:])
             try:
-                return tuple(int(digits[i : i + 2], 16) / 255.0 for i in (0, 2, 4))
+                red, green, blue = (int(digits[i : i + 2], 16) / 255.0 for i in (0, 2, 4))
+                return red, green, blue
             except ValueError:
                 pass
         hint = suggest(value, [*COLOURS, *PALETTES]) or "; write a name, '#rrggbb' or [r, g, b]"
         raise UsageError(f"no colour named {shown(value)}{hint}")
     if not isinstance(value, (list, tuple)) or len(value) != 3:
         raise UsageError(f"must be a colour: a name, '#rrggbb' or [r, g, b] from 0 to 1; not {shown(value)}")
-    triple = tuple(number(c) for c in value)
+    triple = number(value[0]), number(value[1]), number(value[2])
     if not all(0.0 <= c <= 1.0 for c in triple):
         raise UsageError(f"a colour's [r, g, b] run from 0 to 1, not {list(triple)}")
     return triple

@@ -12,7 +12,19 @@ from gen_art.preset.colour_names import Gradient, srgb
 from gen_art.preset.types import Model
 from gen_art.preset.values import Curve, Range, number, vector
 
-__all__ = ["BY", "CameraKey", "CameraSpec", "Color", "DevelopSpec", "Emission", "Fog", "KeyLight", "Look", "Ramp", "Trail"]
+__all__ = [
+    "BY",
+    "CameraKey",
+    "CameraSpec",
+    "Color",
+    "DevelopSpec",
+    "Emission",
+    "Fog",
+    "KeyLight",
+    "Look",
+    "Ramp",
+    "Trail",
+]
 
 BY = ("age", "seconds", "speed", "energy", "charge", "mass", "radius", "id", "random", "distance", "x", "y", "z")
 
@@ -56,8 +68,9 @@ class Ramp(Model):
     """A number that may follow a quantity of the particle: `3`, `[[0, 1], [1, 0]]` (by age) or a mapping.
 
     by: `age` is the fraction of the lifetime, 0 at birth and 1 at death; `seconds` the age in simulated seconds; `speed`
-    m/s; `energy` the kinetic energy in J; `random` a number in 0..1 that is the particle's own; `distance` from
-    the origin in m; `x`, `y`, `z`; or a declared attribute such as `temperature`. `range: lo..hi` maps the quantity to 0..1 before the curve is read.
+    m/s; `energy` the kinetic energy in J; `random` a number in 0..1 that is the particle's own; `distance` from the
+    origin in m; `x`, `y`, `z`; or a declared attribute such as `temperature`. `range: lo..hi` maps the quantity to
+    0..1 before the curve is read.
     """
 
     by: str = "age"
@@ -103,7 +116,9 @@ class Color(Model):
     def _has_range(self):
         several = any(len(g.stops) > 1 for g in (self.gradient, *self.tags.values()))
         if several and self.range is None and self.by not in ("age", "random"):
-            raise UsageError(f"colours by {self.by} need a range: the values at the two ends of the gradient, as in 0..5")
+            raise UsageError(
+                f"colours by {self.by} need a range: the values at the two ends of the gradient, as in 0..5"
+            )
         return self
 
     @property
@@ -140,7 +155,8 @@ class KeyLight(Model):
     """A distant lamp that shines on smoke through the smoke itself, and a soft ambient light.
 
     direction: the way the light travels. phase: -1 back to 1 forward scattering (Henyey-Greenstein), 0 even.
-    scatter: the part of the lamp's light that has been scattered before and goes four times as deep. depth scales the optical depth the lamp sees. resolution: cells along the longest side of the density grid.
+    scatter: the part of the lamp's light that has been scattered before and goes four times as deep. depth scales the
+    optical depth the lamp sees. resolution: cells along the longest side of the density grid.
     """
 
     direction: Vector = (-1.0, -1.0, -0.5)
@@ -164,8 +180,9 @@ class Trail(Model):
     """The film keeps what the system drew and lets it fade: to one half in `half_life` film seconds, whatever the fps.
 
     The particles themselves are drawn over it as ever. strength: the trail's brightness; a particle at rest builds up
-    a trail as bright as itself at 1. substeps: how many times the system is drawn between two frames (the largest divisor of a frame's steps up to it), so that
-    fast curves stay smooth. Trails start at the beginning of the simulation, preroll included.
+    a trail as bright as itself at 1. substeps: how many times the system is drawn between two frames (the largest
+    divisor of a frame's steps up to it), so that fast curves stay smooth. Trails start at the beginning of the
+    simulation, preroll included.
     """
 
     half_life: Annotated[Number, Field(gt=0)]
@@ -187,8 +204,9 @@ class Look(Model):
     without them the particle's own radius. pixels: the size in pixels of a picture 720 rows high instead.
     size multiplies either. blend `add` is light, `alpha` also hides what is behind it.
     opacity: optical depth at a sprite's middle; with `reference` (m) it is that of a sprite of that radius and falls
-    as (reference / r)^2, so that a growing sprite keeps its extinction cross section. tail, taper: a streak's brightness and width at its old end, relative to its head.
-    falloff: `inverse_square` dims points as 1/d^2, with 1 at the camera's target.
+    as (reference / r)^2, so that a growing sprite keeps its extinction cross section. tail, taper: a streak's
+    brightness and width at its old end, relative to its head. falloff: `inverse_square` dims points as 1/d^2, with 1
+    at the camera's target.
     """
 
     draw: Literal["point", "disc", "streak"] = "point"
@@ -203,7 +221,7 @@ class Look(Model):
     emission: Emission | None = None
     opacity: Ramp = Ramp()
     reference: Annotated[Number, Field(gt=0)] | None = None
-    albedo: Color = Color()
+    albedo: Color = Color.model_validate({})
     light: KeyLight | None = None
     falloff: Literal["none", "inverse_square"] = "none"
     trail: Trail | None = None

@@ -1,8 +1,8 @@
 """Light that strays in the lens: a chain of halved pictures, blurred by going down and up again, whose sum is kept.
 
-In one dimension a fine pixel j = 2i gives 3/4 to coarse i and 1/4 to i - 1, j = 2i + 1 gives 3/4 to i and 1/4 to i + 1 (beyond the
-border: to the last one). Up is the same weights divided by what each coarse pixel received. Both hand on all the
-energy they get, for any size, so the picture's sum stays and nothing leaves at the border.
+In one dimension a fine pixel j = 2i gives 3/4 to coarse i and 1/4 to i - 1, j = 2i + 1 gives 3/4 to i and 1/4 to
+i + 1 (beyond the border: to the last one). Up is the same weights divided by what each coarse pixel received. Both
+hand on all the energy they get, for any size, so the picture's sum stays and nothing leaves at the border.
 """
 
 from functools import cache
@@ -76,31 +76,45 @@ def _up(coarse: F1, w: ti.i32, h: ti.i32, wx: F2, ix: I2, wy: F2, iy: I2, own: t
 down, up = kernel(_down), kernel(_up)
 
 
+NARROWEST, OCTAVES = 1 / 360, 7  # halos from a 360th of the picture's height, each twice as wide as the one before
+
+
 def levels(height: int, radius: float) -> np.ndarray:
-    """Weights of the halvings, narrowest first; they sum to 1 and mean the same part of the picture at any size."""
-    n = max(1, int(np.floor(np.log2(max(height, 2) / 8.0))))
-    weights = (0.35 + 0.85 * radius) ** np.arange(n, dtype=np.float64)
-    return (weights / weights.sum()).astype(np.float32)
+    """Weights of the picture itself and of its halvings; they sum to 1 and mean the same halos at any size.
+
+    Halos narrower than a pixel fall to the picture itself; a width between two halvings is shared by them.
+    """
+    halos = (0.35 + 0.85 * radius) ** np.arange(OCTAVES, dtype=np.float64)
+    halos /= halos.sum()
+    depth = max(0, int(np.floor(np.log2(max(height, 1) / 2.0))))
+    weights = np.zeros(depth + 1)
+    for k, weight in enumerate(halos):
+        place = min(max(np.log2(max(height, 1) * NARROWEST) + k, 0.0), float(depth))
+        low = min(int(place), depth)
+        weights[low] += weight * (1.0 - (place - low))
+        weights[min(low + 1, depth)] += weight * (place - low)
+    return np.trim_zeros(weights, "b").astype(np.float32)
 
 
 def stray_light(film: np.ndarray, radius: float) -> np.ndarray:
     """The film's light spread over halos of all sizes: (height, width, 4) float32 whose first three channels keep their sums."""
     h, w = film.shape[:2]
-    chain, weights = [film.reshape(-1)], levels(h, radius)
-    sizes = [(w, h)]
-    for _ in weights:
+    weights = levels(h, radius)
+    chain, sizes = [film.reshape(-1)], [(w, h)]
+    for _ in weights[1:]:
         fw, fh = sizes[-1]
         cw, ch = (fw + 1) // 2, (fh + 1) // 2
         coarse = np.zeros(cw * ch * 4, np.float32)
         down(chain[-1], fw, fh, _weights(fw)[0], _weights(fh)[0], coarse)
         chain.append(coarse)
         sizes.append((cw, ch))
+    chain[0] = chain[0].copy()
+    if len(weights) == 1:
+        return chain[0].reshape(h, w, 4)
     chain[-1] *= weights[-1]
-    for k in range(len(weights) - 1, -1, -1):
+    for k in range(len(weights) - 2, -1, -1):
         fw, fh = sizes[k]
-        target = chain[k] if k else np.zeros(fw * fh * 4, np.float32)
         _, ux, ix = _weights(fw)
         _, uy, iy = _weights(fh)
-        up(chain[k + 1], fw, fh, ux, ix, uy, iy, float(weights[k - 1]) if k else 0.0, target)
-        chain[k] = target
+        up(chain[k + 1], fw, fh, ux, ix, uy, iy, float(weights[k]), chain[k])
     return chain[0].reshape(h, w, 4)

@@ -117,7 +117,10 @@ class Camera:
         right /= np.linalg.norm(right)
         above = np.cross(right, forward)
         angle = math.radians(state.roll)
-        right, above = math.cos(angle) * right + math.sin(angle) * above, math.cos(angle) * above - math.sin(angle) * right
+        right, above = (
+            math.cos(angle) * right + math.sin(angle) * above,
+            math.cos(angle) * above - math.sin(angle) * right,
+        )
         fog = self.spec.fog
         return View(
             position=position,

@@ -121,7 +121,10 @@ def _sky(spec: DevelopSpec, height: int) -> np.ndarray:
     return np.ascontiguousarray(gradient_table(gradient, max(height, 2))[:height].astype(np.float32))
 
 
-def develop(film: np.ndarray, spec: DevelopSpec = DevelopSpec(), frame: int = 0, transparent: bool = False, bits: int = 8):
+_PLAIN = DevelopSpec()
+
+
+def develop(film: np.ndarray, spec: DevelopSpec = _PLAIN, frame: int = 0, transparent: bool = False, bits: int = 8):
     """A picture (height, width, 3 or, transparent, 4) of uint8 or uint16, sRGB, from linear premultiplied RGBA.
 
     film : (height, width, 4) float32      frame : seeds dither and grain      bits : 8 or 16
@@ -142,7 +145,17 @@ def develop(film: np.ndarray, spec: DevelopSpec = DevelopSpec(), frame: int = 0,
     out = np.zeros(height * width * channels, np.uint8 if bits == 8 else np.uint16)
     curve, encode = _tables(spec.tone, spec.contrast)
     develop_kernel(
-        film.reshape(-1), halo.reshape(-1), width, height, int(frame), _sky(spec, height), curve, encode, q, channels, out
+        film.reshape(-1),
+        halo.reshape(-1),
+        width,
+        height,
+        int(frame),
+        _sky(spec, height),
+        curve,
+        encode,
+        q,
+        channels,
+        out,
     )
     return out.reshape(height, width, channels)
 

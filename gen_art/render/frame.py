@@ -40,7 +40,9 @@ class Painter:
     size : (width, height)      shutter : simulated seconds the shutter is open
     """
 
-    def __init__(self, size, camera: Camera | None = None, looks: dict[str, Look | None] | None = None, shutter: float = 0.0):
+    def __init__(
+        self, size, camera: Camera | None = None, looks: dict[str, Look | None] | None = None, shutter: float = 0.0
+    ):
         self.size = check_size(size)
         self.camera, self.looks, self.shutter = camera, looks or {}, shutter
         self.film = Film(self.size)

@@ -17,8 +17,27 @@ from gen_art.registry import suggest
 from gen_art.render.camera import View
 from gen_art.render.colour import TABLE, blackbody, gradient_table, planck_luminance
 from gen_art.render.splat import (
-    ALPHA, AREA, BLUE, DEPTH, DX, DY, F2, FIRST, GREEN, LAST, LEVEL, REACH, RED, SMALLEST, TAIL, TAPER, Sprites, X, Y,
-    coarsen, finish
+    ALPHA,
+    AREA,
+    BLUE,
+    DEPTH,
+    DX,
+    DY,
+    F2,
+    FIRST,
+    GREEN,
+    LAST,
+    LEVEL,
+    REACH,
+    RED,
+    SMALLEST,
+    TAIL,
+    TAPER,
+    Sprites,
+    X,
+    Y,
+    coarsen,
+    finish,
 )  # fmt: skip
 from gen_art.runtime import kernel, ti
 
@@ -55,7 +74,9 @@ def _channel(by: str, channels: dict[str, int]) -> float:
         return float(_ATTRIBUTE + channels[by])
     if by in _BY:
         return float(_BY[by])
-    raise UsageError(f"a look cannot go by '{by}'{suggest(by, [*_BY, *channels])}; known are {', '.join([*_BY, *channels])}")
+    raise UsageError(
+        f"a look cannot go by '{by}'{suggest(by, [*_BY, *channels])}; known are {', '.join([*_BY, *channels])}"
+    )
 
 
 def _domain(ramp: Ramp) -> tuple[float, float]:
@@ -308,7 +329,9 @@ def _shade(
                     if Q[KIND] < 1.5:
                         level = coarsen(P, o, _unit(key[0, i], key[1, i], 21))
                     side = (1 << level) - 1
-                    finish(P, o, (ti.cast(Q[WIDTH], ti.i32) + side) >> level, (ti.cast(Q[ROWS], ti.i32) + side) >> level)
+                    finish(
+                        P, o, (ti.cast(Q[WIDTH], ti.i32) + side) >> level, (ti.cast(Q[ROWS], ti.i32) + side) >> level
+                    )
             elif Q[LIT] > 0.5:
                 A[i, 3] = 0.0
 
@@ -316,7 +339,9 @@ def _shade(
 shade = kernel(_shade)
 
 
-def numbers(shading: Shading, view: View, size, time: float, film_time: float, shutter: float, raw: bool, weight: float = 1.0) -> np.ndarray:
+def numbers(
+    shading: Shading, view: View, size, time: float, film_time: float, shutter: float, raw: bool, weight: float = 1.0
+) -> np.ndarray:
     """The kernel's run-time numbers (float64). `weight` scales the light, `raw` makes every particle's light 1."""
     look = shading.look
     q = np.zeros(NUMBERS)
@@ -356,8 +381,8 @@ def add_sprites(sprites: Sprites, system, shading: Shading, q: np.ndarray) -> tu
     auxiliary = np.zeros((n if q[LIT] else 1, 7), np.float32)
     if n:
         shade(
-            system.floats, system.birth, system.key, system.id, system.source, shading.rows(system.sources), n, first, sprites.rows,
-            auxiliary, shading.ramps, shading.curves, shading.colours, q,
+            system.floats, system.birth, system.key, system.id, system.source, shading.rows(system.sources), n, first,
+            sprites.rows, auxiliary, shading.ramps, shading.curves, shading.colours, q,
         )  # fmt: skip
     sprites.layered |= shading.look.blend == "alpha"
     return first, auxiliary

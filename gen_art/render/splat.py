@@ -1,12 +1,12 @@
 """Sprites into the film: points, soft discs and streaks, added or laid over each other, in the same order every time.
 
-A sprite is a row of 21 float32 (`Sprites.rows`). The film is cut into bins of 32 x 32 pixels; each sprite is listed in the bins it
-touches, in the order of drawing (a counting sort over fixed chunks), and a bin is drawn by one thread, 8 x 8 pixels at a
-time in a local array, which is what lets the blending vectorise. Neither the number of threads nor any atomic sum
-enters the result.
+A sprite is a row of 21 float32 (`Sprites.rows`). The film is cut into bins of 32 x 32 pixels; each sprite is listed in
+the bins it touches, in the order of drawing (a counting sort over fixed chunks), and a bin is drawn by one thread,
+8 x 8 pixels at a time in a local array, which is what lets the blending vectorise. Neither the number of threads nor
+any atomic sum enters the result.
 
-Large discs are smooth, so they are drawn on films of a half, a quarter or an eighth of the size (`LEVEL`), which are laid over
-the film with bilinear weights; their reach is shortened by what that adds. Where sprites hide each other, the order of
+Large discs are smooth, so they are drawn on films of a half, a quarter or an eighth of the size (`LEVEL`), which are
+laid over the film with bilinear weights; their reach is shortened by what that adds. Where sprites hide each other, the order of
 drawing is cut into SLICES, and in each of them the coarse films come first.
 
 A sprite's light is spread by weights that are divided by their sum over its whole footprint, so every sprite gives
@@ -25,7 +25,29 @@ from gen_art.runtime import kernel, ti
 __all__ = ["AREA", "Film", "Sprites", "profile_integral", "splat"]
 
 # columns of a sprite's row
-X, Y, REACH, DX, DY, RED, GREEN, BLUE, ALPHA, DEPTH, FIRST, LAST, LEFT, RIGHT, NORM_X, NORM_Y, TAIL, TAPER, SLOPE, ACROSS, LEVEL = range(21)
+(
+    X,
+    Y,
+    REACH,
+    DX,
+    DY,
+    RED,
+    GREEN,
+    BLUE,
+    ALPHA,
+    DEPTH,
+    FIRST,
+    LAST,
+    LEFT,
+    RIGHT,
+    NORM_X,
+    NORM_Y,
+    TAIL,
+    TAPER,
+    SLOPE,
+    ACROSS,
+    LEVEL,
+) = range(21)
 COLUMNS = 21
 BIN = 32  # pixels along the side of a bin
 TILE = 8  # pixels along the side of the local array
@@ -344,7 +366,18 @@ def _draw(P: F2, listed: I1, touched: I1, bounds: I1, across: ti.i32, bins: ti.i
 
 
 @ti.kernel
-def _lay(coarse: F1, cw: ti.i32, ch: ti.i32, cs: ti.i32, film: F1, stride: ti.i32, across: ti.i32, busy: I1, n: ti.i32, over: ti.i32):
+def _lay(
+    coarse: F1,
+    cw: ti.i32,
+    ch: ti.i32,
+    cs: ti.i32,
+    film: F1,
+    stride: ti.i32,
+    across: ti.i32,
+    busy: I1,
+    n: ti.i32,
+    over: ti.i32,
+):
     """Lay a film of half the size over (or under) another, in the bins listed as busy."""
     ti.loop_config(block_dim=1)
     for k in range(n):
@@ -447,7 +480,9 @@ class Film:
         if total == 0:
             return touched
         if total >= 2**31:
-            raise MemoryRefused(f"one picture would need {total} sprite pieces, more than 2^31: make sprites or picture smaller")
+            raise MemoryRefused(
+                f"one picture would need {total} sprite pieces, more than 2^31: make sprites or picture smaller"
+            )
         starts = np.ascontiguousarray((ends - by_bin).astype(np.int32).reshape(bins, CHUNKS).T)
         bounds = np.append(starts[0], total).astype(np.int32)
         if total > len(self._listed):

@@ -71,7 +71,9 @@ def encode_table() -> np.ndarray:
 def _inset(amount: float) -> np.ndarray:
     """The matrix that draws the primaries towards white by `amount`; rows sum to 1."""
     white = np.array([0.3127, 0.3290])
-    primaries = [tuple(white + (np.array(p) - white) * (1.0 - amount)) for p in ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))]
+    primaries = [
+        tuple(white + (np.array(p) - white) * (1.0 - amount)) for p in ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
+    ]
     return np.linalg.inv(rgb_to_xyz()) @ rgb_to_xyz(primaries)
 
 

@@ -6,7 +6,16 @@ import pytest
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import COLOURS, PALETTES, Gradient, srgb
 from gen_art.render.colour import (
-    LUMINANCE, blackbody, encode_srgb, from_oklab, gradient_table, linear, planck_luminance, rgb_to_xyz, to_linear, to_oklab
+    LUMINANCE,
+    blackbody,
+    encode_srgb,
+    from_oklab,
+    gradient_table,
+    linear,
+    planck_luminance,
+    rgb_to_xyz,
+    to_linear,
+    to_oklab,
 )  # fmt: skip
 
 

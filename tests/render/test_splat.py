@@ -34,7 +34,11 @@ def places():
 
 @pytest.mark.parametrize("radius", [0.01, 0.3, 0.8, 2.0, 6.0, 10.6, 10.7, 15, 21.3, 22, 43])
 def test_a_disc_gives_its_energy_at_any_size_and_offset(places, radius):
-    got = light(paint({"draw": "disc", "radius": radius}, places, size=(800, 600), camera=Camera(position=(0, 0, 9), height=600.0)))
+    got = light(
+        paint(
+            {"draw": "disc", "radius": radius}, places, size=(800, 600), camera=Camera(position=(0, 0, 9), height=600.0)
+        )
+    )
     assert got == pytest.approx([len(places) * AREA * (1.5 * radius) ** 2] * 3, rel=1e-5)
 
 
@@ -55,7 +59,9 @@ def test_a_point_gives_a_reference_pixel_of_light_at_any_size(places):
         assert got[:3] == pytest.approx([len(places) / (2 * 720**2)] * 3, rel=1e-5)
 
 
-@pytest.mark.parametrize("look", [{"draw": "disc", "radius": 1.0}, {"draw": "disc", "radius": 30.0}, {"draw": "streak", "width": 3.0}])
+@pytest.mark.parametrize(
+    "look", [{"draw": "disc", "radius": 1.0}, {"draw": "disc", "radius": 30.0}, {"draw": "streak", "width": 3.0}]
+)
 def test_the_frame_s_border_cuts_and_nothing_else(look):
     middle = light(paint(look, [[0, 0, 0]], [[4, 0, 0]]))
     corner = light(paint(look, [[-200, 120, 0]], [[4, 0, 0]]))
@@ -100,7 +106,12 @@ def test_discs_are_round():
 
 @pytest.mark.parametrize("radius", [7.0, 10.0, 15.0, 25.0, 60.0])
 def test_large_discs_on_coarser_films_keep_their_shape(radius):
-    picture = paint({"draw": "disc", "radius": radius}, [[0.3, -0.2, 0]], size=(800, 480), camera=Camera(position=(0, 0, 9), height=480.0))
+    picture = paint(
+        {"draw": "disc", "radius": radius},
+        [[0.3, -0.2, 0]],
+        size=(800, 480),
+        camera=Camera(position=(0, 0, 9), height=480.0),
+    )
     reach = 1.5 * np.hypot(radius, 1)  # a pixel and a half is the least reach
     x, y = (np.arange(800) + 0.5 - 400.3) / reach, (np.arange(480) + 0.5 - 240.2) / reach
     gx, gy = ((1 - 0.3125 * np.minimum(t * t, 1)) ** 8 * (1 - np.minimum(t * t, 1)) ** 2 for t in (x, y))
@@ -116,7 +127,13 @@ def test_the_picture_at_twice_the_size_is_the_picture():
 
 
 def test_alpha_is_laid_back_to_front_and_ties_go_by_id():
-    look = {"draw": "disc", "blend": "alpha", "radius": 8.0, "opacity": 50.0, "albedo": {"by": "id", "range": "0..1", "gradient": ["red", "blue"]}}
+    look = {
+        "draw": "disc",
+        "blend": "alpha",
+        "radius": 8.0,
+        "opacity": 50.0,
+        "albedo": {"by": "id", "range": "0..1", "gradient": ["red", "blue"]},
+    }
     near_is_second = paint(look, [[0, 0, 0], [0, 0, 2]])[120, 200]
     near_is_first = paint(look, [[0, 0, 2], [0, 0, 0]])[120, 200]
     tie = paint(look, [[0, 0, 0], [0, 0, 0]])[120, 200]
@@ -150,7 +167,9 @@ def test_light_in_the_frame_is_the_mean_of_the_film():
     stars = scene(stars=state(np.random.default_rng(1).normal(0, 1, (500, 3))))
     far = Camera(position=(0, 0, 30), fov=60)
     for size in ((160, 90), (640, 360), (1280, 720)):
-        assert render_frame(stars, size, far).mean(axis=(0, 1), dtype=np.float64) == pytest.approx([500, 500, 500, 0], rel=1e-5)
+        assert render_frame(stars, size, far).mean(axis=(0, 1), dtype=np.float64) == pytest.approx(
+            [500, 500, 500, 0], rel=1e-5
+        )
 
 
 def test_float64_storage_is_drawn_the_same():
@@ -201,7 +220,9 @@ print(hashlib.sha256(np.ascontiguousarray(film)).hexdigest(), hashlib.sha256(dev
 def test_one_and_two_threads_give_the_same_bytes():
     root = str(Path(__file__).parents[2])
     runs = [
-        subprocess.run([sys.executable, "-c", _DIGEST.format(root=root), str(n)], capture_output=True, text=True, check=True).stdout
+        subprocess.run(
+            [sys.executable, "-c", _DIGEST.format(root=root), str(n)], capture_output=True, text=True, check=True
+        ).stdout
         for n in (1, 2)
     ]
     assert runs[0] == runs[1] and len(runs[0]) > 100

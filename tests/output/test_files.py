@@ -1,0 +1,106 @@
+"""Files: what is written is what was given, in every format, with the recipe in it, whole or not at all."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from gen_art.errors import OutputError, UsageError
+from gen_art.output.recipe import read_recipe
+from gen_art.output.stills import write_still
+from gen_art.output.target import beside
+from gen_art.output.video import film_writer, probe
+
+RECIPE = {"format": 1, "preset": {"name": "ä"}, "numbers": [1.5, 2]}
+
+
+@pytest.fixture
+def picture():
+    x, y = np.meshgrid(np.linspace(0, 255, 80), np.linspace(0, 255, 48))
+    return np.stack([x, y, 255 - x], axis=2).astype(np.uint8)
+
+
+@pytest.mark.parametrize("name, most", [("a.png", 0), ("a.jpg", 4), ("a.jpeg", 4), ("a.webp", 8)])
+def test_stills_hold_the_picture_and_the_recipe(tmp_path, picture, name, most):
+    path = write_still(tmp_path / name, picture, RECIPE)
+    assert np.abs(np.asarray(Image.open(path)).astype(int) - picture).mean() <= most
+    assert read_recipe(path) == RECIPE
+    assert [p.name for p in tmp_path.iterdir()] == [name]
+
+
+@pytest.mark.parametrize("channels", [3, 4])
+def test_png_of_16_bits(tmp_path, channels):
+    deep = np.random.default_rng(1).integers(0, 65536, (20, 33, channels), dtype=np.uint16)
+    path = write_still(tmp_path / "a.png", deep, RECIPE)
+    assert read_recipe(path) == RECIPE
+    data = path.read_bytes()
+    assert data[24] == 16, "bit depth of the header"
+    assert np.array_equal(np.asarray(Image.open(path)), deep >> 8), "another reader takes the upper eight"
+
+
+def test_colours_survive_the_film(tmp_path, picture):
+    path = tmp_path / "a.mp4"
+    writer = film_writer(path, (80, 48), 25, RECIPE)
+    for _ in range(5):
+        writer.add(picture)
+    writer.close()
+    import av
+
+    with av.open(str(path)) as film:
+        decoded = next(film.decode(video=0)).to_ndarray(format="rgb24")
+    assert np.abs(decoded[4:-4, 4:-4].astype(int) - picture[4:-4, 4:-4]).mean() < 3
+    assert read_recipe(path) == RECIPE
+
+
+@pytest.mark.parametrize("fps", [24, 25, 29.97, 30, 60, 12.5])
+def test_frame_rates(tmp_path, fps):
+    path = tmp_path / "a.mp4"
+    writer = film_writer(path, (32, 32), fps)
+    for k in range(6):
+        writer.add(np.full((32, 32, 3), 40 * k, np.uint8))
+    writer.close()
+    assert probe(path).fps == pytest.approx(fps) and probe(path).frames == 6
+
+
+def test_gif_and_webp_play_all_frames_in_time(tmp_path):
+    for name in ("a.gif", "a.webp"):
+        writer = film_writer(tmp_path / name, (40, 30), 30, RECIPE)
+        for k in range(12):
+            writer.add(np.full((30, 40, 3), 20 * k, np.uint8))
+        writer.close()
+        with Image.open(tmp_path / name) as film:
+            durations = []
+            for k in range(film.n_frames):
+                film.seek(k)
+                film.load()
+                durations.append(film.info["duration"])
+        assert len(durations) == 12 and abs(sum(durations) - 400) <= 10
+        assert read_recipe(tmp_path / name) == RECIPE
+
+
+def test_odd_sizes_name_the_nearest(tmp_path):
+    with pytest.raises(UsageError, match="640x360 and 642x360"):
+        film_writer(tmp_path / "a.mp4", (641, 360), 30)
+
+
+def test_a_failure_leaves_nothing_and_keeps_what_was_there(tmp_path):
+    target = tmp_path / "a.png"
+    target.write_bytes(b"before")
+    with pytest.raises(RuntimeError), beside(target) as temporary:
+        temporary.write_bytes(b"half")
+        raise RuntimeError
+    assert target.read_bytes() == b"before" and len(list(tmp_path.iterdir())) == 1
+
+
+def test_the_system_s_refusal_is_an_output_error(tmp_path):
+    with pytest.raises(OutputError, match="cannot write"), beside(tmp_path / "a.png"):
+        raise OSError(28, "No space left on device")
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(OutputError):
+        write_still(tmp_path / "file" / "a.png", np.zeros((2, 2, 3), np.uint8))
+
+
+def test_recipes_too_long_for_exif_are_refused(tmp_path):
+    long = {**RECIPE, "words": "x" * 70_000}
+    with pytest.raises(UsageError, match=r"write a \.png"):
+        write_still(tmp_path / "a.jpg", np.zeros((2, 2, 3), np.uint8), long)
+    assert read_recipe(write_still(tmp_path / "a.png", np.zeros((2, 2, 3), np.uint8), long)) == long

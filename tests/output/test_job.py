@@ -1,0 +1,209 @@
+"""Jobs: films, sequences and stills agree; recipes make the same bytes; what cannot be written is refused first."""
+
+import hashlib
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from gen_art.errors import OutputError, UsageError
+from gen_art.output import job
+from gen_art.output.recipe import read_recipe
+from gen_art.output.video import probe
+from tests.output.piece import piece
+
+
+def pixels(path) -> np.ndarray:
+    return np.asarray(Image.open(path))
+
+
+def digest(path) -> str:
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+@pytest.fixture(scope="module")
+def sequence(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("sequence")
+    return job.render(piece(), folder / "a_###.png")
+
+
+def test_a_sequence_has_a_file_a_frame_and_something_in_it(sequence):
+    assert [p.name for p in sequence] == [f"a_{k:03d}.png" for k in range(10)]
+    assert pixels(sequence[-1]).shape == (54, 96, 3)
+    assert pixels(sequence[-1]).max() > 100
+    assert not np.array_equal(pixels(sequence[3]), pixels(sequence[4]))
+
+
+@pytest.mark.parametrize("frame", [0, 3, 9])
+def test_a_still_is_the_film_s_frame_byte_for_byte_trails_included(sequence, tmp_path, frame):
+    (path,) = job.still(piece(), tmp_path / "s.png", frame / 20)
+    assert digest(path) == digest(sequence[frame])
+
+
+def test_a_part_of_a_film_is_that_part(sequence, tmp_path):
+    part = job.render(piece(), tmp_path / "a_###.png", frames=range(2, 9, 3))
+    assert [digest(p) for p in part] == [digest(sequence[k]) for k in (2, 5, 8)]
+    (one,) = job.render(piece(), tmp_path / "one.png", frames=4)
+    assert digest(one) == digest(sequence[4])
+
+
+def test_trails_last_their_half_life_whatever_the_fps(tmp_path):
+    """The same film time at twice the frames a second has the same trails."""
+    strong = {"systems__sparks__look__trail__strength": 6}
+    slow = job.still(piece(**strong), tmp_path / "a.png", 0.4)[0]
+    fast = job.still(piece(clock__fps=40, **strong), tmp_path / "b.png", 0.4)[0]
+    bare = job.still(piece(systems__sparks__look__trail=None), tmp_path / "c.png", 0.4)[0]
+    a, b, c = (pixels(p).astype(float) for p in (slow, fast, bare))
+    assert a.mean() > 1.2 * c.mean(), "there is a trail"
+    assert abs(a.mean() - b.mean()) < 0.15 * (a.mean() - c.mean())
+
+
+def test_rerun_makes_the_same_bytes(sequence, tmp_path):
+    assert digest(job.rerun(sequence[6], tmp_path / "again.png")[0]) == digest(sequence[6])
+    for name, bits in (("a.png", 16), ("a.jpg", 8), ("a.webp", 8)):
+        (path,) = job.still(piece(seed=8), tmp_path / name, 0.2, size=(60, 40), bits=bits, quality="draft")
+        assert digest(job.rerun(path, tmp_path / f"again_{name}")[0]) == digest(path), name
+
+
+@pytest.mark.parametrize("ending", ["mp4", "gif", "webp"])
+def test_films_repeat_and_hold_their_recipe(tmp_path, ending):
+    (path,) = job.render(piece(), tmp_path / f"a.{ending}", frames=range(1, 6), quality="preview")
+    recipe = read_recipe(path)
+    assert recipe["frames"] == [1, 5, 1] and recipe["preset"] == piece().resolved() and recipe["size"] == [96, 54]
+    assert digest(job.rerun(path, tmp_path / f"b.{ending}")[0]) == digest(path)
+    assert not list(tmp_path.glob(".*")), "nothing is left behind"
+
+
+def test_mp4_is_h264_tagged_bt709_limited(tmp_path):
+    (path,) = job.render(piece(), tmp_path / "a.mp4")
+    found = probe(path)
+    assert (found.codec, found.pixel_format, found.size, found.frames) == ("h264", "yuv420p", (96, 54), 10)
+    assert (found.primaries, found.transfer, found.matrix, found.range) == (1, 1, 1, 1)
+    assert found.fps == 20 and found.duration == pytest.approx(0.5)
+
+
+def test_progress_counts_frames_and_particles(tmp_path):
+    events = []
+    job.render(piece(), tmp_path / "a_##.png", frames=range(4), progress=events.append)
+    assert [(e["event"], e["frame"], e["frames"]) for e in events] == [("frame", k, 4) for k in range(4)]
+    assert all(e["particles"] > 200 and e["fps"] > 0 for e in events) and events[-1]["eta"] == 0
+    json.dumps(events)
+
+
+def test_sizes_scale_and_draft_halves(tmp_path):
+    assert job.picture_size(piece()) == (96, 54)
+    assert job.picture_size(piece(), scale=0.5) == (48, 27)
+    assert job.picture_size(piece(), scale=0.5, even=True) == (48, 28)
+    assert job.picture_size(piece(), (200, 100), quality="draft") == (100, 50)
+    (path,) = job.render(piece(), tmp_path / "a.mp4", scale=0.5, frames=range(2))
+    assert probe(path).size == (48, 28)
+
+
+def test_names_are_filled_in(tmp_path):
+    (path,) = job.still(piece(), tmp_path / "{preset}_{seed}.png", 0)
+    assert path.name == "small_5.png" and path.exists()
+
+
+def test_transparent_pictures_have_holes(tmp_path):
+    (path,) = job.still(piece(develop__background="teal"), tmp_path / "a.png", 0.3, transparent=True)
+    alpha = pixels(path)[..., 3]
+    assert alpha[0, 0] == 0 and alpha.max() > 150
+
+
+@pytest.mark.parametrize(
+    "name, more, error, words",
+    [
+        ("a.mp4", {"size": (97, 54)}, UsageError, "96x54 and 98x54"),
+        ("a.mp4", {"transparent": True}, UsageError, "cannot be transparent"),
+        ("a.mp5", {}, UsageError, "did you mean '.mp4'"),
+        ("a", {}, UsageError, "has no ending"),
+        ("a.exr", {}, UsageError, "not available yet"),
+        ("a.png", {}, UsageError, "a_####.png"),
+        ("-", {}, UsageError, "path"),
+        ("a.mp4", {"size": (0, 10)}, UsageError, "1 to 16384"),
+        ("a.mp4", {"size": (20000, 10)}, UsageError, "16384"),
+        ("a.mp4", {"quality": "best"}, UsageError, "draft, preview, final"),
+        ("a.mp4", {"frames": range(0)}, UsageError, "no frames"),
+        ("a.mp4", {"frames": [3, 1]}, UsageError, "in order"),
+    ],
+)
+def test_what_cannot_be_written_is_refused(tmp_path, name, more, error, words):
+    with pytest.raises(error, match=words):
+        job.render(piece(), tmp_path / name if name != "-" else name, **more)
+    assert not list(tmp_path.iterdir())
+
+
+def test_existing_output_is_kept_unless_overwritten(tmp_path):
+    path = tmp_path / "a.png"
+    path.write_bytes(b"mine")
+    with pytest.raises(OutputError, match="--overwrite"):
+        job.still(piece(), path, 0)
+    assert path.read_bytes() == b"mine"
+    job.still(piece(), path, 0, overwrite=True)
+    assert pixels(path).shape == (54, 96, 3)
+    with pytest.raises(OutputError, match="directory"):
+        job.still(piece(), _folder(tmp_path / "d.png"), 0)
+    (tmp_path / "f_01.png").write_bytes(b"")
+    with pytest.raises(OutputError, match=r"f_01\.png exists"):
+        job.render(piece(), tmp_path / "f_##.png")
+    assert not (tmp_path / "f_00.png").exists()
+
+
+def _folder(path):
+    path.mkdir()
+    return path
+
+
+def test_a_file_in_the_way_of_the_folder_is_named(tmp_path):
+    (tmp_path / "x").write_bytes(b"")
+    with pytest.raises(OutputError, match="x is not a folder"):
+        job.still(piece(), tmp_path / "x" / "a.png", 0)
+
+
+def test_times_between_steps_are_refused_with_the_nearest(tmp_path):
+    with pytest.raises(UsageError, match=r"nearest is 0\.1 s"):
+        job.still(piece(), tmp_path / "a.png", 0.101)
+    with pytest.raises(UsageError):
+        job.still(piece(), tmp_path / "a.png", -1)
+
+
+def test_recipes_of_other_versions_or_without_their_plugins_are_refused(tmp_path, sequence):
+    from gen_art.output.stills import write_still
+
+    recipe = read_recipe(sequence[0])
+    for change, words in (
+        ({"gen_art": "9.9"}, "9.9"),
+        ({"plugins": [{"name": "swirl.py", "path": "nowhere/swirl.py", "sha256": "ab" * 32}]}, "swirl.py"),
+        ({"format": 99}, "format 99"),
+    ):
+        changed = write_still(tmp_path / f"{words}.png", np.zeros((4, 4, 3), np.uint8), {**recipe, **change})
+        with pytest.raises(UsageError, match=words):
+            job.rerun(changed, tmp_path / "out.png")
+    Image.new("RGB", (4, 4)).save(tmp_path / "bare.png")
+    with pytest.raises(UsageError, match="no recipe"):
+        job.rerun(tmp_path / "bare.png", tmp_path / "out.png")
+    (tmp_path / "no.png").write_bytes(b"no picture")
+    with pytest.raises(UsageError, match="cannot be read"):
+        job.rerun(tmp_path / "no.png", tmp_path / "out.png")
+    with pytest.raises(OutputError, match="no such file"):
+        job.rerun(tmp_path / "none.png", tmp_path / "out.png")
+
+
+_FILM = """
+import sys
+sys.path.insert(0, {root!r})
+from gen_art.output import job
+from tests.output.piece import piece
+job.render(piece(), sys.argv[2], frames=range(4), threads=int(sys.argv[1]))
+"""
+
+
+def test_one_and_two_threads_write_the_same_film(tmp_path):
+    root = str(Path(__file__).parents[2])
+    for n in (1, 2):
+        subprocess.run([sys.executable, "-c", _FILM.format(root=root), str(n), str(tmp_path / f"{n}.mp4")], check=True)
+    assert digest(tmp_path / "1.mp4") == digest(tmp_path / "2.mp4")
