@@ -4,7 +4,6 @@ import math
 
 from gen_art.emitters.emission import Emission, Event, Kind, Motion
 from gen_art.emitters.schedule import Burst, Rate
-from gen_art.interactions.gravity import SelfGravity
 from gen_art.medium import Medium
 from gen_art.particles.system import ParticleSystem
 
@@ -22,7 +21,7 @@ def systems_of(preset) -> dict[str, ParticleSystem]:
         medium = _medium(spec.medium) if spec.medium is not None else shared
         systems[name] = ParticleSystem(
             forces=forces,
-            interactions=[_with_units(one, preset) for one in spec.interactions],
+            interactions=list(spec.interactions),
             integrator=spec.integrator,
             medium=medium,
             emitters=[_emission(key, emitter, spec.particle) for key, emitter in spec.emitters.items()],
@@ -33,13 +32,6 @@ def systems_of(preset) -> dict[str, ParticleSystem]:
 
 def _medium(spec) -> Medium:
     return Medium(density=spec.density, field=spec.terms)
-
-
-def _with_units(one, preset):
-    """Gravity takes the preset's constant of gravitation unless it was given its own."""
-    if isinstance(one, SelfGravity) and one.values["G"] == SelfGravity.parameters["G"].default:
-        return SelfGravity(**{**one.values, "G": preset.units.G})
-    return one
 
 
 def _emission(name: str, spec, particle) -> Emission:
@@ -58,7 +50,8 @@ def _emission(name: str, spec, particle) -> Emission:
     start = spec.start or 0.0
     if spec.rate is not None:
         rate = spec.rate if isinstance(spec.rate, (int, float)) else spec.rate.points
-        schedule = Rate(rate, start, spec.stop)
+        pulse = None if spec.pulse is None else (spec.pulse.period, spec.pulse.depth)
+        schedule = Rate(rate, start, spec.stop, pulse)
     else:
         count = 1 if spec.count is None else round(spec.count.hi)
         schedule = Burst(spec.at if spec.at is not None else (start,), count)

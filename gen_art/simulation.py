@@ -135,7 +135,7 @@ class Simulation:
 
     def _advance(self, most: int) -> int:
         paired = bool(self._joined)
-        steps = 1 if (self._eventful or paired or self._ledger) else most
+        steps = 1 if (self._eventful or paired or self._ledger) else self._batch(most)
         first, t0, t1 = self.steps_done, self.time, (self.steps_done + steps) * self.dt
         for system in self._members.values():
             if system._state.tidy(t0, system.name in self._joined):
@@ -159,6 +159,15 @@ class Simulation:
             self._give_children(first, t0, t1, before)
         if self._ledger:
             self._ledger.after_step(t0, t1)
+        return steps
+
+    def _batch(self, most: int) -> int:
+        """How many steps one launch takes: fewer where many are born, whose storage waits for them meanwhile."""
+        steps = most
+        for system in self._members.values():
+            allowed = max(4096, system._state.count // 8)
+            while steps > 1 and system.births_until((self.steps_done + steps) * self.dt) > allowed:
+                steps = (steps + 1) // 2
         return steps
 
     def _give_children(self, first: int, t0: float, t1: float, before: dict) -> None:

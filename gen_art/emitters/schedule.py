@@ -24,10 +24,13 @@ class Schedule:
 class Rate(Schedule):
     """A rate in 1/s, constant or piecewise linear in time: points ((time, rate), ...), held before the first and after the last.
 
-    Births begin at `start` and end before `stop` (s). Raises UsageError for a negative or infinite rate.
+    Births begin at `start` and end before `stop` (s). A pulse (period, depth) gathers the births of each period about its
+    beginning: the times are shifted by -depth sin(2 pi t / period) period / (2 pi), the mean rate kept; depth in [0, 1).
+    Raises UsageError for a negative or infinite rate.
     """
 
-    def __init__(self, rate, start: float = 0.0, stop: float | None = None):
+    def __init__(self, rate, start: float = 0.0, stop: float | None = None, pulse: tuple[float, float] | None = None):
+        self._pulse = pulse
         points = [(start, float(rate))] if np.isscalar(rate) else [(float(t), float(r)) for t, r in rate]
         if not all(np.isfinite(r) and r >= 0 for _, r in points):
             raise UsageError("a rate must be a finite number of at least 0 per second")
@@ -40,7 +43,22 @@ class Rate(Schedule):
         self._sum = np.append(0.0, np.cumsum(0.5 * (r[1:] + r[:-1]) * np.diff(t)))
         self._last = None if stop is None else self._until(np.nextafter(stop, -np.inf))
 
+    def _pulsed(self, t):
+        period, depth = self._pulse
+        return t - depth * np.sin(2 * np.pi * t / period) * (period / (2 * np.pi))
+
+    def _steady(self, t: float) -> float:
+        """The unpulsed time that is shifted to t, by bisection."""
+        low, high = t - self._pulse[0], t + self._pulse[0]
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self._pulsed(middle) <= t else (low, middle)
+        return low
+
     def _until(self, t: float) -> int:
+        moment = t
+        if self._pulse is not None:
+            t = self._steady(t)
         if t < self._t[0]:
             return 0
         k = int(np.searchsorted(self._t, t, "right")) - 1
@@ -48,7 +66,7 @@ class Rate(Schedule):
         slope = (self._r[k + 1] - self._r[k]) / (self._t[k + 1] - self._t[k]) if k + 1 < len(self._t) else 0.0
         guess = int(np.floor(self._sum[k] + s * (self._r[k] + 0.5 * slope * s) + 0.5))
         near = np.arange(max(guess - 2, 0), guess + 3)  # the times themselves decide, so that every dt agrees
-        return int(near[0] + np.count_nonzero(self.times(int(near[0]), int(near[-1]) + 1) <= t))
+        return int(near[0] + np.count_nonzero(self.times(int(near[0]), int(near[-1]) + 1) <= moment))
 
     def until(self, t):
         count = self._until(t)
@@ -64,7 +82,8 @@ class Rate(Schedule):
         with np.errstate(divide="ignore", invalid="ignore"):
             root = np.sqrt(np.maximum(rate * rate + 2.0 * slope * rest, 0.0))
             s = 2.0 * rest / (rate + root)  # the stable root of rate s + slope s^2 / 2 = rest
-        return np.where(rate + root > 0, self._t[k] + s, np.inf)
+        t = np.where(rate + root > 0, self._t[k] + s, np.inf)
+        return t if self._pulse is None else np.where(np.isfinite(t), self._pulsed(np.where(np.isfinite(t), t, 0.0)), np.inf)
 
 
 class Burst(Schedule):

@@ -127,6 +127,10 @@ class ParticleSystem:
                 self._state.floats[self._state.channels[name], new] = self._initial[name]
         self._initial = {}
 
+    def births_until(self, time: float) -> int:
+        """How many scheduled births lie between those made and `time`."""
+        return sum(e.schedule.until(time) - e.done for e in self.emitters if e.schedule is not None)
+
     def _living(self):
         if self._state is None:
             raise UsageError("this ParticleSystem is not part of a simulation yet")

@@ -24,7 +24,7 @@ from gen_art.preset.types import (
 from gen_art.preset.values import Curve, number, shown
 from gen_art.registry import suggest
 
-__all__ = ["EVENTS", "Attributes", "Choice", "Emitter", "FromEvent", "Motion", "Orbit", "Particle", "Shape", "Velocity"]
+__all__ = ["EVENTS", "Attributes", "Choice", "Emitter", "FromEvent", "Motion", "Orbit", "Particle", "Pulse", "Shape", "Velocity"]
 
 EVENTS = ("birth", "death", "path")
 
@@ -91,6 +91,15 @@ class Motion(Model):
     orbit: Orbit | None = about(None, "a circle on top of it")
 
 
+class Pulse(Model):
+    """Births come in puffs: those of each period gather about its beginning, the mean rate kept."""
+
+    period: Positive = about(..., "simulated time from puff to puff", unit="s")
+    depth: Annotated[float, parsed(bounded(0, 0.99), {"type": "number", "minimum": 0, "maximum": 0.99})] = about(
+        0.5, "0 is steady; the peak is 1 / (1 - depth) times the mean"
+    )
+
+
 class FromEvent(Model):
     """Fed by what happens in another system: `shells.death`, `.birth`, or `.path` (along the way of the living)."""
 
@@ -143,6 +152,7 @@ class Emitter(Attributes):
     rate: Rate | None = about(
         None, "births a simulated second, or a curve over time; `from: path`: for each parent", unit="1/s"
     )
+    pulse: Pulse | None = about(None, "puffs of a rate")
     at: Times | None = about(None, "times of births", unit="s")
     count: CountRange | None = about(None, "births for each time or event; alone: all at `start`")
     start: NotNegative | None = about(None, "simulated time of the first births", unit="s")
@@ -215,6 +225,8 @@ def _ways(emitter: Emitter) -> str:
         return "needs one of rate, at, count or from: when are its particles born?"
     if emitter.stop is not None and rate is None:
         return "stop goes with a rate"
+    if emitter.pulse is not None and (rate is None or source is not None):
+        return "pulse goes with a rate that events do not feed"
     if emitter.stop is not None and emitter.stop <= (emitter.start or 0.0):
         return f"stop must be later than start, not {emitter.stop:g}"
     return ""

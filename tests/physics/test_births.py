@@ -34,7 +34,7 @@ FOUNTAIN = {
 }
 
 
-@pytest.mark.parametrize("schedule", [Rate(137.7), Rate([[0, 0], [0.5, 400], [1, 50]]), Rate(50, 0.123, 0.7), Burst([0.1, 0.25, 0.25, 0.7], [3, 5, 1, 2])])
+@pytest.mark.parametrize("schedule", [Rate(137.7), Rate([[0, 0], [0.5, 400], [1, 50]]), Rate(50, 0.123, 0.7), Rate(300, 0, None, (0.3, 0.8)), Burst([0.1, 0.25, 0.25, 0.7], [3, 5, 1, 2])])
 def test_times_and_counts_agree(schedule):
     """until(t) counts exactly the births whose own times are at or before t."""
     n = schedule.until(1.5)
@@ -50,6 +50,15 @@ def test_births_follow_the_integral_of_the_rate():
     assert np.allclose(400 * times[rising] ** 2, np.arange(rising.sum()) + 0.5)  # integral of 800 t
     assert np.allclose(Rate(8.0, 2.0).times(0, 4), 2 + (np.arange(4) + 0.5) / 8)
     assert not np.allclose(Rate(8.0, 2.0).times(0, 4), 2 + np.arange(4) / 8)  # the mutant: births at whole counts
+
+
+def test_a_pulse_gathers_births_and_keeps_their_number():
+    times = Rate(1e5, pulse=(0.5, 0.8)).times(0, 100_000)
+    phase = times / 0.5 % 1
+    near, far = np.count_nonzero((phase < 0.002) | (phase > 0.998)), np.count_nonzero(abs(phase - 0.5) < 0.02)
+    assert near / 400 == pytest.approx(1 / (1 - 0.8), rel=0.03)  # the peak of 1 / (1 - depth cos) over the mean
+    assert far / 4000 == pytest.approx(1 / (1 + 0.8), rel=0.03)
+    assert times[-1] == pytest.approx(1.0, abs=1e-4)
 
 
 def test_same_particles_at_every_time_step():
