@@ -12,7 +12,6 @@ from gen_art.errors import UsageError
 from gen_art.output.recipe import make_recipe, read_recipe, verify
 from gen_art.output.stills import write_still
 from gen_art.output.target import Target, beside, check_writable, find_target
-from gen_art.output.video import film_writer
 from gen_art.render.camera import Camera
 from gen_art.render.develop import develop
 from gen_art.render.frame import Painter, check_size
@@ -188,6 +187,8 @@ def render(
                 submit(write_still, path, picture, recipe)
                 report(k, run.particles)
         return paths
+    from gen_art.output.video import film_writer  # a still does without the encoders
+
     recipe = make_recipe(preset, plugins=plugins, kind="film", frames=_span(frames), ending=target.ending, **job)
     run = _Run(preset, size, precision, threads)
     with beside(target.path) as temporary:

@@ -328,8 +328,8 @@ class DevelopSpec(Model):
     """From linear light to a picture: exposure in stops, bloom, vignette, background, tone map, grain, dither.
 
     contrast turns about middle grey, saturation about luminance, both after the tone map's own (1 leaves them).
-    background: a colour, a gradient from top to bottom, or `night`. It is seen where nothing hides it; exposure
-    does not change it. grain: standard deviation at middle grey. vignette: stops lost in the corners.
+    background: a colour, a gradient from top to bottom, or `night`. It is seen as written where nothing hides
+    it, whatever exposure and tone map are. grain: standard deviation at middle grey. vignette: stops lost in the corners.
     """
 
     exposure: Annotated[Number, Field(ge=-60, le=60)] = 0.0

@@ -81,8 +81,6 @@ def _develop(
             edge = 1.0 + Q[VIGNETTE] * 0.5 * (dx * dx + dy * dy)
             light = light * (Q[EXPOSURE] / (edge * edge))
             cover = ti.min(ti.max(film[o + 3], 0.0), 1.0)
-            if Q[TRANSPARENT] < 0.5:
-                light += ti.Vector([sky[i, 0], sky[i, 1], sky[i, 2]]) * (1.0 - cover)
             v = ti.Vector([0.0, 0.0, 0.0])
             if Q[NEUTRAL] > 0.5:
                 v = _pbr_neutral(light)
@@ -92,6 +90,9 @@ def _develop(
                 v = _turn(Q, AFTER, v)
             grey = _RED * v[0] + _GREEN * v[1] + _BLUE * v[2]
             v = grey + (v - grey) * Q[SATURATION]
+            if Q[TRANSPARENT] < 0.5:  # the background is seen as it is written, dimmed by what shines over it
+                back = ti.Vector([sky[i, 0], sky[i, 1], sky[i, 2]]) * ((1.0 - cover) / (edge * edge))
+                v += back * (1.0 - ti.min(ti.max(v, 0.0), 1.0))
             if Q[TRANSPARENT] > 0.5:
                 cover = ti.min(ti.max(cover, ti.max(v[0], ti.max(v[1], v[2]))), 1.0)
                 v = v / ti.max(cover, 1e-6)

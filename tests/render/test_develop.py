@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from gen_art.errors import UsageError
+from gen_art.preset.colour_names import srgb
 from gen_art.preset.look import DevelopSpec
 from gen_art.render.bloom import levels, stray_light
 from gen_art.render.colour import encode_srgb
@@ -107,6 +108,9 @@ def test_backgrounds_lie_behind_what_covers():
     assert picture[5, 5, 0] == pytest.approx(0.5, abs=1e-3)
     assert picture[5, 15, 0] == 0.0
     assert picture[5, 25, 0] == pytest.approx(encode_srgb(0.5 * ((0.5 + 0.055) / 1.055) ** 2.4), abs=1e-3)
+    for tone in TONES:
+        plain = develop(film[:, :10], DevelopSpec(tone=tone, exposure=3, background="teal"), bits=16)[0, 0] / 65535
+        assert plain == pytest.approx(srgb("teal"), abs=1e-3), "as it is written"
     night = develop(np.zeros((90, 16, 4), np.float32), DevelopSpec(background="night"), bits=16)
     assert (np.diff(night[:, 0, 2].astype(int)) >= 0).all() and night[0, 0].max() < night[-1, 0].max() < 20_000
 
