@@ -220,10 +220,11 @@ def _shade(
                     if Q[ORTHOGRAPHIC] < 0.5:
                         per_back = scale / back[2]
                     dx, dy = px - (0.5 * width + back[0] * per_back), py - (0.5 * rows - back[1] * per_back)
-                    low, high = _clip(-dx * -1.0, px + width, 0.0, 1.0)
-                    low, high = _clip(-dx, 2.0 * width - px, low, high)
-                    low, high = _clip(-dy * -1.0, py + rows, low, high)
-                    low, high = _clip(-dy, 2.0 * rows - py, low, high)
+                    low, high = 0.0, 1.0
+                    run = ti.Vector([dx, -dx, dy, -dy])
+                    room = ti.Vector([px + width, 2.0 * width - px, py + rows, 2.0 * rows - py])
+                    for e in range(4):
+                        low, high = _clip(run[e], room[e], low, high)
                     if high > low:
                         px, py = px - dx * low, py - dy * low
                         dx, dy = dx * (high - low), dy * (high - low)
@@ -304,10 +305,16 @@ def _shade(
                     if Q[CONSERVE] > 0.0:
                         shrink = ti.cast(Q[CONSERVE], ti.f32) / ti.max(world, 1e-30)
                         depth *= shrink * shrink
-                    cover = (1.0 - exp(-depth)) * area
                     white = _colour(colours, 1, u[ALBEDO])
+                dense = ti.Vector(
+                    [depth, ti.max(head[2] - ti.cast(Q[FOG_START], ti.f32), 0.0) * ti.cast(Q[FOG_RATE], ti.f32)]
+                )
+                for e in range(2):  # through the sprite, and through the fog in front of it
+                    dense[e] = exp(-dense[e])
+                if Q[BLEND] > 0.5:
+                    cover = (1.0 - dense[0]) * area
                 if Q[FOG_RATE] > 0.0:
-                    clear = exp(-ti.max(head[2] - ti.cast(Q[FOG_START], ti.f32), 0.0) * ti.cast(Q[FOG_RATE], ti.f32))
+                    clear = dense[1]
                     mist = ti.Vector([Q[FOG_RED], Q[FOG_GREEN], Q[FOG_BLUE]])
                     for c in ti.static(range(3)):
                         rgb[c] = rgb[c] * clear + cover * (1.0 - clear) * ti.cast(mist[c], ti.f32)
