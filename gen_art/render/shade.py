@@ -16,6 +16,7 @@ from gen_art.preset.values import Curve
 from gen_art.registry import suggest
 from gen_art.render.camera import View
 from gen_art.render.colour import TABLE, blackbody, gradient_table, planck_luminance
+from gen_art.render.film import Sprites
 from gen_art.render.splat import (
     ALPHA,
     AREA,
@@ -33,7 +34,6 @@ from gen_art.render.splat import (
     SMALLEST,
     TAIL,
     TAPER,
-    Sprites,
     X,
     Y,
     coarsen,
