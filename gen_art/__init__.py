@@ -7,7 +7,7 @@ __version__ = "0.1.0"
 # public name -> module that holds it (or None: the name is a module of this package); loaded when first used, so that
 # `gen-art --help` does not wait for the compiler
 _NAMES = {
-    "Camera": "gen_art.render.camera",
+    "Camera": "gen_art.renderer.camera",
     "Diagnostics": "gen_art.diagnostics",
     "Emitter": "gen_art.emitters.base",
     "Force": "gen_art.forces.base",
@@ -32,7 +32,7 @@ _NAMES = {
     "param": "gen_art.registry",
     "power": "gen_art.elementary",
     "render": "gen_art.output.job",
-    "render_frame": "gen_art.render.frame",
+    "render_frame": "gen_art.renderer.frame",
     "shape": "gen_art.emitters.base",
     "sin": "gen_art.elementary",
     "ti": "gen_art.runtime",

@@ -12,9 +12,9 @@ from gen_art.errors import UsageError
 from gen_art.output.recipe import make_recipe, read_recipe, verify
 from gen_art.output.stills import write_still
 from gen_art.output.target import Target, beside, check_writable, find_target
-from gen_art.render.camera import Camera
-from gen_art.render.develop import develop
-from gen_art.render.frame import Painter, check_size
+from gen_art.renderer.camera import Camera
+from gen_art.renderer.develop import develop
+from gen_art.renderer.frame import Painter, check_size
 
 __all__ = ["QUALITIES", "check_target", "picture_size", "render", "rerun", "still"]
 

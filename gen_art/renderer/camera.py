@@ -11,7 +11,7 @@ import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.preset.look import CameraSpec
-from gen_art.render.colour import linear
+from gen_art.renderer.colour import linear
 
 __all__ = ["Camera", "View"]
 

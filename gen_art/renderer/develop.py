@@ -7,9 +7,9 @@ import numpy as np
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import Gradient
 from gen_art.preset.look import DevelopSpec
-from gen_art.render.bloom import stray_light
-from gen_art.render.colour import LUMINANCE, gradient_table
-from gen_art.render.tone import HIGH, LOW, STEPS, STEPS_LOG, curve_table, encode_table, matrices
+from gen_art.renderer.bloom import stray_light
+from gen_art.renderer.colour import LUMINANCE, gradient_table
+from gen_art.renderer.tone import HIGH, LOW, STEPS, STEPS_LOG, curve_table, encode_table, matrices
 from gen_art.runtime import kernel, ti
 
 __all__ = ["develop"]

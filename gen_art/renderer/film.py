@@ -3,7 +3,7 @@
 import numpy as np
 
 from gen_art.errors import MemoryRefused
-from gen_art.render.splat import BIN, CHUNKS, COLUMNS, DEPTH, FIRST, LAST, LEVEL, SLICES, count, draw, lay, list_bins
+from gen_art.renderer.splat import BIN, CHUNKS, COLUMNS, DEPTH, FIRST, LAST, LEVEL, SLICES, count, draw, lay, list_bins
 
 __all__ = ["Film", "Sprites", "splat"]
 

@@ -4,11 +4,11 @@ import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.preset.look import Look
-from gen_art.render.camera import Camera
-from gen_art.render.film import Film, Sprites, splat
-from gen_art.render.light import incoming_light
-from gen_art.render.shade import Shading, add_sprites, numbers
-from gen_art.render.splat import BLUE, LEVEL, RED
+from gen_art.renderer.camera import Camera
+from gen_art.renderer.film import Film, Sprites, splat
+from gen_art.renderer.light import incoming_light
+from gen_art.renderer.shade import Shading, add_sprites, numbers
+from gen_art.renderer.splat import BLUE, LEVEL, RED
 
 __all__ = ["LARGEST", "Painter", "check_size", "living", "render_frame"]
 

@@ -9,7 +9,7 @@ The grid's cells and corners come in fixed steps, so that it does not crawl with
 import numpy as np
 
 from gen_art.preset.look import KeyLight
-from gen_art.render.colour import linear
+from gen_art.renderer.colour import linear
 
 __all__ = ["incoming_light", "optical_depth"]
 

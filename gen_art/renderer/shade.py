@@ -14,10 +14,10 @@ from gen_art.preset.colour_names import Gradient
 from gen_art.preset.look import Color, Look, Ramp
 from gen_art.preset.values import Curve
 from gen_art.registry import suggest
-from gen_art.render.camera import View
-from gen_art.render.colour import TABLE, blackbody, gradient_table, planck_luminance
-from gen_art.render.film import Sprites
-from gen_art.render.splat import (
+from gen_art.renderer.camera import View
+from gen_art.renderer.colour import TABLE, blackbody, gradient_table, planck_luminance
+from gen_art.renderer.film import Sprites
+from gen_art.renderer.splat import (
     ALPHA,
     AREA,
     BLUE,

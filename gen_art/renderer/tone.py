@@ -8,7 +8,7 @@ ACES as S. Hill's fit of RRT + ODT; Reinhard et al. 2002, equation 4; Khronos PB
 
 import numpy as np
 
-from gen_art.render.colour import encode_srgb, rgb_to_xyz
+from gen_art.renderer.colour import encode_srgb, rgb_to_xyz
 
 __all__ = ["HIGH", "LOW", "STEPS", "curve_table", "encode_table", "matrices"]
 

@@ -5,8 +5,8 @@ import pytest
 
 from gen_art.errors import UsageError
 from gen_art.preset.look import CameraSpec, Look
-from gen_art.render.camera import Camera
-from gen_art.render.frame import Painter
+from gen_art.renderer.camera import Camera
+from gen_art.renderer.frame import Painter
 from tests.render.particles import scene, state
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import COLOURS, PALETTES, Gradient, srgb
-from gen_art.render.colour import (
+from gen_art.renderer.colour import (
     LUMINANCE,
     blackbody,
     encode_srgb,

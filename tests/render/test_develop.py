@@ -6,9 +6,9 @@ import pytest
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import srgb
 from gen_art.preset.look import DevelopSpec
-from gen_art.render.bloom import levels, stray_light
-from gen_art.render.colour import encode_srgb
-from gen_art.render.develop import develop
+from gen_art.renderer.bloom import levels, stray_light
+from gen_art.renderer.colour import encode_srgb
+from gen_art.renderer.develop import develop
 
 TONES = ["agx", "aces", "reinhard", "neutral", "none"]
 

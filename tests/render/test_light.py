@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from gen_art.preset.look import KeyLight, Look
-from gen_art.render.camera import Camera
-from gen_art.render.frame import Painter
-from gen_art.render.light import incoming_light, optical_depth
+from gen_art.renderer.camera import Camera
+from gen_art.renderer.frame import Painter
+from gen_art.renderer.light import incoming_light, optical_depth
 from tests.render.particles import scene, state
 
 

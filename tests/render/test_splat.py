@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from gen_art.preset.look import Look
-from gen_art.render.camera import Camera
-from gen_art.render.frame import Painter, render_frame
-from gen_art.render.splat import AREA, profile_integral
+from gen_art.renderer.camera import Camera
+from gen_art.renderer.frame import Painter, render_frame
+from gen_art.renderer.splat import AREA, profile_integral
 from tests.render.particles import scene, state
 
 SIZE = (400, 240)
@@ -203,9 +203,9 @@ from gen_art import runtime
 runtime.init("cpu", int(sys.argv[1]))
 from tests.render.particles import scene, state
 from gen_art.preset.look import Look
-from gen_art.render.camera import Camera
-from gen_art.render.frame import Painter
-from gen_art.render.develop import develop
+from gen_art.renderer.camera import Camera
+from gen_art.renderer.frame import Painter
+from gen_art.renderer.develop import develop
 rng = np.random.default_rng(0)
 x, v = rng.normal(0, 1, (20000, 3)), rng.normal(0, 2, (20000, 3))
 looks = dict(
