@@ -1,0 +1,265 @@
+"""Writes docs/forces.md, and the tables of docs/presets.md, from the docstrings and parameters of the classes themselves.
+
+    python docs/make_reference.py           writes both pages
+    python docs/make_reference.py --check   says whether they are up to date, and writes nothing
+"""
+
+import inspect
+import math
+import re
+import sys
+import typing
+from fractions import Fraction
+from pathlib import Path
+
+from gen_art.integrators import INTEGRATORS
+from gen_art.preset import clock, emitter, look, schema
+from gen_art.preset.registered import in_degrees, is_field, parameters, registry
+
+FOLDER = Path(__file__).resolve().parent
+BEGIN, END = "<!-- tables: made by docs/make_reference.py, not by hand -->", "<!-- end of the tables -->"
+
+INTRODUCTION = """# Forces, shapes, velocities, emitters, interactions, integrators
+
+This page is made by `python docs/make_reference.py` from the classes themselves. A name is the key in YAML; in Python the
+class is `ga.forces.Gravity` and so on, with the parameters as arguments in the same order. The value of a key is a mapping
+of parameters, or the value of the first one alone: `gravity: [0, -9.81, 0]`. Units are SI unless the preset's `units:`
+say otherwise. Angles are degrees in YAML and radians in Python. abs(w) is the length of the vector w.
+"""
+
+SECTIONS = (
+    (
+        "forces",
+        "Forces",
+        "Under `forces:` of the preset, where they act on every system, or of one system. Those marked *field* may also stand under "
+        "`medium:`; their vector is then a velocity of the medium in m/s, which drag and damping pull towards.",
+    ),
+    (
+        "shapes",
+        "Shapes",
+        "Where particles are born: `shape:` of an emitter. Places are relative to the emitter. A bare vector is a `point`.",
+    ),
+    (
+        "velocities",
+        "Velocities",
+        "How fast they are born: `velocity:` of an emitter, its other parameters beside its name: "
+        "`velocity: {cone: [0, 1, 0], angle: 6, speed: 92..98}`. A bare vector is `constant`.",
+    ),
+    ("emitters", "Emitters", "A whole birth in one place: the name stands in the emitter itself, instead of shape and velocity."),
+    ("interactions", "Interactions", "Forces between particles: `interactions:` of a system."),
+)
+
+INTEGRATION = """## Integrators
+
+`integrator:` of a system. K(a) is a kick of a fraction a of the time step dt, D(b) a drift of a fraction b: x += b dt v. A kick solves
+constant acceleration and drag together, with the medium's velocity u held for the length h = a dt of the kick:
+
+```text
+linear            v = u + g/k + (v0 - u - g/k) exp(-k h)        rate k (1/s), all other acceleration g
+with a quadratic  w = w0 A exp(-A h) / (A + B abs(w0) (1 - exp(-A h))),  w = v - u, A = k, B the quadratic rate (1/m)
+magnetic          Boris: half the kick, a rotation about B that keeps the speed exactly, the other half
+```
+
+The Runge-Kutta schemes are written as the classical tables: nodes (fractions of dt) and weights; drag is inside their stages.
+"""
+
+DOCUMENTED_BY_FIELD = (clock.Clock, schema.Units, schema.System, emitter.Emitter, emitter.Attributes, emitter.FromEvent,
+                       emitter.Choice, emitter.Motion, emitter.Orbit, schema.Gallery)  # fmt: skip
+DOCUMENTED_AS_A_WHOLE = (look.Look, look.Emission, look.Ramp, look.Color, look.KeyLight, look.Trail, look.CameraSpec,
+                         look.CameraKey, look.Orbit, look.Fog, look.DevelopSpec, look.Bloom)  # fmt: skip
+WHERE = {
+    "Clock": "clock:", "Units": "units:", "System": "systems.NAME:", "Emitter": "systems.NAME.emitters.NAME:",
+    "Attributes": "particle: (and, for their own, emitters and choices)", "FromEvent": "from: of an emitter",
+    "Choice": "choose.NAME: of an emitter", "Motion": "motion: of an emitter", "Gallery": "gallery:", "Look": "look: of a system",
+    "Emission": "emission: of a look", "Ramp": "numbers of a look that may follow a quantity", "Color": "colours of a look",
+    "KeyLight": "light: of a look", "Trail": "trail: of a look", "CameraSpec": "camera:", "CameraKey": "path: of the camera, a list of",
+    "Fog": "fog: of the camera", "DevelopSpec": "develop:", "Bloom": "bloom: of develop", "Pulse": "pulse: of an emitter",
+}  # fmt: skip
+
+
+def number(value: float) -> str:
+    """A number as short as it can be told from its neighbours."""
+    return f"{value:.10g}"
+
+
+def cell(value) -> str:
+    """A default as YAML writes it."""
+    if value is None or value == () or value == {}:
+        return ""
+    if isinstance(value, bool):
+        return f"`{str(value).lower()}`"
+    if isinstance(value, (int, float)):
+        return f"`{number(value)}`"
+    if isinstance(value, (tuple, list)):
+        return f"`[{', '.join(number(v) if isinstance(v, (int, float)) else str(v) for v in value)}]`"
+    return f"`{value}`"
+
+
+def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    lines = [head, ("---",) * len(head), *rows]
+    return "\n".join("| " + " | ".join(text.replace("|", "\\|") for text in line) + " |" for line in lines)
+
+
+def limits(parameter) -> str:
+    """The closed range of a parameter, in the unit YAML uses; empty where there is none."""
+    if parameter.kind == "choice":
+        return ", ".join(f"`{c}`" for c in parameter.choices)
+    convert = math.degrees if in_degrees(parameter) else float
+    low, high = convert(parameter.minimum), convert(parameter.maximum)
+    if low == -math.inf and high == math.inf:
+        return ""
+    if high == math.inf:
+        return "above 0" if 0 < low < 1e-6 else f"at least {number(low)}"
+    return f"{number(low)} to {number(high)}"
+
+
+def default(parameter) -> str:
+    value = parameter.default
+    if parameter.required:
+        return "required"
+    if parameter.kind == "range":
+        low, high = value
+        return f"`{number(low)}`" if low == high else f"`{number(low)}..{number(high)}`"
+    return cell(round(math.degrees(value), 6) if in_degrees(parameter) and value is not None else value)
+
+
+def words(cls) -> str:
+    """The docstring: its first paragraph as prose, the rest (formula, units, source) as it stands."""
+    first, _, rest = inspect.cleandoc(cls.__doc__).partition("\n\n")
+    prose = " ".join(first.split())
+    return f"{prose}\n\n```text\n{rest.strip()}\n```" if rest.strip() else prose
+
+
+def traits(kind: str, cls) -> str:
+    if kind != "forces":
+        return ""
+    says = [(cls.conservative, "conservative"), (cls.dissipative, "dissipative"), (not cls.does_work, "does no work"),
+            (is_field(cls), "field")]  # fmt: skip
+    found = ", ".join(word for true, word in says if true)
+    return f"*{found}*\n\n" if found else ""
+
+
+def entry(kind: str, name: str) -> str:
+    cls = registry(kind)[name]
+    text = f"### {name}\n\n{traits(kind, cls)}{words(cls)}\n"
+    rows = [
+        (f"`{key}`", default(p), "degrees" if in_degrees(p) else p.unit, limits(p), p.doc)
+        for key, p in parameters(cls).items()
+    ]
+    return text + ("\n" + table(("parameter", "default", "unit", "range", "meaning"), rows) + "\n" if rows else "")
+
+
+def composition(scheme) -> str:
+    """What a scheme does in a step, from its own numbers."""
+
+    def share(x: float) -> str:
+        nice = Fraction(x).limit_denominator(12)
+        return str(nice) if abs(nice - x) < 1e-12 else f"{x:.4f}"
+
+    if scheme.kind == "runge_kutta":
+        nodes = ", ".join(share(time) for _, time, _ in scheme.stages)
+        weights = ", ".join(share(weight) for weight, _, _ in scheme.stages)
+        return f"nodes {nodes}; weights {weights}"
+    parts = [f"D({share(scheme.first_drift)})"] if scheme.first_drift else []
+    for kick, _, drift in scheme.stages:
+        parts += [f"K({share(kick)})"] + ([f"D({share(drift)})"] if drift else [])
+    return " ".join(parts)
+
+
+def built_in(kind: str) -> list[str]:
+    """The names that come with the package: a plugin that happens to be loaded does not count."""
+    return sorted(name for name in registry(kind) if registry(kind)[name].__module__.startswith("gen_art."))
+
+
+def forces_page() -> str:
+    parts = [INTRODUCTION]
+    for kind, title, about in SECTIONS:
+        parts.append(f"## {title}\n\n{about}\n")
+        parts += [entry(kind, name) for name in built_in(kind)]
+    rows = [(f"`{s.name}`", str(s.order), composition(s), s.doc) for s in INTEGRATORS.values()]
+    parts.append(INTEGRATION + "\n" + table(("integrator", "order", "a step", "remarks"), rows) + "\n")
+    return "\n".join(parts)
+
+
+def choices(annotation) -> str:
+    """The words a Literal allows, wherever it stands in the annotation."""
+    if typing.get_origin(annotation) is typing.Literal:
+        return ", ".join(f"`{word}`" for word in typing.get_args(annotation))
+    return next((found for part in typing.get_args(annotation) if (found := choices(part))), "")
+
+
+def field_default(field) -> str:
+    if field.is_required():
+        return "required"
+    value = field.default
+    if isinstance(value, look.Ramp) and value.constant:
+        return cell(value.curve.points[0][1])
+    if isinstance(value, (look.Color, look.Bloom)):
+        return cell(value.gradient.stops[0][1] if isinstance(value, look.Color) else value.strength)
+    if hasattr(value, "stops"):
+        return cell(value.stops[0][1])
+    if hasattr(value, "points"):
+        return cell(value.points[0][1])
+    return cell(value) if not hasattr(type(value), "model_fields") else ""
+
+
+def told(cls) -> tuple[str, dict[str, str]]:
+    """A docstring as the prose before the first `key: ...`, and what it says of each key."""
+    paragraphs = inspect.cleandoc(cls.__doc__).split("\n\n")
+    text = " ".join(" ".join(paragraphs).split())
+    key = "(?:" + "|".join(cls.model_fields) + ")"
+    parts = re.split(rf"(?:(?<=\. )|^)({key}(?:, {key})*): ", text)
+    says = {name: words.strip() for names, words in zip(parts[1::2], parts[2::2]) for name in names.split(", ")}
+    return parts[0].strip(), says
+
+
+def model(cls, described: bool) -> str:
+    prose, says = (inspect.cleandoc(cls.__doc__), {}) if described else told(cls)
+    rows = []
+    own = [name for base in cls.__mro__[1:2] if base is emitter.Attributes for name in base.model_fields]
+    for name, field in cls.model_fields.items():
+        if field.exclude or name in own:
+            continue
+        meaning = field.description or says.get(name, "")
+        allowed = choices(field.annotation)
+        if all(word in meaning for word in allowed.split(", ")):
+            allowed = ""
+        words_of = ": ".join(text for text in (allowed, meaning) if text)
+        rows.append((f"`{field.alias or name}`", field_default(field), words_of))
+    entries = table(("key", "default", "meaning"), rows)
+    where = WHERE.get(cls.__name__, "")
+    if cls is emitter.Orbit:
+        where = "orbit: of a motion"
+    if cls is look.Orbit:
+        where = "orbit: of the camera"
+    return f"### {where}\n\n{prose}\n\n{entries}\n"
+
+
+def preset_tables() -> str:
+    pulse = getattr(emitter, "Pulse", None)
+    by_field = [*DOCUMENTED_BY_FIELD, *([pulse] if pulse else [])]
+    return "\n".join([*(model(cls, True) for cls in by_field), *(model(cls, False) for cls in DOCUMENTED_AS_A_WHOLE)])
+
+
+def pages() -> dict[Path, str]:
+    """Path -> the text that it should have."""
+    presets = FOLDER / "presets.md"
+    before, _, rest = presets.read_text(encoding="utf-8").partition(BEGIN)
+    after = rest.partition(END)[2]
+    return {
+        FOLDER / "forces.md": forces_page(),
+        presets: f"{before}{BEGIN}\n\n{preset_tables()}\n{END}{after}",
+    }
+
+
+def main() -> int:
+    stale = [path for path, text in pages().items() if not path.exists() or path.read_text(encoding="utf-8") != text]
+    for path in stale:
+        print(f"{path.name} is out of date")
+        if "--check" not in sys.argv:
+            path.write_text(pages()[path], encoding="utf-8")
+    return 1 if stale and "--check" in sys.argv else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
