@@ -4,7 +4,7 @@ import click
 
 from gen_art.commands import options
 
-__all__ = ["command", "invariants"]
+__all__ = ["command"]
 
 
 @click.command("inspect")
@@ -51,6 +51,7 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
 
 
 def _facts(piece, size, precision) -> dict:
+    from gen_art.invariants import forces_of, invariants
     from gen_art.preset.estimate import estimate
 
     expected, clock = estimate(piece, precision), piece.clock
@@ -62,7 +63,7 @@ def _facts(piece, size, precision) -> dict:
             "born": _count(expected.born[name]),
             "peak": _count(expected.peak[name]),
             "bytes": _count(expected.bytes[name]),
-            "forces": [repr(force) for force in _forces(piece, system)],
+            "forces": [repr(force) for force in forces_of(piece, system)],
             "interactions": [repr(one) for one in system.interactions],
             "medium": [repr(term) for term in (system.medium or piece.medium).terms],
             "emitters": list(system.emitters),
@@ -94,39 +95,3 @@ def _facts(piece, size, precision) -> dict:
 
 def _count(value: float) -> int | float:
     return round(value) if value < 1e300 else value
-
-
-def _forces(piece, system) -> tuple:
-    return (*(piece.forces if system.inherit_forces else ()), *system.forces)
-
-
-def invariants(piece, system) -> tuple[list[str], dict[str, str]]:
-    """What a system should conserve, and for what it does not, why: the ledger books the difference."""
-    forces, interactions = _forces(piece, system), system.interactions
-    working = [force.name for force in forces if not force.conservative and force.does_work]
-    working += [one.name for one in interactions if not one.conservative or one.source_system]
-    outer = [force.name for force in forces]
-    outer += [one.name for one in interactions if not one.reciprocal or one.source_system]
-    mortal = [name for name, emitter in system.emitters.items() if _goes_on(system, emitter)]
-    holds, booked = [], {}
-    for quantity, reasons, why in (
-        ("energy", working, "worked on by "),
-        ("momentum", outer, "pushed by "),
-        ("angular momentum", outer, "turned by "),
-        ("mass", [], ""),
-        ("charge", [], ""),
-    ):
-        if reasons:
-            booked[quantity] = why + ", ".join(dict.fromkeys(reasons))
-        elif mortal:
-            booked[quantity] = "births and deaths (" + ", ".join(mortal) + ")"
-        else:
-            holds.append(quantity)
-    return holds, booked
-
-
-def _goes_on(system, emitter) -> bool:
-    """Whether an emitter's particles come or go after the start."""
-    lifetime = emitter.lifetime or system.particle.lifetime
-    at_once = emitter.count is not None and emitter.at is None and emitter.source is None and not emitter.start
-    return lifetime is not None or not at_once

@@ -1,0 +1,187 @@
+"""The audit: a thinned copy of a preset, run in float64 at dt, dt/2 and dt/4, and judged.
+
+What should hold comes from the flags of the forces (gen_art.invariants); what did hold is measured (measure.py).
+"""
+
+import math
+from dataclasses import dataclass
+
+from gen_art.audit.measure import ROUND_OFF, Run, Trend, positions, run
+from gen_art.audit.thinning import thinned
+from gen_art.diagnostics import Diagnostics
+from gen_art.errors import UsageError
+from gen_art.invariants import advice, expected_order, invariants
+from gen_art.ledger import Ledger
+from gen_art.preset.estimate import refuse_if_too_large
+
+__all__ = ["FILM_TIME", "PARTICLES", "Audit", "audit"]
+
+FILM_TIME = (
+    2.0  # seconds of film when no time is given; half of it where bodies attract each other, as they soon scatter
+)
+PARTICLES = 600  # of a system, at most about so many at once; four times as many where they attract each other
+DIVISIONS = (1, 2, 4)
+
+
+@dataclass(frozen=True)
+class Audit:
+    """The findings: `text()` for people, `as_dict()` for programs; `problems` is empty when everything closes.
+
+    energy, momentum : by system, the Trend of the ledger's residual, relative to the most that moved (None: no mass)
+    positions : by system, the median distance between the same particles of the runs at dt and dt/2, dt/2 and dt/4, and
+    their number     float32 : by system, how far the energy residual lies from float64's at dt, relative
+    invariants : by (system, quantity), the Trend of its change, None where there is nothing of it; `booked`: what is left
+    to the ledger, and why     changes : what thinning set, by path: (full, audited)
+    """
+
+    name: str
+    seed: int
+    film_time: float
+    preroll: float
+    simulated: float
+    dt: float
+    steps: int
+    changes: dict[str, tuple]
+    integrators: dict[str, str]
+    unborn: list[str]
+    account: Ledger
+    start: Diagnostics
+    end: Diagnostics
+    energy: dict[str, Trend | None]
+    momentum: dict[str, Trend | None]
+    positions: dict[str, tuple[Trend, int]]
+    float32: dict[str, float]
+    invariants: dict[tuple[str, str], Trend | None]
+    booked: dict[tuple[str, str], str]
+    warnings: list[str]
+    problems: list[str]
+
+    def text(self) -> str:
+        """The report in words, one screen or two."""
+        from gen_art.audit.text import write
+
+        return write(self)
+
+    def as_dict(self) -> dict:
+        """Plain numbers, lists and dicts, as JSON can hold them: None for what is not finite."""
+        plain = lambda t: None if t is None else t.as_dict()  # noqa: E731
+        return _finite({
+            "preset": self.name, "seed": self.seed, "film_time": self.film_time, "preroll": self.preroll,
+            "simulated": self.simulated, "dt": self.dt, "steps": self.steps,
+            "changes": {path: {"full": a, "audited": b} for path, (a, b) in self.changes.items()},
+            "integrators": self.integrators, "unborn": self.unborn, "ledger": self.account.as_dict(),
+            "start": self.start.as_dict(), "end": self.end.as_dict(),
+            "energy": {name: plain(t) for name, t in self.energy.items()},
+            "momentum": {name: plain(t) for name, t in self.momentum.items()},
+            "positions": {n: {**t.as_dict(), "particles": k} for n, (t, k) in self.positions.items()},
+            "float32": self.float32,
+            "invariants": [{"system": s, "quantity": q, "change": plain(t)} for (s, q), t in self.invariants.items()],
+            "booked": [{"system": s, "quantity": q, "reason": why} for (s, q), why in self.booked.items()],
+            "warnings": self.warnings, "problems": self.problems,
+        })  # fmt: skip
+
+
+def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES) -> Audit:
+    """Run a preset with few particles at dt, dt/2 and dt/4 in float64 and account for every joule.
+
+    preset : a Preset, a name, a path or a mapping     precision : "f32" states its floor as well
+    time : film time to run to, from the start of the preroll, s; when left out 2 s (1 s where bodies attract each other) or
+    the whole piece, whichever is shorter
+    particles : at most about so many of a system at once
+    Raises PresetError, UsageError for a time that the piece does not reach or that falls between steps, MemoryRefused.
+    """
+    from gen_art.preset.load import load_preset
+    from gen_art.preset.schema import Preset
+
+    piece = preset if isinstance(preset, Preset) else load_preset(preset)
+    clock = piece.clock
+    if particles < 1:
+        raise UsageError(f"particles must be at least 1, not {particles}")
+    mutual = any(one.source_system is None for system in piece.systems.values() for one in system.interactions)
+    time, steps = _span(clock, time, FILM_TIME / 2 if mutual else FILM_TIME)
+    few, changes = thinned(piece, steps * clock.step, particles)
+    refuse_if_too_large(few, "f64", until=steps * clock.step)
+    runs = [run(few, steps, clock.step, "f64", threads, n) for n in DIVISIONS]
+    orders = {name: expected_order(few, name) for name in few.systems}
+    energy, momentum = (
+        {n: _trend([one.residuals[n, q] for one in runs], orders[n]) for n in few.systems}
+        for q in ("energy", "momentum")
+    )
+    placed = {name: found for name in few.systems if (found := positions(runs, name, orders[name]))}
+    held: dict[tuple[str, str], Trend | None] = {}
+    booked: dict[tuple[str, str], str] = {}
+    for name, system in few.systems.items():
+        holds, left = invariants(few, system)
+        held |= {(name, q): _trend([one.drifts[name, q] for one in runs], orders[name]) for q in holds}
+        booked |= {(name, quantity): why for quantity, why in left.items()}
+    first = runs[0]
+    unborn = [n for n in few.systems if not any(k.startswith(n + ".") for k in first.ledger.born) and n not in placed]
+    return Audit(
+        few.name, few.seed, time, clock.preroll, steps * clock.step, clock.step, steps, changes,
+        {name: system.integrator for name, system in few.systems.items()}, unborn,
+        first.ledger, first.start, first.end, energy, momentum, placed,
+        _floors(first, run(few, steps, clock.step, "f32", threads)) if precision == "f32" else {},
+        held, booked, advice(few), _problems(few, energy, momentum, placed, held, runs),
+    )  # fmt: skip
+
+
+def _span(clock, time, usual: float) -> tuple[float, int]:
+    """(film time, steps from the start of the simulation) of an audit to film time `time`."""
+    if time is None:
+        time = min(usual, (clock.frames - 1) / clock.fps)
+    if not isinstance(time, (int, float)) or not math.isfinite(time) or time < 0:
+        raise UsageError(f"time must be film time in seconds of at least 0, not {time!r}")
+    if time > clock.duration:
+        raise UsageError(f"film time {time:g} s lies beyond the piece, which lasts {clock.duration:g} s")
+    exact = time * clock.speed / clock.step
+    if abs(exact - round(exact)) > 1e-6 * max(1.0, exact):
+        raise UsageError(
+            f"film time {time:g} s falls between steps; the nearest is {round(exact) * clock.step / clock.speed:.9g} s"
+        )
+    steps = clock.preroll_steps + round(exact)
+    if steps < 1:
+        raise UsageError("film time 0 without a preroll holds no step to audit")
+    return float(time), steps
+
+
+def _finite(value):
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _trend(values: list, expected: int) -> Trend | None:
+    return None if None in values else Trend(tuple(values), expected)
+
+
+def _floors(double: Run, single: Run) -> dict[str, float]:
+    pairs = ((name, *double.last[name], single.last[name][0]) for name in double.last)
+    return {name: abs(rounded - exact) / scale for name, exact, scale, rounded in pairs if scale > 0}
+
+
+def _problems(piece, energy, momentum, placed, held, runs: list[Run]) -> list[str]:
+    """What does not close, in sentences."""
+    found = []
+    for label, trends in (("energy", energy), ("momentum", momentum)):
+        for name, trend in trends.items():
+            if trend is not None and not trend.good:
+                found.append(f"{name}: the ledger of {label} does not close: {trend}")
+    for name, (trend, _) in placed.items():
+        if not trend.good:
+            used = piece.systems[name].integrator
+            found.append(
+                f"{name}: positions do not converge as {used} should: {trend}; is the step too long for the forces?"
+            )
+    for (name, quantity), trend in held.items():
+        if trend is not None and not trend.good:
+            found.append(f"{name}: {quantity} should hold and does not: {trend}")
+    for one in runs:
+        born, died = one.ledger.born.total, one.ledger.died.total
+        for quantity in ("count", "mass", "charge"):
+            start, end = getattr(one.start, quantity), getattr(one.end, quantity)
+            gap = start + getattr(born, quantity) - getattr(died, quantity) - end
+            if abs(gap) > ROUND_OFF * max(abs(start), abs(end), abs(getattr(born, quantity)), 1e-300):
+                found.append(f"births and deaths do not account for the {quantity}: {gap:.3g} is missing")
+    return list(dict.fromkeys(found))

@@ -1,0 +1,150 @@
+"""What an audit measures: runs of one preset at several time steps, and how their errors fall."""
+
+import math
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+
+from gen_art.diagnostics import Diagnostics, energy_of_pairs, living, sums
+from gen_art.ledger import Ledger
+
+__all__ = ["QUANTITIES", "ROUND_OFF", "Run", "Trend", "positions", "run"]
+
+ROUND_OFF = 2e-12  # relative; below it a float64 sum over many steps has no order to measure
+TOLERANCE = 0.5  # how far below the expected order a measured one may fall
+MOMENTS = 16  # of a run, at which its account is looked at: a residual that swings counts by its largest swing
+BOOKED = {"energy": ("work", "dissipated"), "momentum": ("impulse", None)}
+QUANTITIES = ("energy", "momentum", "angular momentum", "mass", "charge")
+
+
+@dataclass(frozen=True)
+class Trend:
+    """A relative error at dt, dt/2 and dt/4 (the last missing where it comes from differences), and its order."""
+
+    values: tuple[float, ...]
+    expected: int
+    floor: float = ROUND_OFF
+
+    @property
+    def at_round_off(self) -> bool:
+        return all(value <= self.floor for value in self.values)
+
+    @property
+    def order(self) -> float | None:
+        """The mean order from the first to the last; None where round-off leaves it without meaning."""
+        first, last = self.values[0], self.values[-1]
+        if not math.isfinite(first + last):
+            return math.nan
+        if first <= self.floor:
+            return None
+        return math.log2(first / max(last, 1e-300)) / (len(self.values) - 1)
+
+    @property
+    def good(self) -> bool:
+        last, order = self.values[-1], self.order
+        if not all(map(math.isfinite, self.values)):
+            return False
+        return last <= 2 * self.floor or (order is not None and order >= self.expected - TOLERANCE)
+
+    def __str__(self) -> str:
+        order = "without an order" if self.order is None else f"at order {self.order:.2f}"
+        return f"{', '.join(f'{value:.1e}' for value in self.values)}, {order} where {self.expected} is expected"
+
+    def as_dict(self) -> dict:
+        """Plain numbers."""
+        return {
+            "values": list(self.values), "expected_order": self.expected, "order": self.order,
+            "at_round_off": self.at_round_off, "good": self.good,
+        }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Run:
+    """What one run left.
+
+    residuals : by (system, energy or momentum), the largest share of what moved that the account missed
+    drifts : by (system, quantity), the largest change since the start, relative to the sum of its parts' sizes; both are
+    None where there is nothing of it     last : by system, the energy residual at the end and the energy that moved, J
+    places : by system, keys and positions (n, 3) at the end
+    """
+
+    ledger: Ledger
+    start: Diagnostics
+    end: Diagnostics
+    residuals: dict[tuple[str, str], float | None]
+    drifts: dict[tuple[str, str], float | None]
+    last: dict[str, tuple[float, float]]
+    places: dict[str, tuple[np.ndarray, np.ndarray]]
+
+
+def run(piece, steps: int, dt: float, precision: str, threads, division: int = 1) -> Run:
+    """Run a preset with its ledger for `steps` steps of dt, each cut into `division`."""
+    from gen_art.simulation import Simulation
+
+    sim = Simulation(piece, dt=dt / division, precision=precision, threads=threads, ledger=True)
+    start, before = sim.diagnostics(), {name: _sums(sim, name) for name in piece.systems}
+    residuals: dict = {(name, quantity): None for name in piece.systems for quantity in BOOKED}
+    drifts: dict = {(name, quantity): None for name in piece.systems for quantity in QUANTITIES}
+    last = {}
+    for moment in np.unique(np.linspace(0, steps, MOMENTS + 1).round().astype(int)[1:]):
+        sim.step(int(moment) * division - sim.steps_done)
+        books = sim.ledger()
+        for name in piece.systems:
+            now = _sums(sim, name)
+            for quantity in QUANTITIES:
+                (old, size), (new, grown) = before[name][quantity], now[quantity]
+                _keep(drifts, (name, quantity), new - old, max(size, grown))
+                if quantity in BOOKED:
+                    passed, moved = _booked(books, name, quantity)
+                    scale = max(size, grown, moved)
+                    _keep(residuals, (name, quantity), new - old - passed, scale)
+                    if quantity == "energy":
+                        last[name] = (float(new - old - passed), scale)
+    places = {name: (sim[name].keys, sim[name].position.astype(np.float64)) for name in piece.systems}
+    return Run(sim.ledger(), start, sim.diagnostics(), residuals, drifts, last, places)
+
+
+def _keep(largest: dict, key, difference, scale: float) -> None:
+    if scale > 0:
+        largest[key] = max(largest[key] or 0.0, float(np.abs(difference).max() / scale))
+
+
+def _sums(sim, name: str) -> dict[str, tuple]:
+    """Each conserved quantity of one system's living, with the sum of its parts' sizes to judge a change by."""
+    slots = living(sim, name)
+    part, pairs = sums(sim, name, slots), energy_of_pairs(sim, name, slots)
+    floats = sim.systems[name].floats[:, slots].astype(np.float64)
+    carried = floats[6] * np.linalg.norm(floats[3:6], axis=0)
+    return {
+        "energy": (part[12:].sum() + pairs, np.abs(part[12:]).sum() + abs(pairs)),
+        "momentum": (part[3:6], carried.sum()),
+        "angular momentum": (part[6:9], (carried * np.linalg.norm(floats[0:3], axis=0)).sum()),
+        "mass": (part[1], floats[6].sum()),
+        "charge": (part[2], np.abs(floats[7]).sum()),
+    }
+
+
+def _booked(books: Ledger, name: str, quantity: str) -> tuple:
+    """What the account says that one system gained, and the largest entry."""
+    of = lambda account: [amount for key, amount in account.items() if key.startswith(name + ".")]  # noqa: E731
+    gains, losses = BOOKED[quantity]
+    plus = of(getattr(books, gains)) + [getattr(passage, quantity) for passage in of(books.born)]
+    minus = [getattr(passage, quantity) for passage in of(books.died)] + (of(getattr(books, losses)) if losses else [])
+    moved = max((float(np.abs(entry).max()) for entry in plus + minus), default=0.0)
+    return sum(plus) - sum(minus), moved
+
+
+def positions(runs: list[Run], name: str, expected: int) -> tuple[Trend, int] | None:
+    """The median distance between the same particles (by key) of neighbouring runs over the extent, and their number."""
+    found = [one.places[name] for one in runs]
+    common = reduce(np.intersect1d, [keys for keys, _ in found])
+    if not len(common):
+        return None
+    x = []
+    for keys, at in found:
+        order = np.argsort(keys)
+        x.append(at[order][np.searchsorted(keys[order], common)])
+    extent = max(float(np.abs(x[-1]).max()), 1e-300)
+    distances = [float(np.median(np.linalg.norm(a - b, axis=1))) / extent for a, b in zip(x, x[1:])]
+    return Trend(tuple(distances), expected), len(common)

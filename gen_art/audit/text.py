@@ -1,0 +1,106 @@
+"""The words of an audit's report."""
+
+__all__ = ["write"]
+
+
+def write(report) -> str:
+    """An Audit as text."""
+    lines = [_title(report), *_thinned(report), "", *_account(report), "", *_trends(report), "", *_invariants(report)]
+    lines += [f"\nwarning: {sentence}" for sentence in report.warnings]
+    if report.problems:
+        lines += ["", *(f"NOT CLOSED: {sentence}" for sentence in report.problems)]
+    else:
+        lines += ["", "Everything closes."]
+    return "\n".join(lines)
+
+
+def _title(report) -> str:
+    after = f" after a preroll of {report.preroll:g} s" if report.preroll else ""
+    schemes = ", ".join(f"{name} {used}" for name, used in report.integrators.items())
+    return (
+        f"{report.name}, seed {report.seed}, float64: {report.film_time:g} s of film{after}, {report.simulated:.6g} s "
+        f"simulated, {report.steps:,} steps of dt = {report.dt:.6g} s\n{schemes}"
+    )
+
+
+def _thinned(report) -> list[str]:
+    if not report.changes:
+        return ["with all its particles"]
+    shown = lambda v: f"{v:g}" if isinstance(v, (int, float)) else str(v)  # noqa: E731
+    changes = [
+        f"  {path} = {shown(after)} (the piece: {shown(before)})" for path, (before, after) in report.changes.items()
+    ]
+    return ["thinned to few particles; the laws are the piece's, bodies that attract each other are fewer:", *changes]
+
+
+def _account(report) -> list[str]:
+    books = report.account
+    lines = [
+        f"ledger at dt, from {report.start.count:,} particles to {report.end.count:,} (J, N s in the preset's units)"
+    ]
+    for label, passages in (("born", books.born), ("died", books.died)):
+        for name, one in passages.items():
+            lines.append(f"  {label:11}{name:28} {one.count:8,}  mass {one.mass:.6g}  energy {one.energy:.6g}")
+    for label, amounts in (("work", books.work), ("dissipated", books.dissipated)):
+        lines += [f"  {label:11}{name:28} {amount:14.6g}" for name, amount in amounts.items() if amount]
+    lines += [f"  {'impulse':11}{name:28} {_vector(v)}" for name, v in books.impulse.items() if v.any()]
+    lines.append(
+        f"  energy {report.start.energy:.8g} + work {books.work.total:.6g} + born {books.born.total.energy:.6g} "
+        f"- died {books.died.total.energy:.6g} - dissipated {books.dissipated.total:.6g}"
+    )
+    lines.append(
+        f"  = {report.end.energy - books.residual:.8g}, is {report.end.energy:.8g}: residual {books.residual:.3g}"
+    )
+    lines.append(f"  momentum {_vector(report.start.momentum)} -> {_vector(report.end.momentum)}")
+    return lines
+
+
+def _trends(report) -> list[str]:
+    lines = [f"{'relative, at':34}{'dt':>10}{'dt/2':>10}{'dt/4':>10}   order"]
+    for label, trends in (("energy", report.energy), ("momentum", report.momentum)):
+        for name, trend in trends.items():
+            if name not in report.unborn:
+                lines.append(
+                    f"  {f'{label} residual of {name}':32}{_row(trend) if trend else '  no mass, nothing to book'}"
+                )
+    for name, (trend, count) in report.positions.items():
+        lines.append(f"  {f'positions of {count:,} {name}':32}{_row(trend)}")
+    if report.positions:
+        lines.append(
+            "  (positions: median distance between the same particles at this step and half of it, over the extent)"
+        )
+    if report.unborn:
+        lines.append(f"  nobody was born by then in {', '.join(report.unborn)}: a later --time reaches them")
+    if report.float32:
+        floors = ", ".join(f"{name} {floor:.0e}" for name, floor in report.float32.items())
+        lines.append(f"  float32 adds to the energy residual at dt: {floors}")
+    return lines
+
+
+def _row(trend) -> str:
+    values = "".join(f"{value:10.1e}" for value in trend.values).ljust(30)
+    if trend.at_round_off:
+        return f"{values}   at round-off: an order has no meaning"
+    if trend.order is None:
+        return f"{values}   {'at round-off at dt' if trend.good else 'grows from round-off'}"
+    return f"{values}   {trend.order:.2f} (expected {trend.expected}){'' if trend.good else '  NOT CLOSED'}"
+
+
+def _invariants(report) -> list[str]:
+    lines = ["should hold, by the flags of the forces:"]
+    for (name, quantity), trend in report.invariants.items():
+        if trend is not None:
+            lines.append(f"  {f'{quantity} of {name}':32}{_row(trend)}")
+    if len(lines) == 1:
+        lines.append("  nothing by itself")
+    by_reason: dict[tuple[str, str], list[str]] = {}
+    for (name, quantity), why in report.booked.items():
+        if name not in report.unborn:
+            by_reason.setdefault((quantity, why), []).append(name)
+    if by_reason:
+        lines.append("left to the ledger:")
+    return lines + [f"  {quantity} of {', '.join(names)}: {why}" for (quantity, why), names in by_reason.items()]
+
+
+def _vector(v) -> str:
+    return f"({', '.join(f'{c:.4g}' for c in v)})"

@@ -1,0 +1,77 @@
+"""A preset with few of its particles: the same laws and looks, births scaled down system by system, for audits."""
+
+from gen_art.preset.estimate import estimate
+from gen_art.preset.load import load_preset
+from gen_art.preset.values import Curve, Range
+
+__all__ = ["thinned"]
+
+MUTUAL = 4
+
+
+def thinned(piece, until: float, limit: int) -> tuple:
+    """(Preset, changes): at most about `limit` particles of a system at once up to simulated time `until`, s.
+
+    Systems that attract themselves keep four times as many: fewer would scatter each other, and no order could be seen.
+    Rates and counts of a system are scaled by one factor, parents before the children that their events feed. `changes`
+    maps each path that was set (as `--set` would) to (before, after). Where nothing is pairwise each particle moves as
+    it would in the full piece; bodies that attract each other are fewer, and with a fixed `mass` they pull less.
+    """
+    changes: dict[str, tuple] = {}
+    few = piece
+    for name in _parents_first(piece):
+        peak = estimate(few, "f64", until).peak[name]
+        allowed = limit * (MUTUAL if any(one.source_system is None for one in few.systems[name].interactions) else 1)
+        if not peak > allowed:
+            continue
+        for label, emitter in few.systems[name].emitters.items():
+            changes |= _scaled(f"systems.{name}.emitters.{label}", emitter, allowed / peak)
+        few = load_preset(piece, overrides={path: after for path, (_, after) in changes.items()})
+    return few, changes
+
+
+def _parents_first(piece) -> list[str]:
+    order: list[str] = []
+
+    def visit(name: str, above: tuple) -> None:
+        for emitter in piece.systems[name].emitters.values():
+            parent = emitter.source.system if emitter.source else ""
+            if parent in piece.systems and parent not in (*above, name):
+                visit(parent, (*above, name))
+        if name not in order:
+            order.append(name)
+
+    for name in piece.systems:
+        visit(name, ())
+    return order
+
+
+def _scaled(path: str, emitter, factor: float) -> dict[str, tuple]:
+    even = emitter.source is not None and emitter.source.balance == "pairs"
+    changes = {}
+    if emitter.rate is not None:
+        changes[f"{path}.rate"] = (_plain(emitter.rate), _rate(emitter.rate, factor))
+    for where, count in ((path, emitter.count), *((f"{path}.choose.{k}", c.count) for k, c in emitter.choose.items())):
+        if count is not None:
+            changes[f"{where}.count"] = (_plain(count), _count(count, factor, 2 if even else 1))
+    return {key: (before, after) for key, (before, after) in changes.items() if before != after}
+
+
+def _rate(rate, factor: float):
+    if isinstance(rate, Curve):
+        return [[float(t), float(f"{r * factor:.4g}")] for t, r in rate.points]
+    return float(f"{rate * factor:.4g}")
+
+
+def _count(count: Range, factor: float, unit: int):
+    lo, hi = (max(unit, unit * round(end * factor / unit)) if end > 0 else 0 for end in (count.lo, count.hi))
+    return lo if lo == hi else f"{lo}..{hi}"
+
+
+def _plain(value):
+    if isinstance(value, Curve):
+        return [[float(t), float(r)] for t, r in value.points]
+    if isinstance(value, Range):
+        lo, hi = round(value.lo), round(value.hi)
+        return lo if lo == hi else f"{lo}..{hi}"
+    return float(value)

@@ -1,0 +1,85 @@
+"""What a system's laws promise, read from the flags of its forces: what is conserved, the order, and the better choice."""
+
+from gen_art.integrators import scheme
+
+__all__ = ["advice", "expected_order", "forces_of", "invariants"]
+
+_SMOOTH = {"curl_noise": 3}  # the order that a field with kinks in its second derivatives leaves to any scheme
+_ALONG_PATHS = 3  # children along a path stand on a cubic through their parent's step
+
+
+def forces_of(piece, system) -> tuple:
+    """The forces on a system: the preset's shared ones, then its own."""
+    return (*(piece.forces if system.inherit_forces else ()), *system.forces)
+
+
+def invariants(piece, system) -> tuple[list[str], dict[str, str]]:
+    """What a system should conserve, and for what it does not, why: the ledger books the difference."""
+    forces, interactions = forces_of(piece, system), system.interactions
+    working = [force.name for force in forces if not force.conservative and force.does_work]
+    working += [one.name for one in interactions if not one.conservative or one.source_system]
+    outer = [force.name for force in forces]
+    outer += [one.name for one in interactions if not one.reciprocal or one.source_system]
+    mortal = [name for name, emitter in system.emitters.items() if _goes_on(system, emitter)]
+    holds, booked = [], {}
+    for quantity, reasons, why in (
+        ("energy", working, "worked on by "),
+        ("momentum", outer, "pushed by "),
+        ("angular momentum", outer, "turned by "),
+        ("mass", [], ""),
+        ("charge", [], ""),
+    ):
+        if reasons:
+            booked[quantity] = why + ", ".join(dict.fromkeys(reasons))
+        elif mortal:
+            booked[quantity] = "births and deaths (" + ", ".join(mortal) + ")"
+        else:
+            holds.append(quantity)
+    return holds, booked
+
+
+def _goes_on(system, emitter) -> bool:
+    """Whether an emitter's particles come or go after the start."""
+    lifetime = emitter.lifetime or system.particle.lifetime
+    at_once = emitter.count is not None and emitter.at is None and emitter.source is None and not emitter.start
+    return lifetime is not None or not at_once
+
+
+def expected_order(piece, name: str, seen: tuple = ()) -> int:
+    """The order at which a system's positions should converge: its scheme's, its fields' and its parents' least."""
+    system = piece.systems[name]
+    used = scheme(system.integrator)
+    order = used.order
+    if used.kind == "splitting" and not used.rotates and any(f.depends_on_velocity for f in forces_of(piece, system)):
+        order = 1
+    fields = (*forces_of(piece, system), *(system.medium or piece.medium).terms)
+    order = min([order, *(_SMOOTH.get(field.name, order) for field in fields)])
+    for emitter in system.emitters.values():
+        if emitter.source is not None and emitter.source.system not in (*seen, name):
+            order = min(order, expected_order(piece, emitter.source.system, (*seen, name)))
+            order = min(order, _ALONG_PATHS) if emitter.source.kind == "path" else order
+    return order
+
+
+def advice(piece) -> list[str]:
+    """Sentences about systems whose integrator does not suit their forces, each with the better choice."""
+    found = []
+    for name, system in piece.systems.items():
+        forces, used = forces_of(piece, system), scheme(system.integrator)
+        turning = ", ".join(dict.fromkeys(f.name for f in forces if f.depends_on_velocity))
+        holding = [f.name for f in forces if f.conservative and f.provides("potential")]
+        holding += [one.name for one in system.interactions if one.conservative]
+        if turning and not used.rotates:
+            what = (
+                f"does not keep the speed under {turning}"
+                if used.kind == "runge_kutta"
+                else f"takes {turning}, which depends on the velocity, as a plain kick: order 1, and the speed grows"
+            )
+            found.append(f"{name}: {used.name} {what}; boris turns the velocity exactly")
+        if used.kind == "runge_kutta" and used.order == 1:
+            held = f" under {', '.join(dict.fromkeys(holding))}" if holding else ""
+            better = "boris" if turning else "leapfrog"
+            found.append(
+                f"{name}: explicit euler gains energy{held}, step by step; {better} has order 2 at the same cost"
+            )
+    return found

@@ -1,0 +1,137 @@
+"""The audit measures the orders it should, and tells on a wrong scheme and on wrong books."""
+
+import dataclasses
+import json
+
+import pytest
+
+import gen_art as ga
+from gen_art.audit import Trend, audit
+from gen_art.audit.thinning import thinned
+from gen_art.integrators.schemes import INTEGRATORS
+from gen_art.invariants import advice
+from gen_art.ledger import Bookkeeper
+from gen_art.preset.shipped import preset_names
+
+
+def piece(forces, integrator="leapfrog", medium=None, **particle):
+    system = {
+        "particle": {"mass": "0.5..2", **particle},
+        "integrator": integrator,
+        "forces": forces,
+        "emitters": {"all": {"count": 40, "shape": {"sphere": 1.0}, "velocity": {"sphere": "0.5..1.5"}}},
+    }
+    return ga.load_preset(
+        {"version": 1, "seed": 3, "name": "small", "clock": {"duration": 1, "fps": 10, "step": "1/50"},
+         "medium": medium or {}, "systems": {"s": system}}
+    )  # fmt: skip
+
+
+SPRING = {"spring": {"stiffness": 3}}
+
+
+@pytest.mark.parametrize(
+    "integrator,order",
+    [("euler", 1), ("semi_implicit_euler", 1), ("leapfrog", 2), ("position_verlet", 2), ("rk2", 2), ("rk4", 4)],
+)
+def test_an_oscillator_converges_at_the_order_of_the_scheme(integrator, order):
+    found = audit(piece(SPRING, integrator), time=0.5)
+    positions, count = found.positions["s"]
+    assert count == 40
+    assert positions.order == pytest.approx(order, abs=0.2)
+    assert found.energy["s"].order > order - 0.3
+    assert found.momentum["s"].at_round_off
+    assert found.invariants["s", "energy"].good and found.problems == []
+    assert 0 < found.float32["s"] < 1e-5
+    assert found.warnings == [] or integrator == "euler"
+
+
+def test_drag_closes_to_round_off_and_says_that_an_order_means_nothing():
+    found = audit(piece({"damping": 2.0}, "position_verlet", {"wind": [1, 0, 0]}), time=0.5)
+    assert found.energy["s"].at_round_off and found.energy["s"].order is None
+    assert "round-off: an order has no meaning" in found.text()
+    assert found.booked["s", "energy"] == "worked on by damping"
+    assert found.account.work["s.damping"] != 0 and found.problems == []
+
+
+def test_a_magnetic_field_keeps_the_energy():
+    found = audit(piece({"magnetic_field": [0, 0, 2]}, "boris", charge=1), time=0.5)
+    assert found.invariants["s", "energy"].at_round_off
+    assert found.invariants["s", "charge"].at_round_off and found.problems == []
+
+
+def test_a_scheme_with_a_wrong_weight_is_found(monkeypatch):
+    wrong = dataclasses.replace(INTEGRATORS["leapfrog"], stages=((0.5, 0.0, 1.0), (0.49, 1.0, 0.0)))
+    monkeypatch.setitem(INTEGRATORS, "leapfrog", wrong)
+    found = audit(piece(SPRING), time=0.5, precision="f64")
+    assert any("positions do not converge as leapfrog should" in sentence for sentence in found.problems)
+    assert any("energy should hold and does not" in sentence for sentence in found.problems)
+    assert "NOT CLOSED" in found.text() and "Everything closes" not in found.text()
+
+
+def test_wrong_books_are_found(monkeypatch):
+    right = Bookkeeper.step
+
+    def wrong(self, name, *rest):
+        right(self, name, *rest)
+        self.books_of[name][:, 0] *= 1.001  # work
+
+    monkeypatch.setattr(Bookkeeper, "step", wrong)
+    found = audit(piece({"damping": 2.0}, "position_verlet", {"wind": [1, 0, 0]}), time=0.5, precision="f64")
+    assert [s.split(":")[1].strip() for s in found.problems] == ["the ledger of energy does not close"]
+
+
+def test_deaths_that_are_not_booked_are_found(monkeypatch):
+    monkeypatch.setattr(Bookkeeper, "after_step", lambda *_: None)
+    found = audit(piece({"gravity": [0, -9.81, 0]}, lifetime="0.1..0.4"), time=0.5, precision="f64")
+    assert any("births and deaths do not account for the mass" in sentence for sentence in found.problems)
+    assert any("ledger of momentum does not close" in sentence for sentence in found.problems)
+
+
+@pytest.mark.parametrize("forces,integrator,better", [
+    ({"magnetic_field": [0, 0, 2]}, "leapfrog", "boris"), ({"magnetic_field": [0, 0, 2]}, "rk4", "boris"),
+    (SPRING, "euler", "leapfrog"), (SPRING, "leapfrog", None), ({"magnetic_field": [0, 0, 2]}, "boris", None),
+])  # fmt: skip
+def test_an_integrator_that_does_not_suit_is_a_warning_with_the_better_choice(forces, integrator, better):
+    sentences = advice(piece(forces, integrator, charge=1))
+    assert (better is None) == (not sentences) and all(better in sentence for sentence in sentences)
+
+
+def test_thinning_scales_rates_counts_and_what_events_feed():
+    full = ga.load_preset("fireworks")
+    few, changes = thinned(full, 9.0, 200)
+    from gen_art.preset.estimate import estimate
+
+    assert max(estimate(few, "f64", 9.0).peak.values()) < 300
+    path = "systems.stars.emitters.bursts.choose.peony.count"
+    assert changes[path][0] == 380 and changes[path][1] % 2 == 0  # balanced pairs stay pairs
+    assert few.seed == full.seed and few.name == full.name
+    assert thinned(few, 9.0, 300)[1] == {}
+
+
+@pytest.mark.parametrize("time", [-1, float("nan"), 99, 0.0133, 0])
+def test_a_bad_time_is_a_sentence(time):
+    with pytest.raises(ga.UsageError, match="film time"):
+        audit(piece(SPRING), time=time)
+
+
+def test_an_order_needs_something_above_round_off():
+    assert Trend((1e-3, 2.5e-4, 6.2e-5), 2).good and not Trend((1e-3, 5e-4, 2.5e-4), 2).good
+    assert Trend((1e-16, 3e-13, 1e-12), 2).order is None and not Trend((1e-16, 1e-9, 1e-6), 2).good
+    assert not Trend((float("nan"), 1e-3, 1e-4), 2).good
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("name", preset_names())
+def test_every_shipped_preset_closes(name):
+    found = audit(name)
+    assert found.problems == [] and found.warnings == []
+
+
+@pytest.mark.parametrize("name", preset_names())
+def test_every_shipped_preset_closes_over_a_short_time(name):
+    short = ga.load_preset(name, overrides={"clock.preroll": 0})
+    step = max(8, short.clock.steps_per_frame) * short.clock.step / short.clock.speed
+    found = audit(short, time=step, precision="f64", particles=100)
+    assert [sentence for sentence in found.problems if "ledger" in sentence or "account" in sentence] == []
+    json.dumps(found.as_dict(), allow_nan=False)
