@@ -1,7 +1,7 @@
 """Writes docs/forces.md, and the tables of docs/presets.md, from the docstrings and parameters of the classes themselves.
 
-    python docs/make_reference.py           writes both pages
-    python docs/make_reference.py --check   says whether they are up to date, and writes nothing
+python docs/make_reference.py           writes both pages
+python docs/make_reference.py --check   says whether they are up to date, and writes nothing
 """
 
 import inspect
@@ -31,8 +31,8 @@ SECTIONS = (
     (
         "forces",
         "Forces",
-        "Under `forces:` of the preset, where they act on every system, or of one system. Those marked *field* may also stand under "
-        "`medium:`; their vector is then a velocity of the medium in m/s, which drag and damping pull towards.",
+        "Under `forces:` of the preset, where they act on every system, or of one system. Those marked *field* may also "
+        "stand under `medium:`; their vector is then a velocity of the medium in m/s, which drag and damping pull towards.",
     ),
     (
         "shapes",
@@ -45,14 +45,18 @@ SECTIONS = (
         "How fast they are born: `velocity:` of an emitter, its other parameters beside its name: "
         "`velocity: {cone: [0, 1, 0], angle: 6, speed: 92..98}`. A bare vector is `constant`.",
     ),
-    ("emitters", "Emitters", "A whole birth in one place: the name stands in the emitter itself, instead of shape and velocity."),
+    (
+        "emitters",
+        "Emitters",
+        "A whole birth in one place: the name stands in the emitter itself, instead of shape and velocity.",
+    ),
     ("interactions", "Interactions", "Forces between particles: `interactions:` of a system."),
 )
 
 INTEGRATION = """## Integrators
 
-`integrator:` of a system. K(a) is a kick of a fraction a of the time step dt, D(b) a drift of a fraction b: x += b dt v. A kick solves
-constant acceleration and drag together, with the medium's velocity u held for the length h = a dt of the kick:
+`integrator:` of a system. K(a) is a kick of a fraction a of the time step dt, D(b) a drift of a fraction b: x += b dt v. A kick
+solves constant acceleration and drag together, with the medium's velocity u held for the length h = a dt of the kick:
 
 ```text
 linear            v = u + g/k + (v0 - u - g/k) exp(-k h)        rate k (1/s), all other acceleration g
@@ -63,18 +67,55 @@ magnetic          Boris: half the kick, a rotation about B that keeps the speed 
 The Runge-Kutta schemes are written as the classical tables: nodes (fractions of dt) and weights; drag is inside their stages.
 """
 
-DOCUMENTED_BY_FIELD = (clock.Clock, schema.Units, schema.System, emitter.Emitter, emitter.Attributes, emitter.FromEvent,
-                       emitter.Choice, emitter.Motion, emitter.Orbit, schema.Gallery)  # fmt: skip
-DOCUMENTED_AS_A_WHOLE = (look.Look, look.Emission, look.Ramp, look.Color, look.KeyLight, look.Trail, look.CameraSpec,
-                         look.CameraKey, look.Orbit, look.Fog, look.DevelopSpec, look.Bloom)  # fmt: skip
+DOCUMENTED_BY_FIELD = (
+    clock.Clock,
+    schema.Units,
+    schema.System,
+    emitter.Emitter,
+    emitter.Attributes,
+    emitter.FromEvent,
+    emitter.Choice,
+    emitter.Motion,
+    emitter.Orbit,
+    schema.Gallery,
+)
+DOCUMENTED_AS_A_WHOLE = (
+    look.Look,
+    look.Emission,
+    look.Ramp,
+    look.Color,
+    look.KeyLight,
+    look.Trail,
+    look.CameraSpec,
+    look.CameraKey,
+    look.Orbit,
+    look.Fog,
+    look.DevelopSpec,
+    look.Bloom,
+)
 WHERE = {
-    "Clock": "clock:", "Units": "units:", "System": "systems.NAME:", "Emitter": "systems.NAME.emitters.NAME:",
-    "Attributes": "particle: (and, for their own, emitters and choices)", "FromEvent": "from: of an emitter",
-    "Choice": "choose.NAME: of an emitter", "Motion": "motion: of an emitter", "Gallery": "gallery:", "Look": "look: of a system",
-    "Emission": "emission: of a look", "Ramp": "numbers of a look that may follow a quantity", "Color": "colours of a look",
-    "KeyLight": "light: of a look", "Trail": "trail: of a look", "CameraSpec": "camera:", "CameraKey": "path: of the camera, a list of",
-    "Fog": "fog: of the camera", "DevelopSpec": "develop:", "Bloom": "bloom: of develop", "Pulse": "pulse: of an emitter",
-}  # fmt: skip
+    "Clock": "clock:",
+    "Units": "units:",
+    "System": "systems.NAME:",
+    "Emitter": "systems.NAME.emitters.NAME:",
+    "Attributes": "particle: (and, for their own, emitters and choices)",
+    "FromEvent": "from: of an emitter",
+    "Choice": "choose.NAME: of an emitter",
+    "Motion": "motion: of an emitter",
+    "Gallery": "gallery:",
+    "Look": "look: of a system",
+    "Emission": "emission: of a look",
+    "Ramp": "numbers of a look that may follow a quantity",
+    "Color": "colours of a look",
+    "KeyLight": "light: of a look",
+    "Trail": "trail: of a look",
+    "CameraSpec": "camera:",
+    "CameraKey": "path: of the camera, a list of",
+    "Fog": "fog: of the camera",
+    "DevelopSpec": "develop:",
+    "Bloom": "bloom: of develop",
+    "Pulse": "pulse: of an emitter",
+}
 
 
 def number(value: float) -> str:

@@ -19,8 +19,6 @@ EXAMPLES = ROOT / "examples"
 PLUGINS = [EXAMPLES / "swirl.py", EXAMPLES / "spiral.py"]
 
 
-
-
 def blocks(page: str) -> list[str]:
     return re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.M | re.S)
 

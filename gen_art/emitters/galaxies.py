@@ -22,17 +22,31 @@ def bessel_products(y: np.ndarray) -> np.ndarray:
     i1s = y * np.polyval([0.00032411, 0.00301532, 0.02658733, 0.15084934, 0.51498869, 0.87890594, 0.5], t)
     u = 3.75 / np.maximum(y, 3.75)
     i0l = np.polyval(
-        [0.00392377, -0.01647633, 0.02635537, -0.02057706, 0.00916281, -0.00157565, 0.00225319, 0.01328592, 0.39894228], u
+        [0.00392377, -0.01647633, 0.02635537, -0.02057706, 0.00916281, -0.00157565, 0.00225319, 0.01328592, 0.39894228],
+        u,
     )
     i1l = np.polyval(
-        [-0.00420059, 0.01787654, -0.02895312, 0.02282967, -0.01031555, 0.00163801, -0.00362018, -0.03988024, 0.39894228], u
+        [
+            -0.00420059,
+            0.01787654,
+            -0.02895312,
+            0.02282967,
+            -0.01031555,
+            0.00163801,
+            -0.00362018,
+            -0.03988024,
+            0.39894228,
+        ],
+        u,
     )
     far = np.maximum(y, 3.75)
     root = np.sqrt(far)
     h = (small / 2) ** 2
     log_half = np.log(small / 2)
     i0k, i1k = np.where(y < 3.75, i0s, 0), np.where(y < 3.75, i1s, 0)
-    k0s = -log_half * i0k + np.polyval([0.0000074, 0.0001075, 0.00262698, 0.0348859, 0.23069756, 0.4227842, -0.57721566], h)
+    k0s = -log_half * i0k + np.polyval(
+        [0.0000074, 0.0001075, 0.00262698, 0.0348859, 0.23069756, 0.4227842, -0.57721566], h
+    )
     k1s = log_half * i1k + (1 / small) * np.polyval(
         [-0.00004686, -0.00110404, -0.01919402, -0.18156897, -0.67278579, 0.15443144, 1.0], h
     )
@@ -48,28 +62,27 @@ class _Galaxy(Emitter):
     """The masses of a galaxy's parts, and its circular speed."""
 
     G: float = param(4.30091e-6, min=0, doc="constant of gravitation in the preset's units")
-    disc_mass: float = param(4e10, min=0)
+    disc_mass: float = param(4e10, min=0, doc="mass of the disc")
     disc_scale: float = param(3.0, min=1e-30, doc="scale length of the disc")
-    bulge_mass: float = param(1e10, min=0)
-    bulge_scale: float = param(0.5, min=1e-30)
-    halo_mass: float = param(1e12, min=0)
-    halo_scale: float = param(30.0, min=1e-30)
+    bulge_mass: float = param(1e10, min=0, doc="mass of the bulge")
+    bulge_scale: float = param(0.5, min=1e-30, doc="Hernquist's scale of the bulge")
+    halo_mass: float = param(1e12, min=0, doc="mass of the halo")
+    halo_scale: float = param(30.0, min=1e-30, doc="Hernquist's scale of the halo")
 
     def circular_speed_squared(self, R: np.ndarray) -> np.ndarray:
         """v_c^2(R) = G M y^2 2 (I0 K0 - I1 K1) / R_d + the two Hernquist spheres, y = R / (2 R_d)."""
         v = self.values
         y = R / (2 * v["disc_scale"])
         disc = 2 * v["G"] * v["disc_mass"] / v["disc_scale"] * y * y * bessel_products(np.maximum(y, 1e-6))
-        spheres = sum(
-            v["G"] * v[f"{part}_mass"] * R / (R + v[f"{part}_scale"]) ** 2 for part in ("bulge", "halo")
-        )
+        spheres = sum(v["G"] * v[f"{part}_mass"] * R / (R + v[f"{part}_scale"]) ** 2 for part in ("bulge", "halo"))
         return disc + spheres
 
 
 @emitter("exponential_disc")
 class ExponentialDisc(_Galaxy):
-    """A disc of stars: surface density exp(-R / R_d), thickness sech^2(z / z_0), and a chosen Toomre Q.
+    """A disc of stars: exponential, of a given thickness and a chosen Toomre Q.
 
+    Sigma = disc_mass / (2 pi R_d^2) exp(-R / R_d), R_d = disc_scale; across it sech^2(z / z_0), z_0 = thickness
     sigma_R = Q 3.36 G Sigma / kappa, sigma_phi = sigma_R kappa / (2 Omega), sigma_z^2 = pi G Sigma z_0, the mean rotation
     less the asymmetric drift. The mass of each is disc_mass / n; 0 if massless. With `arms`, the azimuths are drawn together
     along logarithmic spirals: phi += -(arm_strength / arms) sin(arms (phi - ln(R / R_d) / tan pitch)), at constant R.
@@ -77,12 +90,12 @@ class ExponentialDisc(_Galaxy):
     """
 
     thickness: float = param(0.3, min=0, doc="scale height z_0")
-    toomre_q: float = param(1.3, min=0, max=10)
+    toomre_q: float = param(1.3, min=0, max=10, doc="Toomre's Q: below 1 the disc breaks into clumps")
     massless: bool = param(False, doc="test particles without mass")
     edge: float = param(6.0, min=0.5, max=50, doc="radius of the edge, in scale lengths")
-    arms: int = param(0, min=0, max=12)
-    arm_strength: float = param(0.0, min=0, max=1)
-    pitch: float = param(0.35, unit="rad", min=0.02, max=1.5)
+    arms: int = param(0, min=0, max=12, doc="seeded spiral arms")
+    arm_strength: float = param(0.0, min=0, max=1, doc="how strongly they are seeded")
+    pitch: float = param(0.35, unit="rad", min=0.02, max=1.5, doc="angle between arms and circles")
 
     def sample(self, r, n):
         v = self.values
@@ -122,8 +135,9 @@ class ExponentialDisc(_Galaxy):
 
 @emitter("hernquist_sphere")
 class HernquistSphere(_Galaxy):
-    """A bulge: density bulge_scale / (r (r + bulge_scale)^3), isotropic velocities from Jeans's equation in the whole field.
+    """A bulge after Hernquist, with isotropic velocities from Jeans's equation in the whole field.
 
+    rho ~ a / (r (r + a)^3), a = bulge_scale
     sigma^2(r) = (1 / rho) integral from r of rho v_c^2 / r dr, normal, cut at 0.95 of the local escape speed.
     The mass of each is bulge_mass / n. Source: Hernquist (1990), ApJ 356, 359.
     """

@@ -136,7 +136,7 @@ class Box(Shape):
 class Gaussian(Shape):
     """A normal cloud.
 
-    x - center normal with standard deviation `sigma` along each axis;  sigma, center : (3,) m
+    x = center + sigma (n1, n2, n3), each n standard normal, axis by axis;  sigma, center : (3,) m
     """
 
     sigma: tuple = param((1.0, 1.0, 1.0), unit="m", min=0)

@@ -7,7 +7,9 @@ from gen_art.runtime import ti
 
 @force("wind")
 class Wind(Force):
-    """A uniform, steady velocity of the medium, u = velocity.
+    """A uniform, steady velocity of the medium.
+
+    u = velocity
 
     velocity : (3,) m/s. Meant for `medium:`; as a force it is a uniform acceleration in m/s^2 without a potential.
     """
