@@ -1,6 +1,7 @@
 """The jobs: a film or a sequence of frames, one still, and a picture made again from its recipe."""
 
 import contextlib
+import math
 import time as clocks
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -19,6 +20,7 @@ from gen_art.renderer.frame import Painter, check_size
 __all__ = ["QUALITIES", "check_target", "picture_size", "render", "rerun", "still"]
 
 QUALITIES = {"draft": 0.5, "preview": 1.0, "final": 1.0}  # of the width and height; they also set the encoder's care
+_HALF_LIVES = 16  # of a trail, that it begins before frame 0: what lies further back has faded
 _WAITING = 3  # pictures that may wait for the encoder
 
 
@@ -69,6 +71,9 @@ class _Run:
         wanted = max((look.trail.substeps for look in self.painter.trails.values() if look.trail), default=1)
         per_frame = clock.steps_per_frame
         self._between = per_frame // max(n for n in range(1, min(wanted, per_frame) + 1) if per_frame % n == 0)
+        longest = max((look.trail.half_life for look in self.painter.trails.values()), default=0.0)
+        exposures = math.ceil(_HALF_LIVES * longest * clock.speed / clock.step / self._between)
+        self._first_exposure = max(0, clock.preroll_steps - exposures * self._between)
         self._done = 0
 
     def step_of(self, time: float) -> int:
@@ -85,6 +90,7 @@ class _Run:
         """The linear picture after `step` steps from the start (a view, good until the next)."""
         clock = self.preset.clock
         if self.painter.trails:
+            self._advance(min(step, self._first_exposure) - self._done)
             while self._done < step:
                 n = min(self._until_exposure(), step - self._done)
                 self._advance(n)

@@ -181,8 +181,8 @@ class Trail(Model):
 
     The particles themselves are drawn over it as ever. strength: the trail's brightness; a particle at rest builds up
     a trail as bright as itself at 1. substeps: how many times the system is drawn between two frames (the largest
-    divisor of a frame's steps up to it), so that fast curves stay smooth. Trails start at the beginning of the
-    simulation, preroll included.
+    divisor of a frame's steps up to it), so that fast curves stay smooth. Trails start 16
+    half-lives before frame 0, or with the simulation.
     """
 
     half_life: Annotated[Number, Field(gt=0)]
