@@ -84,7 +84,7 @@ def _kernel(composition: Composition, channels: tuple, precision: str):
 def sums(sim, name: str, slots: np.ndarray) -> np.ndarray:
     """The basic sums and each potential's energy over some slots of one system: (13 + potentials,) float64."""
     system = sim._members[name]
-    state = system._state
+    state = system.state
     width = _BASIC + len(system.composition.potentials)
     if not len(slots):
         return np.zeros(width)
@@ -97,7 +97,7 @@ def sums(sim, name: str, slots: np.ndarray) -> np.ndarray:
 def energy_of_pairs(sim, name: str, slots: np.ndarray) -> float:
     """Potential energy of a system's mutual forces over some slots, J."""
     system = sim._members[name]
-    state, total = system._state, 0.0
+    state, total = system.state, 0.0
     for one in system.interactions:
         if one.source_system is None:
             weights = state.floats[state.channels[one.weight], slots]
@@ -106,7 +106,7 @@ def energy_of_pairs(sim, name: str, slots: np.ndarray) -> float:
 
 
 def living(sim, name: str) -> np.ndarray:
-    return np.flatnonzero(sim._members[name]._state.alive(sim.time))
+    return np.flatnonzero(sim._members[name].state.alive(sim.time))
 
 
 def diagnose(sim) -> Diagnostics:

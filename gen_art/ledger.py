@@ -5,6 +5,7 @@ of the living. Conservative forces book no work: the residual is the scheme's er
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ __all__ = ["Account", "Bookkeeper", "Ledger", "Passage"]
 class Account(dict):
     """Amounts by name, and their `total`. Vectors are (3,) float64 arrays."""
 
-    zero: object = 0.0
+    zero: Any = 0.0
 
     @property
     def total(self):
@@ -92,7 +93,7 @@ class Bookkeeper:
 
     def step(self, name: str, stepper, begin, first, dt, earliest, stage0, stage1) -> None:
         """Book what the coming launch will do; the launch itself is not touched."""
-        system, state = stepper.system, stepper.system._state
+        system, state = stepper.system, stepper.system.state
         rows = len(system.composition.terms) + len(system.interactions)
         if rows == 0 or state.count <= begin:
             return
@@ -115,7 +116,7 @@ class Bookkeeper:
     def after_step(self, t0: float, t1: float) -> None:
         """Book the deaths of the step; the dead stand where they died."""
         for name, system in self.sim._members.items():
-            state = system._state
+            state = system.state
             death, ids = state.death(), state.id[: state.count]
             behind = self.sim._was_behind[name]
             unseen = (death > t0) | ((ids >= behind[0]) & (ids < behind[1]))
@@ -124,7 +125,7 @@ class Bookkeeper:
     def _pass(self, account: Account, name: str, slots: np.ndarray) -> None:
         if not len(slots):
             return
-        state = self.sim._members[name]._state
+        state = self.sim._members[name].state
         for source in np.unique(state.source[slots]):
             of = slots[state.source[slots] == source]
             part = sums(self.sim, name, of)

@@ -39,4 +39,4 @@ class Medium:
 
 def fields() -> list[str]:
     """The names of the registered forces that can be terms of a medium."""
-    return [name for name in FORCES if FORCES[name].provides("acceleration")]
+    return [name for name, cls in FORCES.classes.items() if callable(getattr(cls, "acceleration", None))]

@@ -5,6 +5,7 @@ rows of the documentation. `Registry` maps the YAML name to the class.
 """
 
 import difflib
+import inspect
 import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
@@ -105,7 +106,7 @@ class Parametric:
     def __init_subclass__(cls, **kwargs):
         super().__init_subclass__(**kwargs)
         own = dict(cls.parameters)
-        for key, annotation in cls.__dict__.get("__annotations__", {}).items():
+        for key, annotation in inspect.get_annotations(cls).items():
             declared = cls.__dict__.get(key)
             if not isinstance(declared, Parameter):
                 continue
@@ -125,7 +126,7 @@ class Parametric:
             if key in given:
                 raise UsageError(f"{type(self).__name__} got '{key}' twice")
             given[key] = value
-        self.values = {}
+        self.values: dict[str, Any] = {}
         for key, parameter in self.parameters.items():
             if key not in given and parameter.required:
                 raise UsageError(f"{type(self).__name__} needs '{key}'")

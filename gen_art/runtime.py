@@ -121,7 +121,7 @@ def kernel(function, precision: str = "f32"):
         with _default_float(dtype):
             return function(*args)
 
-    launch.primal = primal
+    launch.primal = primal  # type: ignore[attr-defined]  # a function may carry attributes
     return launch
 
 
@@ -141,4 +141,4 @@ def is_f64() -> bool:
 
 
 for _function in (real, is_f64):
-    _function._is_wrapped_kernel = True  # plain Python called while tracing: Taichi need not warn
+    vars(_function)["_is_wrapped_kernel"] = True  # plain Python called while tracing: Taichi need not warn

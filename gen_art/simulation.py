@@ -2,11 +2,12 @@
 
 import hashlib
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gen_art import runtime
-from gen_art.emitters.emission import give_birth, scheduled
+from gen_art.emitters.emission import Batch, give_birth, scheduled
 from gen_art.emitters.events import Window, children
 from gen_art.errors import UsageError
 from gen_art.integrators.kernels import make_step
@@ -14,6 +15,9 @@ from gen_art.particles.state import PADDING, Particles
 from gen_art.particles.system import ParticleSystem
 from gen_art.registry import suggest
 from gen_art.rng import channel_of, derive
+
+if TYPE_CHECKING:
+    from gen_art.ledger import Bookkeeper
 
 __all__ = ["Simulation"]
 
@@ -60,14 +64,14 @@ class Simulation:
         self._eventful = [(n, e) for n, s in definitions.items() for e in s.emitters if e.event is not None]
         self._pairs_at = -1
         for system in definitions.values():
-            give_birth(system._state, [b for e in system.emitters for b in scheduled(e, 0.0)], precision)
+            give_birth(system.state, [b for e in system.emitters for b in scheduled(e, 0.0)], precision)
         # ids of the children made at the end of the last step: their own events were not seen yet
-        self._behind = {name: (0, system._state.next_id) for name, system in definitions.items()}
-        self._ledger = None
+        self._behind = {name: (0, system.state.next_id) for name, system in definitions.items()}
+        self._ledger: Bookkeeper | None = None
         if ledger:
-            from gen_art.ledger import Bookkeeper
+            from gen_art import ledger as accounts
 
-            self._ledger = Bookkeeper(self)
+            self._ledger = accounts.Bookkeeper(self)
             for stepper in self._stepped.values():
                 stepper.books = self._ledger
 
@@ -98,7 +102,7 @@ class Simulation:
     @property
     def systems(self) -> dict[str, Particles]:
         """The storage of each system, for renderers: read only."""
-        return {name: system._state for name, system in self._members.items()}
+        return {name: system.state for name, system in self._members.items()}
 
     def __getitem__(self, name: str) -> ParticleSystem:
         if name not in self._members:
@@ -138,17 +142,17 @@ class Simulation:
         steps = 1 if (self._eventful or paired or self._ledger) else self._batch(most)
         first, t0, t1 = self.steps_done, self.time, (self.steps_done + steps) * self.dt
         for system in self._members.values():
-            if system._state.tidy(t0, system.name in self._joined):
+            if system.state.tidy(t0, system.name in self._joined):
                 self._pairs_at = -1
         self._was_behind = self._behind
         for name, system in self._members.items():
-            new = give_birth(system._state, [b for e in system.emitters for b in scheduled(e, t1)], self.precision)
+            new = give_birth(system.state, [b for e in system.emitters for b in scheduled(e, t1)], self.precision)
             if new.stop > new.start:
                 self._pairs_at = -1
                 if self._ledger:
                     self._ledger.born(name, new)
         parents = {e.event.system for _, e in self._eventful if e.event.kind == "path"}
-        before = {name: self._members[name]._state.floats[:6, : self._members[name]._state.count].copy() for name in parents}
+        before = {name: self._members[name].state.floats[:6, : self._members[name].state.count].copy() for name in parents}
         if paired:
             self._paired_step(first)
         else:
@@ -165,21 +169,21 @@ class Simulation:
         """How many steps one launch takes: fewer where many are born, whose storage waits for them meanwhile."""
         steps = most
         for system in self._members.values():
-            allowed = max(4096, system._state.count // 8)
+            allowed = max(4096, system.state.count // 8)
             while steps > 1 and system.births_until((self.steps_done + steps) * self.dt) > allowed:
                 steps = (steps + 1) // 2
         return steps
 
     def _give_children(self, first: int, t0: float, t1: float, before: dict) -> None:
-        made = {}
+        made: dict[str, list[Batch]] = {}
         for name, emission in self._eventful:
             parent = emission.event.system
             window = Window(t0, t1, before.get(parent), self._behind[parent])
-            made.setdefault(name, []).extend(children(emission, name, self._members[parent]._state, window))
-        self._behind = {name: (s._state.next_id, s._state.next_id) for name, s in self._members.items()}
+            made.setdefault(name, []).extend(children(emission, name, self._members[parent].state, window))
+        self._behind = {name: (s.state.next_id, s.state.next_id) for name, s in self._members.items()}
         for name, batches in made.items():
-            new = give_birth(self._members[name]._state, batches, self.precision)
-            self._behind[name] = (self._behind[name][0], self._members[name]._state.next_id)
+            new = give_birth(self._members[name].state, batches, self.precision)
+            self._behind[name] = (self._behind[name][0], self._members[name].state.next_id)
             if new.stop > new.start:
                 if self._ledger:
                     self._ledger.born(name, new)
@@ -215,10 +219,10 @@ class Simulation:
         system = self._members[name]
         for k, one in enumerate(system.interactions):
             other = self._stepped[one.source_system or name]
-            weights = other.system._state.floats[other.system._state.channels[one.weight], : other.system._state.count]
-            positions = other.positions(g)[:3, : other.system._state.count]
+            weights = other.system.state.floats[other.system.state.channels[one.weight], : other.system.state.count]
+            positions = other.positions(g)[:3, : other.system.state.count]
             sources = np.ascontiguousarray(np.concatenate([positions, weights[None]]))
-            n = system._state.count
+            n = system.state.count
             if n:
                 out = stepper.pair[3 * k : 3 * k + 3]
                 one.accelerate(stepper.positions(g), n, sources, out, self.precision)
@@ -241,7 +245,7 @@ class Simulation:
         """SHA-256 of the state: the clock, and every living particle of every system, by name."""
         h = hashlib.sha256(f"{self.precision} {self.steps_done} {self.dt!r} {self.seed}".encode())
         for name in sorted(self._members):
-            state = self._members[name]._state
+            state = self._members[name].state
             living = np.flatnonzero(state.alive(self.time))
             h.update(f"{name} {len(living)} {state.next_id} {state.attributes}".encode())
             for column in state.columns():
@@ -267,27 +271,27 @@ class _Stepper:
 
     def __init__(self, system: ParticleSystem, precision: str, joined: bool):
         self.system, self.joined = system, joined
-        dtype = system._state.floats.dtype
-        self.books = None
+        dtype = system.state.floats.dtype
+        self.books: Bookkeeper | None = None
         self.numbers = system.composition.numbers(dtype)
         self.scheme_numbers = np.array(system.scheme.numbers, dtype)
         self.pair = np.zeros((1, 1), dtype)
         self.scratch = np.zeros((1, 1), dtype)
         self.kernel = make_step(
             system.composition, system.scheme.kind, system.scheme.rotates, len(system.interactions),
-            joined, system._state.attributes, precision,
+            joined, system.state.attributes, precision,
         )  # fmt: skip
 
     def run(self, first: int, steps: int, dt: float, begin: int = 0, earliest: float = 0.0) -> None:
         """Whole steps in one launch, for slots from `begin` on."""
         if self.joined:
             self.begin()
-            self.pair[:, begin : self.system._state.count] = 0.0  # children feel the others from their first whole step on
+            self.pair[:, begin : self.system.state.count] = 0.0  # children feel the others from their first whole step on
         self._launch(begin, first, steps, dt, earliest, -1, len(self.system.scheme.stages))
 
     def begin(self) -> None:
         """Fit the arrays of pair accelerations and stage states to the storage."""
-        size = self.system._state.capacity + PADDING
+        size = self.system.state.capacity + PADDING
         if self.system.interactions and self.pair.shape[1] != size:
             self.pair = np.zeros((3 * len(self.system.interactions), size), self.numbers.dtype)
         if self.system.scheme.kind == "runge_kutta" and self.scratch.shape[1] != size:
@@ -295,14 +299,14 @@ class _Stepper:
 
     def positions(self, g: int) -> np.ndarray:
         """Rows of which the first three are the positions at stage g."""
-        return self.scratch if g > 0 and self.system.scheme.kind == "runge_kutta" else self.system._state.floats
+        return self.scratch if g > 0 and self.system.scheme.kind == "runge_kutta" else self.system.state.floats
 
     def stage(self, first: int, dt: float, stage0: int, stage1: int) -> None:
         """Stages stage0 to stage1 - 1 of one step; from -1 the first drift."""
         self._launch(0, first, 1, dt, 0.0, stage0, stage1)
 
     def _launch(self, begin, first, steps, dt, earliest, stage0, stage1) -> None:
-        state = self.system._state
+        state = self.system.state
         if state.count > begin:
             if self.books:
                 self.books.step(self.system.name, self, begin, first, dt, earliest, stage0, stage1)

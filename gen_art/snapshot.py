@@ -28,7 +28,7 @@ def save(sim, path) -> None:
         "preset": None if sim.preset is None else sim.preset.resolved(), "systems": {},
     }  # fmt: skip
     for name, system in sim._members.items():
-        state = system._state
+        state = system.state
         head["systems"][name] = {
             "count": state.count, "next_id": state.next_id, "may_die": state.may_die, "attributes": state.attributes,
             "done": [e.done for e in system.emitters], "behind": sim._behind[name],
@@ -41,7 +41,7 @@ def save(sim, path) -> None:
             archive.writestr("head.json", json.dumps(head))
             for name, system in sim._members.items():
                 for column in _COLUMNS:
-                    array = getattr(system._state, column)[..., : system._state.count]
+                    array = getattr(system.state, column)[..., : system.state.count]
                     with archive.open(f"{name}/{column}.npy", "w") as out:
                         np.lib.format.write_array(out, np.ascontiguousarray(array), allow_pickle=False)
         os.replace(temporary, path)
@@ -78,7 +78,7 @@ def restore(path):
         what = {name: _rebuilt(entry["definition"]) for name, entry in head["systems"].items()}
     sim = Simulation(what, dt=head["dt"], seed=head["seed"], precision=head["precision"])
     for name, entry in head["systems"].items():
-        system, state = sim._members[name], sim._members[name]._state
+        system, state = sim._members[name], sim._members[name].state
         state.count = 0
         state.reserve(entry["count"])
         for column in _COLUMNS:

@@ -1,5 +1,8 @@
 """The contracts of what happens at a birth: where (a shape), how fast (a velocity), or both (an emitter)."""
 
+from collections.abc import Callable
+from typing import ClassVar
+
 from gen_art.registry import Parametric, Registry
 
 __all__ = ["EMITTERS", "SHAPES", "VELOCITIES", "Emitter", "Shape", "Velocity", "emitter", "shape", "velocity"]
@@ -36,3 +39,5 @@ class Emitter(_Birth):
     radius, lifetime or declared attributes; or, for initial conditions, `sample(self, r, n)` in NumPy, returning a dict of
     arrays, where r.uniform(channel), r.normal(channel) and r.sphere(channel) give one value for each of the n particles.
     """
+
+    sample: ClassVar[Callable | None] = None

@@ -4,6 +4,7 @@ Keys: a scheduled birth has H(emission's key, serial), the emission's key being 
 H(H(parent's key, event), ordinal). Every attribute comes from its key, so nothing depends on other emitters or on order.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -180,8 +181,8 @@ def give_birth(particles: Particles, batches: list[Batch], precision: str) -> sl
     for b in batches:
         mine = slots[at : at + len(b.when)]
         at += len(b.when)
-        if b.kind.scripted is not None and hasattr(b.kind.scripted, "sample"):
-            _sample(particles, b, mine)
+        if b.kind.scripted is not None and b.kind.scripted.sample is not None:
+            _sample(particles, b, b.kind.scripted.sample, mine)
             continue
         make_birth(b.kind, precision)(
             particles.floats, particles.key, mine, _words(b.paired), _words(b.burst),
@@ -197,14 +198,14 @@ def _words(keys: np.ndarray) -> np.ndarray:
     return np.stack([(keys >> np.uint64(32)).astype(np.uint32), (keys & np.uint64(0xFFFFFFFF)).astype(np.uint32)])
 
 
-def _sample(particles: Particles, batch: Batch, slots: np.ndarray) -> None:
+def _sample(particles: Particles, batch: Batch, sample: Callable, slots: np.ndarray) -> None:
     """Births by an emitter written in NumPy; what it does not set comes from the kind's attributes."""
     draws = Draws(batch.keys)
     rows = particles.channels
     for name, (low, high) in batch.kind.attributes.items():
         if name != "density":
             particles.floats[rows[name], slots] = low if low == high else low + (high - low) * draws.uniform(channel_of(name))
-    born = batch.kind.scripted.sample(draws, len(slots))
+    born = sample(draws, len(slots))
     unknown = set(born) - {"position", "velocity", *rows}
     if unknown:
         raise UsageError(f"emitter '{batch.kind.name}' sets {', '.join(sorted(unknown))}, which no particle here has")

@@ -32,6 +32,7 @@ class Window:
 def children(emission: Emission, system: str, parents: Particles, window: Window) -> list[Batch]:
     """The births that `emission` (of the system of that name) owes to its parents in this window."""
     event = emission.event
+    assert event is not None, "scheduled births have no parents"
     of_tag = np.ones(len(parents.sources), bool)
     if event.tags:
         of_tag = np.array([source.tag in event.tags for source in parents.sources], bool)
@@ -49,7 +50,8 @@ def children(emission: Emission, system: str, parents: Particles, window: Window
         parent = np.repeat(picked, counts)
         ordinal = _count_up(counts) + np.repeat(first, counts)
         when = birth[parent] + (ordinal + 0.5) / event.rate
-        origin = _along(parents, parent, when, window)
+        assert window.before is not None, "paths need the state before the step"
+        origin = _along(parents, parent, when, window, window.before)
         keys = _event_keys(emission, system, parents, parent)
         choice = emission.choose(keys)
     else:
@@ -102,14 +104,14 @@ def _count_up(counts: np.ndarray) -> np.ndarray:
     return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - counts, counts)
 
 
-def _along(parents: Particles, parent: np.ndarray, when: np.ndarray, window: Window) -> np.ndarray:
+def _along(parents: Particles, parent: np.ndarray, when: np.ndarray, window: Window, before: np.ndarray) -> np.ndarray:
     """Position and velocity (6, m) on the cubic through both ends of each parent's step."""
     t0 = np.maximum(parents.birth[parent], window.t0)
     t0 = np.where(window.fresh(parents.id[parent]), window.t0, t0)
     t1 = np.minimum(parents.death()[parent], window.t1)
     h = np.maximum(t1 - t0, 1e-300)
     s = (when - t0) / h
-    a, b = window.before[:, parent].astype(np.float64), parents.floats[:6, parent].astype(np.float64)
+    a, b = before[:, parent].astype(np.float64), parents.floats[:6, parent].astype(np.float64)
     x0, v0, x1, v1 = a[:3], a[3:] * h, b[:3], b[3:] * h
     s2, s3 = s * s, s * s * s
     x = (2 * s3 - 3 * s2 + 1) * x0 + (s3 - 2 * s2 + s) * v0 + (3 * s2 - 2 * s3) * x1 + (s3 - s2) * v1

@@ -30,8 +30,8 @@ class Rate(Schedule):
     """
 
     def __init__(self, rate, start: float = 0.0, stop: float | None = None, pulse: tuple[float, float] | None = None):
-        self._pulse = pulse
-        points = [(start, float(rate))] if np.isscalar(rate) else [(float(t), float(r)) for t, r in rate]
+        self._period, self._depth = pulse or (1.0, 0.0)
+        points = [(start, float(rate))] if np.ndim(rate) == 0 else [(float(t), float(r)) for t, r in rate]
         if not all(np.isfinite(r) and r >= 0 for _, r in points):
             raise UsageError("a rate must be a finite number of at least 0 per second")
         t, r = np.array(points, np.float64).T
@@ -44,12 +44,11 @@ class Rate(Schedule):
         self._last = None if stop is None else self._until(np.nextafter(stop, -np.inf))
 
     def _pulsed(self, t):
-        period, depth = self._pulse
-        return t - depth * np.sin(2 * np.pi * t / period) * (period / (2 * np.pi))
+        return t - self._depth * np.sin(2 * np.pi * t / self._period) * (self._period / (2 * np.pi))
 
     def _steady(self, t: float) -> float:
         """The unpulsed time that is shifted to t, by bisection."""
-        low, high = t - self._pulse[0], t + self._pulse[0]
+        low, high = t - self._period, t + self._period
         for _ in range(60):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if self._pulsed(middle) <= t else (low, middle)
@@ -57,7 +56,7 @@ class Rate(Schedule):
 
     def _until(self, t: float) -> int:
         moment = t
-        if self._pulse is not None:
+        if self._depth:
             t = self._steady(t)
         if t < self._t[0]:
             return 0
@@ -83,7 +82,7 @@ class Rate(Schedule):
             root = np.sqrt(np.maximum(rate * rate + 2.0 * slope * rest, 0.0))
             s = 2.0 * rest / (rate + root)  # the stable root of rate s + slope s^2 / 2 = rest
         t = np.where(rate + root > 0, self._t[k] + s, np.inf)
-        return t if self._pulse is None else np.where(np.isfinite(t), self._pulsed(np.where(np.isfinite(t), t, 0.0)), np.inf)
+        return t if not self._depth else np.where(np.isfinite(t), self._pulsed(np.where(np.isfinite(t), t, 0.0)), np.inf)
 
 
 class Burst(Schedule):

@@ -110,31 +110,36 @@ class ParticleSystem:
             sources.append(Source("initial"))
         self.emitters.sort(key=lambda e: e.name)
         for emission in self.emitters:
-            emission.key = derive(key, channel_of(emission.name))
+            emission.key = np.uint64(derive(key, channel_of(emission.name)))
             emission.first_source = len(sources)
             for kind in emission.kinds:
                 kind.channels = channels
                 sources.append(Source(emission.name, kind.tag, kind.name))
         count = len(self._initial["mass"]) if self._initial else 0
-        self._state = Particles(dtype, names, sources, max(1024, count))
+        self._state = state = Particles(dtype, names, tuple(sources), max(1024, count))
         if self._initial:
             keys = derive(derive(key, channel_of("initial")), np.arange(count))
-            new = self._state.append(np.zeros(count), keys, np.zeros(count, np.int32))
-            self._state.floats[0:3, new] = self._initial["position"]
-            self._state.floats[3:6, new] = self._initial["velocity"]
-            self._state.floats[9, new] = np.inf
+            new = state.append(np.zeros(count), keys, np.zeros(count, np.int32))
+            state.floats[0:3, new] = self._initial["position"]
+            state.floats[3:6, new] = self._initial["velocity"]
+            state.floats[9, new] = np.inf
             for name in ("mass", "charge", "radius", *self._attributes):
-                self._state.floats[self._state.channels[name], new] = self._initial[name]
+                state.floats[state.channels[name], new] = self._initial[name]
         self._initial = {}
+
+    @property
+    def state(self) -> Particles:
+        """The storage; UsageError until the system is part of a simulation."""
+        if self._state is None:
+            raise UsageError("this ParticleSystem is not part of a simulation yet")
+        return self._state
 
     def births_until(self, time: float) -> int:
         """How many scheduled births lie between those made and `time`."""
         return sum(e.schedule.until(time) - e.done for e in self.emitters if e.schedule is not None)
 
     def _living(self):
-        if self._state is None:
-            raise UsageError("this ParticleSystem is not part of a simulation yet")
-        return np.flatnonzero(self._state.alive(self._time()))
+        return np.flatnonzero(self.state.alive(self._time()))
 
     def _copy(self, array) -> np.ndarray:
         out = np.array(array)
@@ -149,37 +154,37 @@ class ParticleSystem:
     @property
     def ids(self) -> np.ndarray:
         """(n,) int64, in rising order; never reused."""
-        return self._copy(self._state.id[self._living()])
+        return self._copy(self.state.id[self._living()])
 
     @property
     def keys(self) -> np.ndarray:
         """(n,) uint64: each particle's random stream."""
-        words = self._state.key[:, self._living()].astype(np.uint64)
+        words = self.state.key[:, self._living()].astype(np.uint64)
         return self._copy((words[0] << np.uint64(32)) | words[1])
 
     @property
     def emitter(self) -> np.ndarray:
         """(n,) names of the emitters they came from ("initial" for particles given as arrays)."""
-        names = np.array([s.name for s in self._state.sources] or [""])
-        return self._copy(names[self._state.source[self._living()]])
+        names = np.array([s.name for s in self.state.sources] or [""])
+        return self._copy(names[self.state.source[self._living()]])
 
     @property
     def position(self) -> np.ndarray:
         """(n, 3) m."""
-        return self._copy(self._state.floats[0:3, self._living()].T)
+        return self._copy(self.state.floats[0:3, self._living()].T)
 
     @property
     def velocity(self) -> np.ndarray:
         """(n, 3) m/s, at the same time as the positions."""
-        return self._copy(self._state.floats[3:6, self._living()].T)
+        return self._copy(self.state.floats[3:6, self._living()].T)
 
     def attribute(self, name: str) -> np.ndarray:
         """(n,) mass, charge, radius, lifetime or a declared attribute."""
         from gen_art.registry import suggest
 
-        if name not in self._state.channels:
-            raise UsageError(f"system '{self.name}' has no attribute '{name}'{suggest(name, self._state.channels)}")
-        return self._copy(self._state.floats[self._state.channels[name], self._living()])
+        if name not in self.state.channels:
+            raise UsageError(f"system '{self.name}' has no attribute '{name}'{suggest(name, self.state.channels)}")
+        return self._copy(self.state.floats[self.state.channels[name], self._living()])
 
     @property
     def mass(self) -> np.ndarray:
@@ -199,7 +204,7 @@ class ParticleSystem:
     @property
     def age(self) -> np.ndarray:
         """(n,) s since birth."""
-        return self._copy(self._time() - self._state.birth[self._living()])
+        return self._copy(self._time() - self.state.birth[self._living()])
 
 
 class Source:
