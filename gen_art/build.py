@@ -38,7 +38,9 @@ def _emission(name: str, spec, particle) -> Emission:
     source = spec.source
     if source is not None:
         rate = float(spec.rate) if source.kind == "path" else 0.0
-        event = Event(source.system, source.kind, tuple(source.tag), source.inherit == "velocity", source.balance == "pairs", rate)
+        event = Event(
+            source.system, source.kind, tuple(source.tag), source.inherit == "velocity", source.balance == "pairs", rate
+        )
         return Emission(name, _kinds(name, spec, particle), event=event)
     motion = None
     if spec.motion is not None:

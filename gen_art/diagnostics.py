@@ -14,7 +14,9 @@ from gen_art.tracing import parameters
 __all__ = ["Diagnostics", "diagnose", "energy_of_pairs", "sums"]
 
 _BLOCK = 1024
-_BASIC = 13  # count, mass, charge, momentum 3, angular momentum 3, mass x position 3, kinetic energy; then the potentials
+_BASIC = (
+    13  # count, mass, charge, momentum 3, angular momentum 3, mass x position 3, kinetic energy; then the potentials
+)
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,18 @@ from gen_art.runtime import is_f64, real, ti
 __all__ = ["sin", "cos", "exp", "log", "power", "phi"]
 
 _FACTORIAL = [math.factorial(k) for k in range(20)]
-_EXP = {False: tuple(1 / _FACTORIAL[k] for k in range(7, -1, -1)), True: tuple(1 / _FACTORIAL[k] for k in range(13, -1, -1))}
+_EXP = {
+    False: tuple(1 / _FACTORIAL[k] for k in range(7, -1, -1)),
+    True: tuple(1 / _FACTORIAL[k] for k in range(13, -1, -1)),
+}
 _EXPM1 = {  # (e^r - 1) / r
     False: tuple(1 / _FACTORIAL[k + 1] for k in range(6, -1, -1)),
     True: tuple(1 / _FACTORIAL[k + 1] for k in range(12, -1, -1)),
 }
-_ATANH = {False: tuple(1 / (2 * k + 1) for k in range(5, -1, -1)), True: tuple(1 / (2 * k + 1) for k in range(11, -1, -1))}
+_ATANH = {
+    False: tuple(1 / (2 * k + 1) for k in range(5, -1, -1)),
+    True: tuple(1 / (2 * k + 1) for k in range(11, -1, -1)),
+}
 _SIN = {
     False: tuple((-1) ** k / _FACTORIAL[2 * k + 1] for k in range(5, -1, -1)),
     True: tuple((-1) ** k / _FACTORIAL[2 * k + 1] for k in range(9, -1, -1)),

@@ -30,7 +30,9 @@ class Medium:
             terms += [extra] if isinstance(extra, Force) else list(extra)
         for term in terms:
             if not isinstance(term, Force) or not term.provides("acceleration"):
-                raise UsageError(f"{term!r} is not a vector field and cannot move a medium; fields: {', '.join(fields())}")
+                raise UsageError(
+                    f"{term!r} is not a vector field and cannot move a medium; fields: {', '.join(fields())}"
+                )
         self.terms = tuple(terms)
 
     def __repr__(self):

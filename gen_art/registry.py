@@ -44,7 +44,11 @@ class Parameter:
                 raise UsageError(f"{self.name} must be a whole number, not {value!r}")
             return self._in_range(int(value) if self.kind == "int" else float(value))
         if self.kind == "range":
-            bounds = tuple(value) if isinstance(value, (tuple, list)) else (getattr(value, "lo", value), getattr(value, "hi", value))
+            bounds = (
+                tuple(value)
+                if isinstance(value, (tuple, list))
+                else (getattr(value, "lo", value), getattr(value, "hi", value))
+            )
             if len(bounds) != 2 or any(isinstance(c, bool) or not isinstance(c, (int, float)) for c in bounds):
                 raise UsageError(f"{self.name} must be a number or a pair (low, high), not {value!r}")
             return tuple(self._in_range(float(c)) for c in bounds)
@@ -72,7 +76,11 @@ class Parameter:
         if not math.isfinite(value):
             raise UsageError(f"{self.name} must be a finite number, not {value}")
         if not self.minimum <= value <= self.maximum:
-            bounds = f"at least {self.minimum:g}" if self.maximum == math.inf else f"from {self.minimum:g} to {self.maximum:g}"
+            bounds = (
+                f"at least {self.minimum:g}"
+                if self.maximum == math.inf
+                else f"from {self.minimum:g} to {self.maximum:g}"
+            )
             raise UsageError(f"{self.name} must be {bounds}, not {value:g}")
         return value
 

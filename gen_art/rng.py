@@ -106,4 +106,3 @@ class Stream:
         angle = 6.283185307179586 * self.uniform(channel + 0x40000000)
         s = ti.sqrt(ti.max(1.0 - z * z, 0.0))
         return ti.Vector([s * cos(angle), s * sin(angle), z])
-

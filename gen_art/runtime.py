@@ -14,10 +14,10 @@ from pathlib import Path
 os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 
-import taichi as ti  # noqa: E402  (the variables above must be set before the import)
-from taichi.lang import impl  # noqa: E402
+import taichi as ti  # the variables above must be set before this
+from taichi.lang import impl
 
-from gen_art.errors import UsageError  # noqa: E402
+from gen_art.errors import UsageError
 
 __all__ = ["ti", "init", "kernel", "compilations", "is_f64", "real", "threads", "DTYPES", "cache_folder"]
 
@@ -78,7 +78,9 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
                 f"arch={arch!r}, threads={threads} needs a process of its own"
             )
         return
-    count = threads or len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else threads or os.cpu_count() or 1
+    count = (
+        threads or len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else threads or os.cpu_count() or 1
+    )
     folder = cache_folder(arch)
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(

@@ -79,18 +79,26 @@ class Simulation:
         for name, system in self._members.items():
             for emission in system.emitters:
                 if emission.event is not None and emission.event.system not in self._members:
-                    raise UsageError(f"emitter '{emission.name}' listens to '{emission.event.system}', which is no system here")
+                    raise UsageError(
+                        f"emitter '{emission.name}' listens to '{emission.event.system}', which is no system here"
+                    )
             for one in system.interactions:
                 other = one.source_system
                 if other is not None and other not in self._members:
-                    raise UsageError(f"system '{name}' takes '{other}' as sources: no such system{suggest(other, self._members)}")
+                    raise UsageError(
+                        f"system '{name}' takes '{other}' as sources: no such system{suggest(other, self._members)}"
+                    )
                 if other is not None and self._members[other].scheme.stages != system.scheme.stages:
-                    raise UsageError(f"systems '{name}' and '{other}' are joined by a force: give both the same integrator")
+                    raise UsageError(
+                        f"systems '{name}' and '{other}' are joined by a force: give both the same integrator"
+                    )
 
     def _find_joined(self) -> set[str]:
         """The systems that pair forces join: those they act on and those that act."""
         joined = {name for name, s in self._members.items() if s.interactions}
-        return joined | {one.source_system for s in self._members.values() for one in s.interactions if one.source_system}
+        return joined | {
+            one.source_system for s in self._members.values() for one in s.interactions if one.source_system
+        }
 
     # -- time
 
@@ -116,7 +124,9 @@ class Simulation:
             raise UsageError(f"cannot advance by {seconds} s")
         nearest = round(steps)
         if abs(steps - nearest) > 1e-6 * max(1.0, steps):
-            raise UsageError(f"{seconds} s is {steps:.6g} steps of {self.dt:g} s; the nearest is {nearest * self.dt:.12g} s")
+            raise UsageError(
+                f"{seconds} s is {steps:.6g} steps of {self.dt:g} s; the nearest is {nearest * self.dt:.12g} s"
+            )
         self.step(nearest)
 
     def advance_to_frame(self, frame: int) -> None:
@@ -152,7 +162,9 @@ class Simulation:
                 if self._ledger:
                     self._ledger.born(name, new)
         parents = {e.event.system for _, e in self._eventful if e.event.kind == "path"}
-        before = {name: self._members[name].state.floats[:6, : self._members[name].state.count].copy() for name in parents}
+        before = {
+            name: self._members[name].state.floats[:6, : self._members[name].state.count].copy() for name in parents
+        }
         if paired:
             self._paired_step(first)
         else:
@@ -286,7 +298,9 @@ class _Stepper:
         """Whole steps in one launch, for slots from `begin` on."""
         if self.joined:
             self.begin()
-            self.pair[:, begin : self.system.state.count] = 0.0  # children feel the others from their first whole step on
+            self.pair[:, begin : self.system.state.count] = (
+                0.0  # children feel the others from their first whole step on
+            )
         self._launch(begin, first, steps, dt, earliest, -1, len(self.system.scheme.stages))
 
     def begin(self) -> None:

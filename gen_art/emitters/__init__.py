@@ -3,4 +3,15 @@
 from gen_art.emitters import galaxies, shapes, velocities
 from gen_art.emitters.base import EMITTERS, SHAPES, VELOCITIES, Emitter, Shape, Velocity, emitter
 
-__all__ = ["EMITTERS", "SHAPES", "VELOCITIES", "Emitter", "Shape", "Velocity", "emitter", "galaxies", "shapes", "velocities"]
+__all__ = [
+    "EMITTERS",
+    "SHAPES",
+    "VELOCITIES",
+    "Emitter",
+    "Shape",
+    "Velocity",
+    "emitter",
+    "galaxies",
+    "shapes",
+    "velocities",
+]

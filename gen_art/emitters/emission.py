@@ -87,7 +87,9 @@ class Motion:
 class Emission:
     """One emitter of one system, ready to give births: a schedule or an event, and the kinds to choose from."""
 
-    def __init__(self, name: str, kinds: list[Kind], schedule: Schedule | None = None, event: Event | None = None, motion=None):
+    def __init__(
+        self, name: str, kinds: list[Kind], schedule: Schedule | None = None, event: Event | None = None, motion=None
+    ):
         if (schedule is None) == (event is None):
             raise UsageError(f"emitter '{name}' needs either times of births or an event")
         self.name, self.kinds, self.schedule, self.event, self.motion = name, kinds, schedule, event, motion
@@ -204,7 +206,9 @@ def _sample(particles: Particles, batch: Batch, sample: Callable, slots: np.ndar
     rows = particles.channels
     for name, (low, high) in batch.kind.attributes.items():
         if name != "density":
-            particles.floats[rows[name], slots] = low if low == high else low + (high - low) * draws.uniform(channel_of(name))
+            particles.floats[rows[name], slots] = (
+                low if low == high else low + (high - low) * draws.uniform(channel_of(name))
+            )
     born = sample(draws, len(slots))
     unknown = set(born) - {"position", "velocity", *rows}
     if unknown:

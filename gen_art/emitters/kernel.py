@@ -2,7 +2,6 @@
 
 from functools import cache
 
-
 from gen_art import runtime
 from gen_art.particles.state import BASE_ROWS
 from gen_art.rng import Stream, channel_of
@@ -75,7 +74,16 @@ def make_birth(signature, precision: str):
 
     @ti.kernel
     def birth(
-        S: matrix, K: words, slots: whole, paired: words, burst: words, ordinal: whole, sign: vector, origin: matrix, when: vector, Q: vector
+        S: matrix,
+        K: words,
+        slots: whole,
+        paired: words,
+        burst: words,
+        ordinal: whole,
+        sign: vector,
+        origin: matrix,
+        when: vector,
+        Q: vector,
     ):
         ti.loop_config(block_dim=1)
         for b in range((slots.shape[0] + BLOCK - 1) // BLOCK):

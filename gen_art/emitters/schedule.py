@@ -82,7 +82,9 @@ class Rate(Schedule):
             root = np.sqrt(np.maximum(rate * rate + 2.0 * slope * rest, 0.0))
             s = 2.0 * rest / (rate + root)  # the stable root of rate s + slope s^2 / 2 = rest
         t = np.where(rate + root > 0, self._t[k] + s, np.inf)
-        return t if not self._depth else np.where(np.isfinite(t), self._pulsed(np.where(np.isfinite(t), t, 0.0)), np.inf)
+        return (
+            t if not self._depth else np.where(np.isfinite(t), self._pulsed(np.where(np.isfinite(t), t, 0.0)), np.inf)
+        )
 
 
 class Burst(Schedule):

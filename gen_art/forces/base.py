@@ -12,7 +12,6 @@ FORCES = Registry("force")
 force = FORCES  # as a decorator: @ga.force("swirl")
 
 
-
 class Force(Parametric):
     """Acts on one particle from its own state, the time and parameters.
 

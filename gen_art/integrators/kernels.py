@@ -18,7 +18,9 @@ BLOCK = 1024
 
 
 @cache
-def make_step(composition: Composition, kind: str, rotates: bool, pairs: int, staged: bool, channels: tuple, precision: str):
+def make_step(
+    composition: Composition, kind: str, rotates: bool, pairs: int, staged: bool, channels: tuple, precision: str
+):
     """The step kernel of one system; `channels` names the declared attributes. Numbers are never in the key.
 
     step(S, birth, K, A, R, Q, P, begin, n, first, steps, dt, earliest, stage0, stage1)
@@ -150,7 +152,17 @@ def _runge_kutta(terms: Terms, resumes: bool, real):
 
 
 @ti.func
-def advance_stage(terms: ti.template(), L: ti.template(), X: ti.template(), Y: ti.template(), Z: ti.template(), S: ti.template(), i, weight, ahead):
+def advance_stage(
+    terms: ti.template(),
+    L: ti.template(),
+    X: ti.template(),
+    Y: ti.template(),
+    Z: ti.template(),
+    S: ti.template(),
+    i,
+    weight,
+    ahead,
+):
     """Add this stage's increments to Z and move Y to the next stage's state; drag and rotation are part of the slope."""
     for j in range(WIDTH):
         v = ti.Vector([Y.v0[j], Y.v1[j], Y.v2[j]])
@@ -175,12 +187,40 @@ def advance_stage(terms: ti.template(), L: ti.template(), X: ti.template(), Y: t
 @ti.func
 def recall(Y: ti.template(), Z: ti.template(), R: ti.template(), i):
     for j in range(WIDTH):
-        Y.x0[j], Y.x1[j], Y.x2[j], Y.v0[j], Y.v1[j], Y.v2[j] = R[0, i + j], R[1, i + j], R[2, i + j], R[3, i + j], R[4, i + j], R[5, i + j]
-        Z.x0[j], Z.x1[j], Z.x2[j], Z.v0[j], Z.v1[j], Z.v2[j] = R[6, i + j], R[7, i + j], R[8, i + j], R[9, i + j], R[10, i + j], R[11, i + j]
+        Y.x0[j], Y.x1[j], Y.x2[j], Y.v0[j], Y.v1[j], Y.v2[j] = (
+            R[0, i + j],
+            R[1, i + j],
+            R[2, i + j],
+            R[3, i + j],
+            R[4, i + j],
+            R[5, i + j],
+        )
+        Z.x0[j], Z.x1[j], Z.x2[j], Z.v0[j], Z.v1[j], Z.v2[j] = (
+            R[6, i + j],
+            R[7, i + j],
+            R[8, i + j],
+            R[9, i + j],
+            R[10, i + j],
+            R[11, i + j],
+        )
 
 
 @ti.func
 def remember(Y: ti.template(), Z: ti.template(), R: ti.template(), i):
     for j in range(WIDTH):
-        R[0, i + j], R[1, i + j], R[2, i + j], R[3, i + j], R[4, i + j], R[5, i + j] = Y.x0[j], Y.x1[j], Y.x2[j], Y.v0[j], Y.v1[j], Y.v2[j]
-        R[6, i + j], R[7, i + j], R[8, i + j], R[9, i + j], R[10, i + j], R[11, i + j] = Z.x0[j], Z.x1[j], Z.x2[j], Z.v0[j], Z.v1[j], Z.v2[j]
+        R[0, i + j], R[1, i + j], R[2, i + j], R[3, i + j], R[4, i + j], R[5, i + j] = (
+            Y.x0[j],
+            Y.x1[j],
+            Y.x2[j],
+            Y.v0[j],
+            Y.v1[j],
+            Y.v2[j],
+        )
+        R[6, i + j], R[7, i + j], R[8, i + j], R[9, i + j], R[10, i + j], R[11, i + j] = (
+            Z.x0[j],
+            Z.x1[j],
+            Z.x2[j],
+            Z.v0[j],
+            Z.v1[j],
+            Z.v2[j],
+        )

@@ -50,7 +50,9 @@ INTEGRATORS = {
             ((1 / 6, 0.0, 0.5), (1 / 3, 0.5, 0.5), (1 / 3, 0.5, 1.0), (1 / 6, 1.0, 0.0)),
             doc="classical; drag is inside its stages",
         ),
-        Scheme("position_verlet", 2, "splitting", ((1.0, 0.5, 0.5),), 0.5, doc="drift-kick-drift; one evaluation a step"),
+        Scheme(
+            "position_verlet", 2, "splitting", ((1.0, 0.5, 0.5),), 0.5, doc="drift-kick-drift; one evaluation a step"
+        ),
         Scheme("velocity_verlet", 2, "splitting", _KDK, doc="the same scheme as leapfrog"),
         Scheme("leapfrog", 2, "splitting", _KDK, doc="kick-drift-kick; symplectic, reversible"),
         Scheme(
@@ -66,7 +68,13 @@ INTEGRATORS = {
             doc="three drift-kick-drifts; symplectic",
         ),
         Scheme(
-            "boris", 2, "splitting", ((1.0, 0.5, 0.5),), 0.5, rotates=True, doc="for magnetic fields; keeps the speed exactly"
+            "boris",
+            2,
+            "splitting",
+            ((1.0, 0.5, 0.5),),
+            0.5,
+            rotates=True,
+            doc="for magnetic fields; keeps the speed exactly",
         ),
     )
 }

@@ -109,7 +109,17 @@ def lifespan(L: ti.template(), S: ti.template(), birth: ti.template(), i, now, d
 
 
 @ti.func
-def accumulate(terms: ti.template(), L: ti.template(), X: ti.template(), S: ti.template(), K: ti.template(), A: ti.template(), Q: ti.template(), i, tau):
+def accumulate(
+    terms: ti.template(),
+    L: ti.template(),
+    X: ti.template(),
+    S: ti.template(),
+    K: ti.template(),
+    A: ti.template(),
+    Q: ti.template(),
+    i,
+    tau,
+):
     """Sum every term at the state X of the tile and the fraction tau of each lane's step, into L."""
     for j in range(WIDTH):
         L.a0[j], L.a1[j], L.a2[j] = 0.0, 0.0, 0.0
@@ -199,7 +209,9 @@ def rotated(v, omega, h):
 
 
 @ti.func
-def kick(terms: ti.template(), rotates: ti.template(), L: ti.template(), X: ti.template(), S: ti.template(), i, fraction):
+def kick(
+    terms: ti.template(), rotates: ti.template(), L: ti.template(), X: ti.template(), S: ti.template(), i, fraction
+):
     """Advance the tile's velocities by a fraction of each lane's step under what `accumulate` left in L."""
     for j in range(WIDTH):
         v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])

@@ -71,7 +71,7 @@ class _Run:
         wanted = max((look.trail.substeps for look in self.painter.trails.values() if look.trail), default=1)
         per_frame = clock.steps_per_frame
         self._between = per_frame // max(n for n in range(1, min(wanted, per_frame) + 1) if per_frame % n == 0)
-        longest = max((look.trail.half_life for look in self.painter.trails.values()), default=0.0)
+        longest = max((look.trail.half_life for look in self.painter.trails.values() if look.trail), default=0.0)
         exposures = math.ceil(_HALF_LIVES * longest * clock.speed / clock.step / self._between)
         self._first_exposure = max(0, clock.preroll_steps - exposures * self._between)
         self._done = 0

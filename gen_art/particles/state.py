@@ -90,11 +90,15 @@ class Particles:
         Carrying some costs less than removing them each step; nothing visible depends on when it happens.
         """
         self._untidy += 1
-        if not self.may_die or not self.count or not (at_once or self._untidy >= _PATIENCE or self.next_id > self._look_at):
+        if (
+            not self.may_die
+            or not self.count
+            or not (at_once or self._untidy >= _PATIENCE or self.next_id > self._look_at)
+        ):
             return False
         self._untidy, self._look_at = 0, self.next_id + max(int(_TOLERATED * self.count), 1024)
         keep = np.flatnonzero(self.death() > time)
-        if len(keep) == self.count or not at_once and len(keep) > self.count * (1.0 - _TOLERATED):
+        if len(keep) == self.count or (not at_once and len(keep) > self.count * (1.0 - _TOLERATED)):
             return False
         for column in self.columns():
             column[..., : len(keep)] = column[..., keep]

@@ -73,9 +73,12 @@ class ParticleSystem:
         if v.shape != (n, 3):
             raise UsageError(f"velocity must have the shape ({n}, 3) of position, not {v.shape}")
         arrays["velocity"] = v.T
-        for name, given, default in (("mass", mass, 1.0), ("charge", charge, 0.0), ("radius", radius, 0.01), *(
-            (k, a, 0.0) for k, a in attributes.items()
-        )):
+        for name, given, default in (
+            ("mass", mass, 1.0),
+            ("charge", charge, 0.0),
+            ("radius", radius, 0.01),
+            *((k, a, 0.0) for k, a in attributes.items()),
+        ):
             try:
                 arrays[name] = np.broadcast_to(np.asarray(default if given is None else given, np.float64), (n,))
             except ValueError:

@@ -24,7 +24,19 @@ from gen_art.preset.types import (
 from gen_art.preset.values import Curve, number, shown
 from gen_art.registry import suggest
 
-__all__ = ["EVENTS", "Attributes", "Choice", "Emitter", "FromEvent", "Motion", "Orbit", "Particle", "Pulse", "Shape", "Velocity"]
+__all__ = [
+    "EVENTS",
+    "Attributes",
+    "Choice",
+    "Emitter",
+    "FromEvent",
+    "Motion",
+    "Orbit",
+    "Particle",
+    "Pulse",
+    "Shape",
+    "Velocity",
+]
 
 EVENTS = ("birth", "death", "path")
 

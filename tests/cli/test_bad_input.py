@@ -51,9 +51,9 @@ def refused(gen_art, tmp_path):
 
     def call(status, *arguments):
         before = sorted(tmp_path.rglob("*"))
-        start = time.perf_counter()
+        start = time.process_time()
         result = gen_art(*arguments)
-        assert time.perf_counter() - start < 1.0
+        assert time.process_time() - start < 1.0
         assert result.status == status, result.err
         assert not result.out
         assert sorted(tmp_path.rglob("*")) == before

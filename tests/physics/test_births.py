@@ -34,7 +34,16 @@ FOUNTAIN = {
 }
 
 
-@pytest.mark.parametrize("schedule", [Rate(137.7), Rate([[0, 0], [0.5, 400], [1, 50]]), Rate(50, 0.123, 0.7), Rate(300, 0, None, (0.3, 0.8)), Burst([0.1, 0.25, 0.25, 0.7], [3, 5, 1, 2])])
+@pytest.mark.parametrize(
+    "schedule",
+    [
+        Rate(137.7),
+        Rate([[0, 0], [0.5, 400], [1, 50]]),
+        Rate(50, 0.123, 0.7),
+        Rate(300, 0, None, (0.3, 0.8)),
+        Burst([0.1, 0.25, 0.25, 0.7], [3, 5, 1, 2]),
+    ],
+)
 def test_times_and_counts_agree(schedule):
     """until(t) counts exactly the births whose own times are at or before t."""
     n = schedule.until(1.5)
@@ -83,7 +92,9 @@ def test_a_step_at_a_time_or_many_are_the_same_bits():
 
 def by_key(system, emitter):
     of = system.emitter == emitter
-    return {k: (*x, *v, m) for k, x, v, m in zip(system.keys[of], system.position[of], system.velocity[of], system.mass[of])}
+    return {
+        k: (*x, *v, m) for k, x, v, m in zip(system.keys[of], system.position[of], system.velocity[of], system.mass[of])
+    }
 
 
 def test_emitters_do_not_know_of_each_other():
@@ -95,7 +106,9 @@ def test_emitters_do_not_know_of_each_other():
     for systems in ({"s": louder}, {"s": added}, {"s": turned}, {"other": FOUNTAIN, "s": FOUNTAIN}):
         assert by_key(simulate(systems, 0.7, **forces)["s"], "a") == base
     faster = {**FOUNTAIN, "emitters": {**FOUNTAIN["emitters"], "a": {**FOUNTAIN["emitters"]["a"], "rate": 138.7}}}
-    assert by_key(simulate({"s": faster}, 0.7, **forces)["s"], "b") == by_key(simulate({"s": FOUNTAIN}, 0.7, **forces)["s"], "b")
+    assert by_key(simulate({"s": faster}, 0.7, **forces)["s"], "b") == by_key(
+        simulate({"s": FOUNTAIN}, 0.7, **forces)["s"], "b"
+    )
     reseeded = simulate({"s": FOUNTAIN}, 0.7, seed=6, **forces)["s"]
     assert not set(by_key(reseeded, "a")) & set(base)
 
@@ -131,7 +144,10 @@ BURST = {
         "emitters": {
             "burst": {
                 "from": {"event": "shells.death", "inherit": "velocity", "balance": "pairs"},
-                "choose": {"round": {"weight": 2, "count": 40, "velocity": {"sphere": 9}}, "odd": {"count": "7..11", "velocity": {"sphere": 4}, "tag": "t"}},
+                "choose": {
+                    "round": {"weight": 2, "count": 40, "velocity": {"sphere": 9}},
+                    "odd": {"count": "7..11", "velocity": {"sphere": 4}, "tag": "t"},
+                },
             }
         },
     },
@@ -148,7 +164,16 @@ def test_a_burst_carries_no_momentum_of_its_own():
     momentum = (stars.mass[:, None] * (stars.velocity - parent)).sum(0)
     size = (stars.mass[:, None] * np.abs(stars.velocity - parent)).sum()
     assert np.abs(momentum).max() <= 4 * np.finfo(float).eps * size
-    lopsided = simulate({**BURST, "stars": {**BURST["stars"], "emitters": {"burst": {**BURST["stars"]["emitters"]["burst"], "from": {"event": "shells.death"}}}}}, 0.16)["stars"]
+    lopsided = simulate(
+        {
+            **BURST,
+            "stars": {
+                **BURST["stars"],
+                "emitters": {"burst": {**BURST["stars"]["emitters"]["burst"], "from": {"event": "shells.death"}}},
+            },
+        },
+        0.16,
+    )["stars"]
     assert np.abs((lopsided.mass[:, None] * lopsided.velocity).sum(0)).max() > 1e-3 * size
 
 
@@ -176,7 +201,11 @@ def test_glitter_lies_on_its_parents_path():
 def test_momentum_of_a_crossette_is_its_parents():
     systems = {
         "star": {"particle": {"lifetime": 0.05, "mass": 4}, "emitters": {"m": {"at": 0, "velocity": [1, 2, 3]}}},
-        "bits": {"emitters": {"x": {"from": {"event": "star.death", "inherit": "velocity"}, "count": 4, "velocity": {"cross": 30}}}},
+        "bits": {
+            "emitters": {
+                "x": {"from": {"event": "star.death", "inherit": "velocity"}, "count": 4, "velocity": {"cross": 30}}
+            }
+        },
     }
     bits = simulate(systems, 0.1)["bits"]
     assert np.allclose(bits.velocity.mean(0), (1, 2, 3), atol=1e-12)
@@ -191,7 +220,10 @@ SHAPES = {
     "box": ({"box": {"min": [0, 0, 0], "max": [1, 2, 3]}}, lambda x: x[:, 2] / 3),
     "ring": ({"ring": 2.0}, lambda x: np.arctan2(x[:, 0], x[:, 2]) / (2 * np.pi) + 0.5),
     "sphere": ({"sphere": 2.0}, lambda x: x[:, 1] / 4 + 0.5),
-    "gaussian": ({"gaussian": [2, 2, 2]}, lambda x: 0.5 * (1 + np.vectorize(__import__("math").erf)(x[:, 1] / np.sqrt(8)))),
+    "gaussian": (
+        {"gaussian": [2, 2, 2]},
+        lambda x: 0.5 * (1 + np.vectorize(__import__("math").erf)(x[:, 1] / np.sqrt(8))),
+    ),
     "point": ({"point": [1, 2, 3]}, None),
 }
 

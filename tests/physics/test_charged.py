@@ -9,7 +9,9 @@ F = ga.forces
 
 
 def run(position, velocity, forces, dt, steps, charge=1.0, precision="f64", integrator="boris", each=None):
-    ion = ga.ParticleSystem(position=[position], velocity=[velocity], charge=charge, forces=forces, integrator=integrator)
+    ion = ga.ParticleSystem(
+        position=[position], velocity=[velocity], charge=charge, forces=forces, integrator=integrator
+    )
     sim = ga.Simulation({"ion": ion}, dt=dt, precision=precision)
     path = [sim["ion"].position[0]]
     for _ in range(steps):
@@ -74,7 +76,14 @@ def test_mirror_bounces_at_its_frequency_and_keeps_the_magnetic_moment():
 
 def test_boris_keeps_its_order_where_a_plain_kick_loses_one():
     def error(integrator, n):
-        path, _ = run((0, 0, 0), (1, 0, 0), [F.MagneticField((0, 0, 2.0)), F.ElectricField((0.3, 0.2, 0))], 1.0 / n, n, integrator=integrator)
+        path, _ = run(
+            (0, 0, 0),
+            (1, 0, 0),
+            [F.MagneticField((0, 0, 2.0)), F.ElectricField((0.3, 0.2, 0))],
+            1.0 / n,
+            n,
+            integrator=integrator,
+        )
         return path[-1]
 
     def order(integrator):

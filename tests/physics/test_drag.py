@@ -9,7 +9,9 @@ SPLITTING = ["semi_implicit_euler", "leapfrog", "velocity_verlet", "position_ver
 
 
 def run(forces, dt, steps, velocity=(1.0, 2.0, -1.0), precision="f64", integrator="leapfrog", medium=None, mass=1.3):
-    system = ga.ParticleSystem(position=[[0, 0, 0]], velocity=[velocity], mass=mass, forces=forces, medium=medium, integrator=integrator)
+    system = ga.ParticleSystem(
+        position=[[0, 0, 0]], velocity=[velocity], mass=mass, forces=forces, medium=medium, integrator=integrator
+    )
     sim = ga.Simulation({"s": system}, dt=dt, precision=precision)
     sim.step(steps)
     return sim["s"].velocity[0]
@@ -23,16 +25,32 @@ def test_linear_drag_is_exact(kdt, gravity, integrator):
     k, u, a, v0 = 1.7, np.array([0.5, 0.0, 0.3]), np.array(gravity), np.array([1.0, 2.0, -1.0])
     dt, steps = kdt / k, 5
     exact = u + a / k + (v0 - u - a / k) * np.exp(-k * dt * steps)
-    found = run([ga.forces.Damping(k), ga.forces.Gravity(gravity)], dt, steps, integrator=integrator, medium=ga.Medium(wind=u))
+    found = run(
+        [ga.forces.Damping(k), ga.forces.Gravity(gravity)], dt, steps, integrator=integrator, medium=ga.Medium(wind=u)
+    )
     assert np.abs(found - exact).max() <= 1e-12
-    single = run([ga.forces.Damping(k), ga.forces.Gravity(gravity)], dt, steps, precision="f32", integrator=integrator, medium=ga.Medium(wind=u))
+    single = run(
+        [ga.forces.Damping(k), ga.forces.Gravity(gravity)],
+        dt,
+        steps,
+        precision="f32",
+        integrator=integrator,
+        medium=ga.Medium(wind=u),
+    )
     assert np.abs(single - exact).max() <= 8 * np.finfo(np.float32).eps * steps * max(1, np.abs(exact).max())
     assert np.abs(single - exact).max() > 1e-12  # float32 is not float64
 
 
 def fall(dt, integrator="leapfrog", factor=1.0):
     m, k, g, t = 1.3, 0.2, 9.81, 2.0
-    v = run([ga.forces.Drag(quadratic=k * factor), ga.forces.Gravity((0, -g, 0))], dt, round(t / dt), (0, 0, 0), integrator=integrator, mass=m)
+    v = run(
+        [ga.forces.Drag(quadratic=k * factor), ga.forces.Gravity((0, -g, 0))],
+        dt,
+        round(t / dt),
+        (0, 0, 0),
+        integrator=integrator,
+        mass=m,
+    )
     return abs(v[1] + np.sqrt(m * g / k) * np.tanh(t * np.sqrt(g * k / m)))
 
 
@@ -71,4 +89,6 @@ def test_sphere_of_a_coefficient_has_its_terminal_speed():
     )  # fmt: skip
     sim = ga.Simulation({"s": system}, dt=0.1, precision="f64")
     sim.step(600)
-    assert sim["s"].velocity[0, 1] == pytest.approx(-np.sqrt(2 * mass * 9.81 / (1.2 * 0.5 * np.pi * radius**2)), rel=1e-9)
+    assert sim["s"].velocity[0, 1] == pytest.approx(
+        -np.sqrt(2 * mass * 9.81 / (1.2 * 0.5 * np.pi * radius**2)), rel=1e-9
+    )

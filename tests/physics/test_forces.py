@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-
 import gen_art as ga
 from gen_art.forces import FORCES
 from tests.physics.probe import probe, states

@@ -64,7 +64,12 @@ def test_two_bodies_keep_their_orbit(integrator):
 
 def test_escape_speed():
     """Thrown at the escape speed from a point mass the total energy is zero and the speed falls as sqrt(2 GM / r)."""
-    ball = ga.ParticleSystem(position=[[1, 0, 0]], velocity=[[np.sqrt(2 * 3.0), 0, 0]], forces=[ga.forces.PointGravity(GM=3.0)], integrator="rk4")
+    ball = ga.ParticleSystem(
+        position=[[1, 0, 0]],
+        velocity=[[np.sqrt(2 * 3.0), 0, 0]],
+        forces=[ga.forces.PointGravity(GM=3.0)],
+        integrator="rk4",
+    )
     sim = ga.Simulation({"b": ball}, dt=0.001, precision="f64")
     sim.step(20000)
     r = sim["b"].position[0, 0]
@@ -74,7 +79,11 @@ def test_escape_speed():
 
 def test_sources_act_without_reaction():
     x, v, m = cloud(50)
-    alone = ga.Simulation({"stars": ga.ParticleSystem(position=x, velocity=v, mass=m, interactions=[G(G=1.0, softening=0.1)])}, dt=0.01, precision="f64")
+    alone = ga.Simulation(
+        {"stars": ga.ParticleSystem(position=x, velocity=v, mass=m, interactions=[G(G=1.0, softening=0.1)])},
+        dt=0.01,
+        precision="f64",
+    )
     probes = np.random.default_rng(3).normal(size=(40, 3)) * 2
     both = ga.Simulation(
         {
@@ -97,7 +106,7 @@ def test_sources_act_without_reaction():
 
 
 def test_joined_systems_need_one_integrator():
-    x, v, m = cloud(5)
+    x, _, _ = cloud(5)
     with pytest.raises(ga.UsageError, match="same integrator"):
         ga.Simulation(
             {
@@ -107,7 +116,10 @@ def test_joined_systems_need_one_integrator():
             dt=0.01,
         )
     with pytest.raises(ga.UsageError, match="did you mean 'b'"):
-        ga.Simulation({"a": ga.ParticleSystem(position=x, interactions=[G(sources="bb")]), "b": ga.ParticleSystem(position=x)}, dt=0.01)
+        ga.Simulation(
+            {"a": ga.ParticleSystem(position=x, interactions=[G(sources="bb")]), "b": ga.ParticleSystem(position=x)},
+            dt=0.01,
+        )
 
 
 def test_freeman_and_hernquist_circular_speeds():
@@ -130,5 +142,8 @@ def test_bessel_products():
             k0 = np.trapezoid(np.exp(-y * np.cosh(t)), t)
             k1 = np.trapezoid(np.exp(-y * np.cosh(t)) * np.cosh(t), t)
         a = np.linspace(0, np.pi, 20001)
-        i0, i1 = np.trapezoid(np.exp(y * np.cos(a)), a) / np.pi, np.trapezoid(np.exp(y * np.cos(a)) * np.cos(a), a) / np.pi
+        i0, i1 = (
+            np.trapezoid(np.exp(y * np.cos(a)), a) / np.pi,
+            np.trapezoid(np.exp(y * np.cos(a)) * np.cos(a), a) / np.pi,
+        )
         assert bessel_products(np.array([y]))[0] == pytest.approx(i0 * k0 - i1 * k1, rel=3e-6)

@@ -23,7 +23,10 @@ def kepler(integrator, dt, periods=0.4, eccentricity=0.5, forces=(), scheme=None
     """The position error after some periods of an orbit with GM = a = 1, and the simulation."""
     x, v = 1 - eccentricity, np.sqrt((1 + eccentricity) / (1 - eccentricity))
     star = ga.ParticleSystem(
-        position=[[x, 0, 0]], velocity=[[0, v, 0]], forces=[ga.forces.PointGravity(GM=1.0), *forces], integrator=integrator
+        position=[[x, 0, 0]],
+        velocity=[[0, v, 0]],
+        forces=[ga.forces.PointGravity(GM=1.0), *forces],
+        integrator=integrator,
     )
     if scheme is not None:
         star.scheme = scheme
@@ -83,7 +86,9 @@ def test_forward_then_back_returns(name):
 def test_velocities_stand_at_the_time_of_positions():
     """In free fall both are exact at every step, for every scheme of second order."""
     for name in ("leapfrog", "velocity_verlet", "position_verlet", "rk2", "rk4", "yoshida4", "boris"):
-        ball = ga.ParticleSystem(position=[[0, 0, 0]], velocity=[[1, 2, 3]], forces=[ga.forces.Gravity((0, -9, 0))], integrator=name)
+        ball = ga.ParticleSystem(
+            position=[[0, 0, 0]], velocity=[[1, 2, 3]], forces=[ga.forces.Gravity((0, -9, 0))], integrator=name
+        )
         sim = ga.Simulation({"b": ball}, dt=0.1, precision="f64")
         sim.step(7)
         assert np.allclose(sim["b"].velocity[0], (1, 2 - 6.3, 3), atol=1e-13)

@@ -23,7 +23,9 @@ CASES = {
     "spring": lambda: dict(forces=[F.Spring(stiffness=3.0)]),
     "wind": lambda: dict(forces=[F.Gravity(), F.Drag(0.1, 0.05)], medium=ga.Medium(wind=(2, 0, 0))),
     "turbulence": lambda: dict(forces=[F.Damping(1.0)], medium=ga.Medium(curl_noise={"strength": 2.0, "octaves": 3})),
-    "two media": lambda: dict(forces=[F.Drag(0.1, 0.05), F.Damping(0.5, ga.Medium(wind=(0, 1, 0)))], medium=ga.Medium(wind=(2, 0, 0))),
+    "two media": lambda: dict(
+        forces=[F.Drag(0.1, 0.05), F.Damping(0.5, ga.Medium(wind=(0, 1, 0)))], medium=ga.Medium(wind=(2, 0, 0))
+    ),
     "push": lambda: dict(forces=[F.CurlNoise(2.0, 1.0, 1.0, 3), F.ThermalLift()]),
     "bottle": lambda: dict(forces=[F.MagneticMirror(1.0), F.ElectricField((0.3, 0, 0))], charge=1.0),
     "mutual": lambda: dict(forces=[], interactions=[ga.interactions.SelfGravity(G=0.05, softening=0.3)]),
@@ -81,7 +83,12 @@ def test_the_account_says_who_did_what():
 
 
 def test_it_leaves_the_bits_alone():
-    for case, integrator in (("wind", "leapfrog"), ("mutual", "rk4"), ("bottle", "boris"), ("turbulence", "position_verlet")):
+    for case, integrator in (
+        ("wind", "leapfrog"),
+        ("mutual", "rk4"),
+        ("bottle", "boris"),
+        ("turbulence", "position_verlet"),
+    ):
         with_books, _ = ledger(case, integrator, 0.01, "f32")
         without = ga.Simulation({"s": system(integrator, **CASES[case]())}, dt=0.01)
         without.step(50)

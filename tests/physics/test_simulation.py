@@ -64,7 +64,11 @@ def test_bad_simulations_are_refused_with_a_sentence():
 def test_diagnostics():
     r = np.random.default_rng(0)
     x, v, m, q = r.normal(size=(100, 3)), r.normal(size=(100, 3)), r.uniform(1, 2, 100), r.normal(size=100)
-    sim = ga.Simulation({"s": ga.ParticleSystem(position=x, velocity=v, mass=m, charge=q, forces=[ga.forces.Gravity()])}, dt=0.1, precision="f64")
+    sim = ga.Simulation(
+        {"s": ga.ParticleSystem(position=x, velocity=v, mass=m, charge=q, forces=[ga.forces.Gravity()])},
+        dt=0.1,
+        precision="f64",
+    )
     d = sim.diagnostics()
     assert (d.count, d.time) == (100, 0.0)
     assert d.mass == pytest.approx(m.sum()) and d.charge == pytest.approx(q.sum())
@@ -125,17 +129,35 @@ def test_numbers_compile_nothing():
         systems = {
             "s": {
                 "particle": {"lifetime": 0.3, "radius": radius},
-                "emitters": {"e": {"rate": rate, "shape": {"ball": radius}, "velocity": {"cone": [0, 1, 0], "speed": "1..3"}}},
+                "emitters": {
+                    "e": {"rate": rate, "shape": {"ball": radius}, "velocity": {"cone": [0, 1, 0], "speed": "1..3"}}
+                },
             }
         }
-        forces = {"gravity": [0, g, 0], "damping": 0.1 + rate / 1e4, "curl_noise": {"strength": 1.0, "octaves": octaves}}
+        forces = {
+            "gravity": [0, g, 0],
+            "damping": 0.1 + rate / 1e4,
+            "curl_noise": {"strength": 1.0, "octaves": octaves},
+        }
         sim = ga.Simulation(preset(systems, forces=forces, seed=seed))
         sim.step(10)
         return sim.digest()
 
     first = run(-9.81, 100, 1, 2, 0.1)
     before = runtime.compilations()
-    assert len({first, run(-3.0, 100, 1, 2, 0.1), run(-9.81, 777, 1, 2, 0.1), run(-9.81, 100, 2, 2, 0.1), run(-9.81, 100, 1, 5, 0.1), run(-9.81, 100, 1, 2, 0.3)}) == 6
+    assert (
+        len(
+            {
+                first,
+                run(-3.0, 100, 1, 2, 0.1),
+                run(-9.81, 777, 1, 2, 0.1),
+                run(-9.81, 100, 2, 2, 0.1),
+                run(-9.81, 100, 1, 5, 0.1),
+                run(-9.81, 100, 1, 2, 0.3),
+            }
+        )
+        == 6
+    )
     assert runtime.compilations() == before
 
 

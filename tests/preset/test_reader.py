@@ -34,10 +34,10 @@ HOSTILE = {
 @pytest.mark.parametrize("label", HOSTILE)
 def test_hostile_text_is_refused_at_once(label):
     text, words = HOSTILE[label]
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(PresetError, match=words) as caught:
         read_text(text, "bad.yaml")
-    assert time.perf_counter() - start < 1.0
+    assert time.process_time() - start < 1.0
     assert len(str(caught.value).splitlines()) <= 3
 
 
@@ -50,9 +50,9 @@ def test_binary_is_refused(data):
 @pytest.mark.parametrize("fill", [" x", "\n", " x\n", "# "])
 def test_large_files(fill):
     text = "a: >\n" + fill * ((MAX_BYTES - 10) // len(fill))
-    start = time.perf_counter()
+    start = time.process_time()
     read_bytes(text.encode(), "long.yaml")
-    assert time.perf_counter() - start < 2.0
+    assert time.process_time() - start < 2.0
     with pytest.raises(PresetError, match="larger than"):
         read_bytes(text.encode() + b"x" * 100, "long.yaml")
 
