@@ -47,6 +47,8 @@ def children(emission: Emission, system: str, parents: Particles, window: Window
         first = np.floor((start - birth[picked]) * event.rate + 0.5).astype(np.int64)
         last = np.floor((end - birth[picked]) * event.rate + 0.5).astype(np.int64)
         counts = np.maximum(last - first, 0)
+        if not counts.any():
+            return []
         parent = np.repeat(picked, counts)
         ordinal = _count_up(counts) + np.repeat(first, counts)
         when = birth[parent] + (ordinal + 0.5) / event.rate
@@ -58,11 +60,15 @@ def children(emission: Emission, system: str, parents: Particles, window: Window
         moment = death if event.kind == "death" else birth
         happened = (moment <= window.t1) & ((moment > window.t0) | fresh)
         picked = np.flatnonzero(eligible & happened & np.isfinite(moment))
+        if not len(picked):
+            return []
         keys = _event_keys(emission, system, parents, picked)
         kind = emission.choose(keys)
         low = np.array([k.count[0] for k in emission.kinds])[kind]
         high = np.array([k.count[1] for k in emission.kinds])[kind]
-        counts = low + np.floor(uniform(keys, channel_of("count")) * (high - low + 1)).astype(np.int64)
+        counts = low
+        if (high > low).any():
+            counts = low + np.floor(uniform(keys, channel_of("count")) * (high - low + 1)).astype(np.int64)
         parent, keys, choice = np.repeat(picked, counts), np.repeat(keys, counts), np.repeat(kind, counts)
         ordinal = _count_up(counts)
         when = moment[parent]

@@ -1,0 +1,26 @@
+"""Every shipped preset, made small enough for a test: fewer particles, a short preroll, the same physics."""
+
+from gen_art.preset.shipped import preset_names
+
+SMALL: dict[str, dict] = {
+    "smoke": {"knobs.rate": 3000, "clock.preroll": "1/2"},
+    "fire": {"knobs.fuel": 4000, "clock.preroll": "1/2"},
+    "fireworks": {"clock.preroll": 6},
+    "wormhole": {"knobs.rate": 8000, "clock.preroll": 3},
+    "galaxy": {
+        "systems.bodies.emitters.disc.count": 600,
+        "systems.bodies.emitters.bulge.count": 200,
+        "systems.dust.emitters.gas.count": 1500,
+        "systems.lanes.emitters.grains.count": 500,
+        "clock.preroll": 0.00051135,
+    },
+    "charged": {
+        "systems.ions.emitters.outer.rate": 1e7,
+        "systems.ions.emitters.inner.rate": 1e7,
+        "clock.preroll": 2e-5,
+    },
+}
+
+
+def test_every_preset_has_a_small_version():
+    assert sorted(SMALL) == preset_names()
