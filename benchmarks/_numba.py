@@ -1,0 +1,99 @@
+"""The step of step.py for numba: one particle an iteration over all cores, for information."""
+
+import numba
+import numpy as np
+from _peers import NEXT, PRIMES, fade, octave
+
+F, U = np.float32, np.uint32
+PX, PY, PZ = (U(p) for p in PRIMES)
+STEP, MIXER, BITS, ONE = U(NEXT), U(0x2C1B3C6D), U(1023), F(1)
+inline = numba.njit(fastmath=True)
+
+
+@inline
+def hashed(h):
+    h = U(U(h ^ (h >> U(15))) * MIXER)
+    return U(h ^ (h >> U(12)))
+
+
+@inline
+def corner(cell, epoch, g):
+    old, new = hashed(U(cell + epoch)), hashed(U(U(cell + epoch) + STEP))
+    x, y, z = F(old & BITS), F((old >> U(10)) & BITS), F((old >> U(20)) & BITS)
+    return (
+        x + (F(new & BITS) - x) * g, y + (F((new >> U(10)) & BITS) - y) * g, z + (F((new >> U(20)) & BITS) - z) * g
+    )  # fmt: skip
+
+
+@inline
+def slopes(a, b, c, d, e, f, g, h, u, v, w):
+    e00, e10, e01, e11 = a + (b - a) * u, c + (d - c) * u, e + (f - e) * u, g + (h - g) * u
+    p, q, r, s = e10 - e00, e11 - e01, e01 - e00, e11 - e10
+    return p + (q - p) * w, r + (s - r) * v
+
+
+@inline
+def curl(x, y, z, g, scale, epoch):
+    bx, by, bz = np.floor(x), np.floor(y), np.floor(z)
+    fx, fy, fz = x - bx, y - by, z - bz
+    u, v, w = (
+        fx * fx * fx * (fx * (fx * F(6) - F(15)) + F(10)), fy * fy * fy * (fy * (fy * F(6) - F(15)) + F(10)),
+        fz * fz * fz * (fz * (fz * F(6) - F(15)) + F(10)),
+    )  # fmt: skip
+    du = F(30) * fx * fx * (fx * (fx - F(2)) + ONE)
+    dv = F(30) * fy * fy * (fy * (fy - F(2)) + ONE)
+    dw = F(30) * fz * fz * (fz * (fz - F(2)) + ONE)
+    x0, y0, z0 = U(U(np.int32(bx)) * PX), U(U(np.int32(by)) * PY), U(U(np.int32(bz)) * PZ)
+    x1, y1, z1 = U(x0 + PX), U(y0 + PY), U(z0 + PZ)
+    a, b = corner(U(x0 ^ y0 ^ z0), epoch, g), corner(U(x1 ^ y0 ^ z0), epoch, g)
+    c, d = corner(U(x0 ^ y1 ^ z0), epoch, g), corner(U(x1 ^ y1 ^ z0), epoch, g)
+    e, f = corner(U(x0 ^ y0 ^ z1), epoch, g), corner(U(x1 ^ y0 ^ z1), epoch, g)
+    h, k = corner(U(x0 ^ y1 ^ z1), epoch, g), corner(U(x1 ^ y1 ^ z1), epoch, g)
+    dy0, dz0 = slopes(a[0], b[0], c[0], d[0], e[0], f[0], h[0], k[0], u, v, w)
+    dz1, dx1 = slopes(a[1], c[1], e[1], h[1], b[1], d[1], f[1], k[1], v, w, u)
+    dx2, dy2 = slopes(a[2], e[2], b[2], f[2], c[2], h[2], d[2], k[2], w, u, v)
+    return (dy2 * dv - dz1 * dw) * scale, (dz0 * dw - dx2 * du) * scale, (dx1 * du - dy0 * dv) * scale
+
+
+@inline
+def relaxed(vx, vy, vz, wx, wy, wz, ax, ay, az, ux, uy, uz, k1, k2, h):
+    dx, dy, dz = wx - ux, wy - uy, wz - uz
+    rate = k1 + k2 * np.sqrt(dx * dx + dy * dy + dz * dz)
+    z = rate * h
+    share = h * (-F(np.expm1(-z)) / z if z > F(0) else ONE)
+    return (
+        vx + share * (ax + rate * (ux - vx)),
+        vy + share * (ay + rate * (uy - vy)),
+        vz + share * (az + rate * (uz - vz)),
+    )
+
+
+@numba.njit(parallel=True, fastmath=True)
+def _step(S, gravity, linear, quadratic, amounts, finenesses, offsets, blends, scales, epochs, h):
+    half = F(0.5) * h
+    ax, ay, az = gravity[0], gravity[1], gravity[2]
+    for i in numba.prange(S.shape[1]):
+        vx, vy, vz = S[3, i], S[4, i], S[5, i]
+        x, y, z = S[0, i] + half * vx, S[1, i] + half * vy, S[2, i] + half * vz
+        ux, uy, uz = F(0), F(0), F(0)
+        for k in range(amounts.shape[0]):
+            f, o = finenesses[k], offsets[k]
+            p, q, r = curl(x * f + o, y * f + o, z * f + o, blends[k], scales[k], epochs[k])
+            ux, uy, uz = ux + amounts[k] * p, uy + amounts[k] * q, uz + amounts[k] * r
+        k1, k2 = linear / S[6, i], quadratic / S[6, i]
+        mx, my, mz = relaxed(vx, vy, vz, vx, vy, vz, ax, ay, az, ux, uy, uz, k1, k2, half)
+        vx, vy, vz = relaxed(vx, vy, vz, mx, my, mz, ax, ay, az, ux, uy, uz, k1, k2, h)
+        S[0, i], S[1, i], S[2, i] = x + half * vx, y + half * vy, z + half * vz
+        S[3, i], S[4, i], S[5, i] = vx, vy, vz
+
+
+def numba_step(S, laws: dict, now: float, h: float) -> None:
+    """One step of S (channels, n) float32 in place."""
+    t = now + 0.5 * h
+    octaves = [octave(laws["noise"], k, t) for k in range(laws["noise"]["octaves"])]
+    amounts, finenesses, offsets, seeds, times = (np.array(c) for c in zip(*octaves))
+    blends, scales, epochs = (np.array(c) for c in zip(*(fade(float(s), int(e)) for s, e in zip(times, seeds))))
+    _step(
+        S, np.array(laws["gravity"], F), F(laws["linear"]), F(laws["quadratic"]), amounts.astype(F), finenesses.astype(F),
+        offsets.astype(F), blends.astype(F), scales.astype(F), epochs.astype(U), F(h),
+    )  # fmt: skip

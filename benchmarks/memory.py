@@ -1,0 +1,75 @@
+"""How much memory does a particle take, and does `inspect` predict the peak of a run?"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+from _bench import ROOT, Bench
+
+import gen_art as ga
+from gen_art.audit.thinning import thinned
+from gen_art.preset import load_preset
+from gen_art.preset.estimate import estimate
+from gen_art.preset.shipped import preset_names
+
+STILL = """
+import resource, sys
+from gen_art.commands.main import run
+assert run(sys.argv[1:]) == 0
+peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+print(peak if sys.platform == "darwin" else peak * 1024)
+"""
+INSPECT = "import sys; from gen_art.commands.main import run; sys.exit(run(sys.argv[1:]))"
+
+
+def gen_art(code: str, *arguments: str) -> str:
+    paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": paths},
+    )
+    if done.returncode:
+        raise SystemExit(done.stderr)
+    return done.stdout.strip()
+
+
+bench = Bench("memory", __doc__)
+presets = ["charged"] if bench.quick else ["fire", "smoke"]
+size = "320x180" if bench.quick else "1280x720"
+bench.settings = {"presets": presets, "size": size, "moment": "the last frame"}
+
+rows = [("", "bytes a particle of state")]
+largest = 0.0
+for name in preset_names():
+    few, _ = thinned(load_preset(name), 1.0, 50)
+    for label, state in ga.Simulation(few).systems.items():
+        share = state.nbytes / state.floats.shape[1]
+        largest = max(largest, share)
+        rows.append((f"{name}.{label}", f"{share:g}"))
+        bench.figures.setdefault("bytes_a_particle", {})[f"{name}.{label}"] = share
+bench.table(rows)
+
+rows = [("", "particles", "predicted, MB", "measured, MB", "predicted / measured")]
+ratios = {}
+with tempfile.TemporaryDirectory() as folder:
+    for name in presets:
+        short = ["--set", "clock.preroll=0", "--duration", "0.2"] if bench.quick else []
+        piece = load_preset(name, overrides={"clock.preroll": 0, "clock.duration": 0.2} if bench.quick else None)
+        last = (piece.clock.frames - 1) / piece.clock.fps
+        told = json.loads(gen_art(INSPECT, "inspect", name, "--json", "--size", size, *short))
+        command = ["still", name, "--time", f"{last!r}", "--size", size, "-o", os.path.join(folder, f"{name}.png")]
+        measured = float(gen_art(STILL, *command, *short).splitlines()[-1])
+        predicted = told["memory"]["still"]
+        ratios[name] = predicted / measured
+        particles = round(estimate(piece).particles)
+        rows.append((name, f"{particles:,}", f"{predicted / 1e6:.0f}", f"{measured / 1e6:.0f}", f"{ratios[name]:.2f}"))
+        bench.figures[name] = {"particles": particles, "predicted": predicted, "measured": measured}
+bench.table(rows)
+bench.require("bytes a particle, the most of any system", largest, at_most=120)
+for name, ratio in ratios.items():
+    bench.require(f"{name}: predicted peak off by, per cent", 100 * abs(ratio - 1), at_most=20)
+bench.finish()
