@@ -47,9 +47,9 @@ class _Commands(click.Group):
 
 def _version(context, parameter, value):
     if value and not context.resilient_parsing:
-        from importlib.metadata import version
+        from gen_art import __version__
 
-        click.echo(f"gen-art {version('gen-art')}")
+        click.echo(f"gen-art {__version__}")
         context.exit()
 
 
