@@ -65,7 +65,7 @@ def uniform(key, channel: int) -> np.ndarray:
 def philox(c0, c1, key):
     """Two words (u32) from counter words c0, c1 and a key word."""
     x, y, k = ti.cast(c0, ti.u32), ti.cast(c1, ti.u32), ti.cast(key, ti.u32)
-    for _ in ti.static(range(10)):
+    for _ in range(10):  # a run-time loop: unrolled, each draw would cost the tracer a thousand nodes
         product = ti.cast(x, ti.u64) * ti.u64(_MULTIPLIER)
         x = ti.cast(product >> ti.u64(32), ti.u32) ^ k ^ y
         y = ti.cast(product & ti.u64(0xFFFFFFFF), ti.u32)

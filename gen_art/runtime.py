@@ -9,6 +9,7 @@ import hashlib
 import io
 import os
 import platform
+import sys
 from pathlib import Path
 
 os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")
@@ -16,6 +17,7 @@ os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 
 import taichi as ti  # the variables above must be set before this
 from taichi.lang import impl
+from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
 from gen_art.errors import UsageError
 
@@ -23,6 +25,24 @@ __all__ = ["ti", "init", "kernel", "compilations", "is_f64", "real", "threads", 
 
 DTYPES = {"f32": ti.f32, "f64": ti.f64}
 _state: dict = {"config": None, "kernels": [], "lock": None}
+
+
+def _trace_lightly() -> None:
+    """Let Taichi lay out a source line only for an error message, not for every node it traces.
+
+    Half of the time a warm start takes went into that (Taichi 1.7.4, which is pinned); messages stay as they were.
+    """
+    full = ASTTransformerContext.get_pos_info
+
+    def get_pos_info(self, node):
+        if sys.exc_info()[0] is not None:
+            return full(self, node)
+        return f'File "{self.file}", line {node.lineno + self.lineno_offset}, in {self.func.func.__name__}:\n'
+
+    ASTTransformerContext.get_pos_info = get_pos_info
+
+
+_trace_lightly()
 
 
 def cache_folder(arch: str) -> Path:
