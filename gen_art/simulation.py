@@ -112,6 +112,10 @@ class Simulation:
         """The storage of each system, for renderers: read only."""
         return {name: system.state for name, system in self._members.items()}
 
+    def __repr__(self):
+        counts = ", ".join(f"{name}: {system.count:,}" for name, system in self._members.items())
+        return f"<Simulation at {self.time:g} s, dt {self.dt:g} s, {self.precision}; {counts}>"
+
     def __getitem__(self, name: str) -> ParticleSystem:
         if name not in self._members:
             raise UsageError(f"no system '{name}'{suggest(name, self._members)}")

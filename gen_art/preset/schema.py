@@ -147,6 +147,11 @@ class Preset(Model):
 
     __hash__ = None  # type: ignore[assignment]
 
+    def __repr__(self) -> str:
+        return f"<Preset {self._name!r}, seed {self.seed}, {self.clock.duration:g} s; {', '.join(self.systems)}>"
+
+    __str__ = __repr__
+
 
 def json_schema() -> dict:
     """The JSON Schema of a preset, registered classes and their parameters included, for a YAML editor."""
