@@ -1,10 +1,24 @@
-"""All tests of a process share one start of the runtime: two threads, whatever the machine has."""
+"""All tests share one start of the runtime, and none sees the plugins that another file of tests loaded."""
 
 import pytest
 
-from gen_art import runtime
+from gen_art import plugins, runtime
+from gen_art.emitters.base import EMITTERS, SHAPES, VELOCITIES
+from gen_art.forces.base import FORCES
+from gen_art.interactions.base import INTERACTIONS
 
 
 @pytest.fixture(scope="session", autouse=True)
 def _runtime_of_the_process():
+    """Two threads, whatever the machine has."""
     runtime.init(threads=2)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _registries_as_they_were():
+    kept = [FORCES.classes, SHAPES.classes, VELOCITIES.classes, EMITTERS.classes, INTERACTIONS.classes, plugins._loaded]
+    before = [dict(one) for one in kept]
+    yield
+    for one, earlier in zip(kept, before):
+        one.clear()
+        one.update(earlier)
