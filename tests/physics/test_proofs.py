@@ -83,7 +83,9 @@ def test_plummer_sphere_stays_in_equilibrium():
         return np.quantile(np.linalg.norm(sim["stars"].position, axis=1), [0.1, 0.5, 0.9])
 
     def virial():
-        sources = np.ascontiguousarray(np.concatenate([sim.systems["stars"].floats[:3, :n], np.full((1, n), 1 / n)]).astype("f4"))
+        sources = np.ascontiguousarray(
+            np.concatenate([sim.systems["stars"].floats[:3, :n], np.full((1, n), 1 / n)]).astype("f4")
+        )
         a = np.zeros((3, n + 64), "f4")
         gravity.accelerate(sim.systems["stars"].floats, n, sources, a, "f32")
         W = (sim["stars"].position.T * a[:, :n]).sum() / n
@@ -104,7 +106,10 @@ def test_symplectic_drift_is_bounded_over_ten_thousand_periods(integrator):
 
     def errors(name, periods, per_period=2000):
         star = ga.ParticleSystem(
-            position=[[0.1, 0, 0]], velocity=[[0, np.sqrt(1.9 / 0.1), 0]], forces=[ga.forces.PointGravity(GM=1.0)], integrator=name
+            position=[[0.1, 0, 0]],
+            velocity=[[0, np.sqrt(1.9 / 0.1), 0]],
+            forces=[ga.forces.PointGravity(GM=1.0)],
+            integrator=name,
         )
         sim = ga.Simulation({"star": star}, dt=2 * np.pi / per_period, precision="f64")
         found = []
