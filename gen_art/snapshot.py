@@ -25,7 +25,7 @@ def save(sim, path) -> None:
         raise UsageError("a simulation that keeps a ledger cannot be saved: the account is not part of the state")
     head = {
         "format": _FORMAT, "precision": sim.precision, "dt": sim.dt, "seed": sim.seed, "steps": sim.steps_done,
-        "preset": None if sim.preset is None else sim.preset.resolved(), "systems": {},
+        "preset": None if sim.preset is None else {**sim.preset.resolved(), "name": sim.preset.name}, "systems": {},
     }  # fmt: skip
     for name, system in sim._members.items():
         state = system.state

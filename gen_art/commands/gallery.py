@@ -10,6 +10,7 @@ from gen_art.commands import options
 __all__ = ["command"]
 
 STILL, LOOP = (1280, 720), (640, 360)
+LOOP_BYTES = 850_000  # what a loop may take; the encoder holds the rate only within its buffer
 
 
 @click.command("gallery")
@@ -34,9 +35,11 @@ def command(names, folder, threads, progress):
             made = job.still(
                 piece, out / f"{name}.webp", time, size=STILL, overwrite=True, threads=threads, progress=report
             )
+            rate = int(LOOP_BYTES * 8 / (len(frames) / piece.clock.fps))
             made += job.render(
-                piece, out / f"{name}.mp4", frames=frames, size=LOOP, overwrite=True, threads=threads, progress=report
-            )
+                piece, out / f"{name}.mp4", frames=frames, size=LOOP, overwrite=True, threads=threads, progress=report,
+                max_rate=rate,
+            )  # fmt: skip
         for path in made:
             click.echo(f"{path} {path.stat().st_size / 1000:.0f} KB")
     (out / "index.html").write_text(page(preset_names()), encoding="utf-8")

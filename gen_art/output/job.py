@@ -149,6 +149,11 @@ def _frames(frames, preset) -> range:
         raise UsageError("no frames are asked for")
     if any(not isinstance(k, (int, np.integer)) or k < 0 for k in numbers) or numbers != sorted(set(numbers)):
         raise UsageError("frames are whole numbers from 0 on, in order")
+    if numbers[-1] >= preset.clock.frames:
+        last = preset.clock.frames - 1
+        raise UsageError(
+            f"frame {numbers[-1]} lies past the end: the film has frames 0 to {last}; a longer duration adds more"
+        )
     return chosen
 
 
@@ -158,7 +163,7 @@ def _recipe_job(kind: str, **values) -> dict:
 
 def render(
     preset, out, *, frames=None, size=None, scale=None, fps=None, quality="final", precision="f32", threads=None,
-    overwrite=False, transparent=False, progress: Callable[[dict], None] | None = None, plugins=(),
+    overwrite=False, transparent=False, progress: Callable[[dict], None] | None = None, plugins=(), max_rate: int = 0,
 ) -> list[Path]:  # fmt: skip
     """Render a preset to a film (.mp4 .gif .webp) or a sequence (frame_####.png); gives the paths written.
 
@@ -166,6 +171,7 @@ def render(
     size : (width, height), the preset's own when None      scale : a factor on it      fps : overrides the clock's
     quality : `draft` has half the width and height and a fast encoder, `preview` a faster one, `final` the careful one
     progress : called with {"event": "frame", "frame", "frames", "particles", "fps", "eta"} after each frame
+    max_rate : bits a second that an .mp4 may take, 0 for what the quality takes
     Frame k is what `still` makes at film time k / fps. Raises the errors of gen_art.errors.
     """
     plugins = _loaded(plugins)
@@ -195,10 +201,12 @@ def render(
         return paths
     from gen_art.output.video import film_writer  # a still does without the encoders
 
-    recipe = make_recipe(preset, plugins=plugins, kind="film", frames=_span(frames), ending=target.ending, **job)
+    recipe = make_recipe(
+        preset, plugins=plugins, kind="film", frames=_span(frames), ending=target.ending, max_rate=max_rate, **job
+    )
     run = _Run(preset, size, precision, threads)
     with beside(target.path) as temporary:
-        writer = film_writer(temporary, size, preset.clock.fps, recipe, quality)
+        writer = film_writer(temporary, size, preset.clock.fps, recipe, quality, max_rate)
         try:
             with _behind(1) as submit:
                 for k, picture in _pictures(run, frames, transparent):
@@ -240,13 +248,10 @@ def rerun(picture, out, *, threads=None, overwrite=False, progress=None, plugins
     """Make a picture or film again from the recipe inside it: the same bytes, when `out` has the same ending.
 
     Raises UsageError when there is no recipe, or when version, plugins or files are not those it was made with.
+    Plugins are run only if they are given: a picture names none of its own accord.
     """
     recipe = read_recipe(picture)
     plugins = _loaded(plugins)
-    given = {p.sha256 for p in plugins}
-    for one in recipe.get("plugins", ()):
-        if one["sha256"] not in given and Path(one["path"]).is_file():
-            plugins += _loaded([one["path"]])
     verify(recipe, plugins)
     preset = _preset({**recipe["preset"], "name": recipe["name"]})
     common = {
@@ -255,7 +260,8 @@ def rerun(picture, out, *, threads=None, overwrite=False, progress=None, plugins
     }  # fmt: skip
     if recipe["kind"] == "film":
         first, last, step = recipe["frames"]
-        return _again(render, recipe, preset, out, frames=range(first, last + 1, step), **common)
+        frames = range(first, last + 1, step)
+        return _again(render, recipe, preset, out, frames=frames, max_rate=recipe.get("max_rate", 0), **common)
     return _again(still, recipe, preset, out, recipe["time"], bits=recipe.get("bits", 8), **common)
 
 

@@ -43,7 +43,7 @@ def make_recipe(preset, *, plugins=(), **job) -> dict:
         "gen_art": version(),
         "name": preset.name,
         **job,
-        "plugins": [{"name": p.name, "path": str(p.path), "sha256": p.sha256} for p in plugins],
+        "plugins": [{"name": p.name, "sha256": p.sha256} for p in plugins],
         "files": [{"path": str(f), "sha256": sha256(f)} for f in files],
         "preset": preset.resolved(),
     }

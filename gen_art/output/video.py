@@ -35,7 +35,7 @@ def as_fraction(fps: float) -> Fraction:
 class Mp4Writer:
     """H.264 yuv420p, tagged bt709 in limited range, the index in front (`faststart`)."""
 
-    def __init__(self, path: Path, size, fps: float, recipe: dict | None, quality: str = "final"):
+    def __init__(self, path: Path, size, fps: float, recipe: dict | None, quality: str = "final", max_rate: int = 0):
         check_even(size)
         self._path = path
         self._container = av.open(str(path), "w", format="mp4", options={"movflags": "+faststart+use_metadata_tags"})
@@ -43,7 +43,8 @@ class Mp4Writer:
             self._container.metadata["comment"] = encode(recipe)
         stream = self._container.add_stream("libx264", rate=as_fraction(fps))
         stream.width, stream.height, stream.pix_fmt = size[0], size[1], "yuv420p"
-        stream.options = {**_H264[quality], "tune": "film", "profile": "high"}
+        limit = {"maxrate": str(max_rate), "bufsize": str(max_rate)} if max_rate else {}
+        stream.options = {**_H264[quality], **limit, "tune": "film", "profile": "high"}
         context = stream.codec_context
         context.thread_count, context.thread_type = ENCODER_THREADS, "FRAME"
         context.color_range, context.colorspace = ColorRange.MPEG, Colorspace.ITU709
@@ -77,7 +78,7 @@ class Mp4Writer:
 class PillowWriter:
     """Frames are kept and written together: GIF with one palette for the film, or animated WebP."""
 
-    def __init__(self, path: Path, size, fps: float, recipe: dict | None, quality: str = "final"):
+    def __init__(self, path: Path, size, fps: float, recipe: dict | None, quality: str = "final", max_rate: int = 0):
         self._path, self._fps, self._quality = path, fps, quality
         self._text = encode(recipe) if recipe is not None else None
         self._frames: list[Image.Image] = []
@@ -125,10 +126,10 @@ class PillowWriter:
 class FilmWriter:
     """A film at a temporary path: `add` pictures, then `close`; EncoderError for what the encoder refuses."""
 
-    def __init__(self, path: Path, size, fps: float, recipe: dict | None, quality: str = "final"):
+    def __init__(self, path: Path, size, fps: float, recipe: dict | None, quality: str = "final", max_rate: int = 0):
         kind = Mp4Writer if path.suffix.lower() == ".mp4" else PillowWriter
         with _encoding(path):
-            self._writer = kind(path, size, fps, recipe, quality)
+            self._writer = kind(path, size, fps, recipe, quality, max_rate)
         self._path = path
 
     def add(self, picture: np.ndarray) -> None:
@@ -161,9 +162,11 @@ class _encoding:
         return False
 
 
-def film_writer(path: Path, size, fps: float, recipe: dict | None = None, quality: str = "final") -> FilmWriter:
-    """A writer for .mp4, .gif or .webp."""
-    return FilmWriter(path, size, fps, recipe, quality)
+def film_writer(
+    path: Path, size, fps: float, recipe: dict | None = None, quality: str = "final", max_rate: int = 0
+) -> FilmWriter:
+    """A writer for .mp4, .gif or .webp. `max_rate` bounds an MP4's bits a second (0: the quality alone decides)."""
+    return FilmWriter(path, size, fps, recipe, quality, max_rate)
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,6 @@ class Clock(Model):
     step: Positive = about(..., "simulated time step dt", unit="s")
     speed: Positive = about(1.0, "simulated time a film second")
     preroll: NotNegative = about(0.0, "simulated time that passes before frame 0", unit="s")
-    loop: bool = about(False, "whether the piece closes on itself")
 
     @model_validator(mode="after")
     def _commensurate(self):

@@ -30,6 +30,7 @@ BIRTH = 160  # a birth while it is being made
 DRAWN = {"disc": 250, "point": 75, "streak": 75}  # a particle while it is drawn
 LIT = 8 * 4  # a cell of the density grid that a light shines through
 PIXEL, FILM_PIXEL = 40, 340  # a picture; with the encoder's look-ahead
+BATCH_BIRTHS = 4096  # births, or an eighth of the living, that a launch of several steps may make
 BATCH = 64  # steps taken at once where no events and no interactions tie them
 
 
@@ -76,7 +77,9 @@ def estimate(preset: Preset, precision: str = "f32", until: float | None = None)
         peak[name] = float(np.nan_to_num(census.peak[name], nan=np.inf))
         size[name] = peak[name] * bytes_per_particle(system, precision)
         steady, sudden = (float(np.nan_to_num(most[name], nan=np.inf)) for most in (census.steady, census.sudden))
-        slots = peak[name] + steady  # the births of a batch stand beside its dead
+        # the births of a batch stand beside its dead; a launch takes fewer steps where they would be many
+        steady = min(steady, max(BATCH_BIRTHS, peak[name] / 8, steady / BATCH))
+        slots = peak[name] + steady
         working += GROWTH * slots * bytes_per_particle(system, precision) + BIRTH * max(steady, sudden)
         if system.look is not None:
             working += DRAWN[system.look.draw] * peak[name]

@@ -173,9 +173,8 @@ class Many:
         for name in sorted(value):
             if name not in names:
                 one = registry(self.kind).kind
-                problems.append(
-                    ((name,), f"unknown {one}{suggest(name, names) or '; there are ' + ', '.join(sorted(names))}")
-                )
+                hint = suggest(name, names) or f"; there are {', '.join(sorted(names))}; is a --plugin missing?"
+                problems.append(((name,), f"unknown {one}{hint}"))
                 continue
             cls, item = registry(self.kind)[name], value[name]
             several = isinstance(item, list) and item and all(isinstance(part, dict) for part in item)
