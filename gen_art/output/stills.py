@@ -20,7 +20,7 @@ _EXIF_LIMIT = 65_000
 def write_still(path, picture: np.ndarray, recipe: dict | None = None) -> Path:
     """Write (height, width, 3 or 4) uint8, or for PNG uint16, by the path's ending; the final name appears whole.
 
-    JPEG has quality 95 without colour subsampling, WebP quality 92. Raises OutputError when the system refuses.
+    JPEG has quality 95 without colour subsampling, WebP quality 96. Raises OutputError when the system refuses.
     """
     path = Path(path)
     text = encode(recipe) if recipe is not None else None
@@ -33,7 +33,7 @@ def write_still(path, picture: np.ndarray, recipe: dict | None = None) -> Path:
         elif path.suffix.lower() in (".jpg", ".jpeg"):
             Image.fromarray(picture).save(temporary, "JPEG", quality=95, subsampling=0, exif=exif(text), optimize=True)
         else:
-            Image.fromarray(picture).save(temporary, "WEBP", quality=92, method=5, exif=exif(text))
+            Image.fromarray(picture).save(temporary, "WEBP", quality=96, method=6, exif=exif(text))
     return path
 
 
