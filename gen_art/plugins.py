@@ -1,9 +1,9 @@
 """A user's Python file, named by the user: loading it registers its forces and emitters."""
 
 import hashlib
-import importlib.util
 import sys
 import traceback
+import types
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -43,13 +43,14 @@ def load_plugin(path: str | Path) -> Plugin:
     if digest in _loaded:
         return _loaded[digest]
     name = f"gen_art_plugin_{path.stem}_{digest[:8]}"
-    spec = importlib.util.spec_from_file_location(name, path.resolve())
-    if spec is None or spec.loader is None:
+    if path.suffix != ".py":
         raise UsageError(f"plugin {path}: is not a Python file (its name must end in .py)")
-    module = importlib.util.module_from_spec(spec)
+    module = types.ModuleType(name)
+    module.__file__ = str(path.resolve())
     sys.modules[name] = module
     try:
-        spec.loader.exec_module(module)
+        # the very text that was hashed, and no bytecode left beside the user's file
+        exec(compile(text, module.__file__, "exec"), module.__dict__)
     except Exception as error:
         del sys.modules[name]
         raise UsageError(f"plugin {_place(path, error)}{_words(error)}") from error
