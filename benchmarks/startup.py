@@ -50,7 +50,7 @@ def process(code: str, *arguments: str, cache: Path) -> tuple[float, str]:
     )
     taken = time.perf_counter() - started
     if done.returncode:
-        raise SystemExit(done.stderr)
+        raise SystemExit(f"{done.stderr}\n{done.stdout}")
     return taken, (done.stdout.strip().splitlines() or [""])[-1]
 
 
