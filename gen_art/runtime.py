@@ -5,48 +5,27 @@ with the right default float type: without it the literals of a float64 kernel s
 """
 
 import contextlib
-import functools
 import hashlib
 import io
 import os
 import platform
-import sys
 from pathlib import Path
 
 os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 
+from gen_art import lean_tracing  # isort: skip  (before anything of Taichi)
 import taichi as ti  # the variables above must be set before this
-from taichi.lang import impl, kernel_impl
-from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
+from taichi.lang import impl
 
 from gen_art.errors import UsageError
 
-__all__ = ["ti", "init", "kernel", "compilations", "is_f64", "real", "threads", "DTYPES", "cache_folder"]
+__all__ = ["ti", "init", "finish", "kernel", "compilations", "is_f64", "real", "threads", "DTYPES", "cache_folder"]
 
 DTYPES = {"f32": ti.f32, "f64": ti.f64}
 _state: dict = {"config": None, "kernels": [], "lock": None}
 
-
-def _trace_lightly() -> None:
-    """Spare Taichi (1.7.4, which is pinned) two things it does for every node or function it traces.
-
-    It lays out the source line for an error message that never comes, and it looks up the source of a function each time
-    it is inlined. That was two thirds of the time of a warm start. Error messages stay as they were.
-    """
-    full = ASTTransformerContext.get_pos_info
-
-    def get_pos_info(self, node):
-        if sys.exc_info()[0] is not None:
-            return full(self, node)
-        return f'File "{self.file}", line {node.lineno + self.lineno_offset}, in {self.func.func.__name__}:\n'
-
-    ASTTransformerContext.get_pos_info = get_pos_info
-    kernel_impl.getsourcelines = functools.cache(kernel_impl.getsourcelines)
-    kernel_impl.getsourcefile = functools.cache(kernel_impl.getsourcefile)
-
-
-_trace_lightly()
+lean_tracing.install()
 
 
 def cache_folder(arch: str) -> Path:
@@ -118,6 +97,12 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
             enable_fallback=False,
         )
     _state["config"] = (arch, count)
+
+
+def finish() -> None:
+    """Keep what was compiled for the next process; nothing runs after this. Else Taichi does it when Python frees it."""
+    if _state["config"]:
+        ti.reset()
 
 
 def threads() -> int:

@@ -1,9 +1,9 @@
 """Sprites into the film: points, soft discs and streaks, added or laid over each other, in the same order every time.
 
 A sprite is a row of 21 float32 (`Sprites.rows`). The film is cut into bins of 32 x 32 pixels; each sprite is listed in
-the bins it touches, in the order of drawing (a counting sort over fixed chunks), and a bin is drawn by one thread,
-8 x 8 pixels at a time in a local array, which is what lets the blending vectorise. Neither the number of threads nor
-any atomic sum enters the result.
+the bins it touches, in the order of drawing (a counting sort over fixed chunks). A bin is drawn 8 x 8 pixels at a time,
+each such tile by one thread in a local array, which is what lets the blending vectorise. Neither the number of threads
+nor any atomic sum enters the result.
 
 Large discs are smooth, so they are drawn on films of a half, a quarter or an eighth of the size (`LEVEL`), which are
 laid over the film with bilinear weights; their reach is shortened by what that adds. Where sprites hide each other, the order of
@@ -338,30 +338,30 @@ def _streak(P: ti.template(), i, tile: ti.template(), x, y, dx, dy, top, bottom)
 @ti.kernel
 def _draw(P: F2, listed: I1, touched: I1, bounds: I1, across: ti.i32, bins: ti.i32, film: F1, stride: ti.i32):
     ti.loop_config(block_dim=1)
-    for b in range(bins):
+    for place in range(bins * SIDE * SIDE):  # one tile, not one bin, a turn: the compiler takes a third of the time
+        b, t = place // (SIDE * SIDE), place % (SIDE * SIDE)
         if bounds[b + 1] > bounds[b]:
-            for t in range(SIDE * SIDE):
-                ox, oy = (b % across) * BIN + (t % SIDE) * TILE, (b // across) * BIN + (t // SIDE) * TILE
-                tile = ti.Vector([0.0] * (TILE * LANE))
-                for row in range(TILE):
-                    for j in range(LANE):
-                        tile[row * LANE + j] = film[(oy + row) * stride + ox * 4 + j]
-                ax, ay = ti.cast(ox, ti.f32), ti.cast(oy, ti.f32)
-                for k in range(bounds[b], bounds[b + 1]):
-                    if (touched[k] >> t) & 1:
-                        i = listed[k]
-                        top = ti.max(ti.cast(P[i, FIRST] - ay, ti.i32), 0)
-                        bottom = ti.min(ti.cast(P[i, LAST] - ay, ti.i32) + 1, TILE)
-                        x, y = P[i, X] - ax, P[i, Y] - ay
-                        if P[i, REACH] <= 0.0:
-                            _point(P, i, tile, x, y)
-                        elif P[i, DX] == 0.0 and P[i, DY] == 0.0:
-                            _disc(P, i, tile, x, y, top, bottom)
-                        else:
-                            _streak(P, i, tile, x, y, P[i, DX], P[i, DY], top, bottom)
-                for row in range(TILE):
-                    for j in range(LANE):
-                        film[(oy + row) * stride + ox * 4 + j] = tile[row * LANE + j]
+            ox, oy = (b % across) * BIN + (t % SIDE) * TILE, (b // across) * BIN + (t // SIDE) * TILE
+            tile = ti.Vector([0.0] * (TILE * LANE))
+            for row in range(TILE):
+                for j in range(LANE):
+                    tile[row * LANE + j] = film[(oy + row) * stride + ox * 4 + j]
+            ax, ay = ti.cast(ox, ti.f32), ti.cast(oy, ti.f32)
+            for k in range(bounds[b], bounds[b + 1]):
+                if (touched[k] >> t) & 1:
+                    i = listed[k]
+                    top = ti.max(ti.cast(P[i, FIRST] - ay, ti.i32), 0)
+                    bottom = ti.min(ti.cast(P[i, LAST] - ay, ti.i32) + 1, TILE)
+                    x, y = P[i, X] - ax, P[i, Y] - ay
+                    if P[i, REACH] <= 0.0:
+                        _point(P, i, tile, x, y)
+                    elif P[i, DX] == 0.0 and P[i, DY] == 0.0:
+                        _disc(P, i, tile, x, y, top, bottom)
+                    else:
+                        _streak(P, i, tile, x, y, P[i, DX], P[i, DY], top, bottom)
+            for row in range(TILE):
+                for j in range(LANE):
+                    film[(oy + row) * stride + ox * 4 + j] = tile[row * LANE + j]
 
 
 @ti.kernel

@@ -1,0 +1,181 @@
+"""Taichi (1.7.4, which is pinned) traces a kernel node by node; this spares it what it does over and over on the way.
+
+What it does over and over, and what is done here instead:
+
+- a function's source is looked up, laid out and parsed each time it is inlined: here a file is parsed once, and the tree
+  of a function is lent for one pass at a time;
+- the source line of every node is laid out for an error message that never comes: here only while one is raised;
+- the builder of a node is looked up by name, and its position kept, for every expression: here a builder by type, and a
+  position for a statement;
+- whether a function stands in a class is read off the source around it: here off the calling frame, and, while Taichi
+  itself is imported, off one line of that source.
+
+What is traced, the cache keys and the error messages stay as they were.
+"""
+
+import ast
+import inspect
+import linecache
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+
+
+def _frame_info(frame, context: int = 1) -> inspect.Traceback:
+    """`inspect.getframeinfo` with the one line of source that Taichi looks at."""
+    code, line = frame.f_code, frame.f_lineno
+    return inspect.Traceback(code.co_filename, line, code.co_name, [linecache.getline(code.co_filename, line)], 0)
+
+
+_getframeinfo, inspect.getframeinfo = inspect.getframeinfo, _frame_info
+try:
+    from taichi.lang import impl, kernel_impl
+    from taichi.lang.ast.ast_transformer import ASTTransformer
+    from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext, Builder
+finally:
+    inspect.getframeinfo = _getframeinfo
+
+__all__ = ["install"]
+
+_transform = kernel_impl.transform_tree
+_parse_alone = kernel_impl._get_tree_and_ctx
+_position_in_full = ASTTransformerContext.get_pos_info
+_build_in_full = Builder.__call__
+
+
+@dataclass
+class _File:
+    """A source file parsed once: its lines, and its functions by first line (a decorator's, as in a code object) and name.
+
+    A function defined under an `if` or a `with` is not found, and is then parsed on its own, as Taichi does.
+    """
+
+    lines: list[str]
+    functions: dict[tuple[int, str], ast.FunctionDef]
+
+    @classmethod
+    def read(cls, lines: list[str]) -> "_File":
+        functions = {}
+        blocks: list[ast.Module | ast.ClassDef | ast.FunctionDef] = [ast.parse("".join(lines))]
+        while blocks:
+            for node in blocks.pop().body:
+                if isinstance(node, ast.FunctionDef):
+                    first = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+                    node.decorator_list = []
+                    functions[first, node.name] = node
+                if isinstance(node, ast.FunctionDef | ast.ClassDef):
+                    blocks.append(node)
+        return cls(lines, functions)
+
+
+_files: dict[str, _File] = {}
+_lent: set[int] = set()  # ids of the trees that a pass is writing into
+
+
+def _function(code) -> tuple[ast.FunctionDef, _File] | None:
+    """The tree of a function and its file; None when its source cannot be had this way, or another pass is at it."""
+    lines = linecache.getlines(code.co_filename)
+    file = _files.get(code.co_filename)
+    if lines and (file is None or file.lines is not lines):
+        file = _files[code.co_filename] = _File.read(lines)
+    node = file.functions.get((code.co_firstlineno, code.co_name)) if file else None
+    return (node, file) if file and node and id(node) not in _lent else None
+
+
+def _tree_and_context(self, excluded_parameters=(), is_kernel=True, args=None, is_real_function=False, **rest):
+    found = _function(self.func.__code__)
+    if found is None:
+        return _parse_alone(self, excluded_parameters, is_kernel, args=args, is_real_function=is_real_function, **rest)
+    node, file = found
+    variables = kernel_impl._get_global_vars(self.func)
+    if is_kernel or is_real_function:
+        for slot in self.template_slot_locations:
+            variables[self.arguments[slot].name] = args[slot]
+    context = ASTTransformerContext(
+        excluded_parameters=excluded_parameters,
+        is_kernel=is_kernel,
+        func=self,
+        global_vars=variables,
+        argument_data=args,
+        src=file.lines,
+        start_lineno=1,
+        file=self.func.__code__.co_filename,
+        is_real_function=is_real_function,
+        **rest,
+    )
+    return ast.Module([node], []), context
+
+
+def _transform_tree(tree, context):
+    function = tree.body[0]
+    arguments = function.args.args  # emptied on the way for a kernel
+    _lent.add(id(function))
+    try:
+        return _transform(tree, context)
+    finally:
+        _lent.discard(id(function))
+        function.args.args = arguments
+
+
+def _position(self, node) -> str:
+    if sys.exc_info()[0] is not None:
+        return _position_in_full(self, node)
+    return f'File "{self.file}", line {node.lineno + self.lineno_offset}, in {self.func.func.__name__}:\n'
+
+
+_builders: dict[type, Callable | None] = {}
+
+
+class _Failing:
+    """Stands in for the builder of a node that failed: Taichi's own way of building then words the error."""
+
+    def __init__(self, error: Exception):
+        self.error = error
+
+    def __getattr__(self, name: str):
+        def fail(context, node):
+            raise self.error
+
+        return fail
+
+
+def _build(self, context, node):
+    kind = node.__class__
+    try:
+        build = _builders[kind]
+    except KeyError:
+        build = _builders[kind] = getattr(self, "build_" + kind.__name__, None)
+    if build is None:
+        return _build_in_full(self, context, node)
+    try:
+        if not isinstance(node, ast.stmt):
+            return build(context, node)
+        positions = impl.get_runtime().src_info_stack
+        positions.append(_position(context, node))
+        try:
+            return build(context, node)
+        finally:
+            positions.pop()
+    except Exception as error:
+        return _build_in_full(_Failing(error), context, node)
+
+
+def _build_name(context, node):
+    node.ptr = context.get_var_by_name(node.id)
+    return node.ptr
+
+
+def _inside_class(level_of_class_stackframe: int) -> bool:
+    """Whether the frame that defines the function is a class body (the level counts to the frame around that)."""
+    frame = sys._getframe(level_of_class_stackframe - 1)
+    return not frame.f_code.co_flags & inspect.CO_OPTIMIZED and "__qualname__" in frame.f_locals
+
+
+def install() -> None:
+    """Put the lean ways in the place of Taichi's, for every kernel and function defined from here on."""
+    kernel_impl._get_tree_and_ctx = _tree_and_context
+    kernel_impl.transform_tree = _transform_tree
+    kernel_impl._inside_class = _inside_class
+    ASTTransformerContext.get_pos_info = _position
+    Builder.__call__ = _build
+    ASTTransformer.build_Name = staticmethod(_build_name)
