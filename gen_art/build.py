@@ -3,7 +3,7 @@
 import math
 
 from gen_art.emitters.emission import Emission, Event, Kind, Motion
-from gen_art.emitters.schedule import Burst, Rate, Schedule
+from gen_art.emitters.schedule import Burst, Pulse, Rate, Schedule
 from gen_art.medium import Medium
 from gen_art.particles.system import ParticleSystem
 
@@ -52,7 +52,7 @@ def _emission(name: str, spec, particle) -> Emission:
     start = spec.start or 0.0
     if spec.rate is not None:
         rate = spec.rate if isinstance(spec.rate, (int, float)) else spec.rate.points
-        pulse = None if spec.pulse is None else (spec.pulse.period, spec.pulse.depth)
+        pulse = None if spec.pulse is None else Pulse(spec.pulse.period, spec.pulse.depth, spec.pulse.duty)
         schedule: Schedule = Rate(rate, start, spec.stop, pulse)
     else:
         count = 1 if spec.count is None else round(spec.count.hi)

@@ -4,11 +4,13 @@ The k-th birth of a rate happens when the integral of the rate reaches k + 1/2. 
 count) carry on the numbering. A schedule answers two questions: how many births lie at or before a time, and when each is.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from gen_art.errors import UsageError
 
-__all__ = ["Burst", "Rate", "Schedule"]
+__all__ = ["Burst", "Pulse", "Rate", "Schedule"]
 
 
 class Schedule:
@@ -21,16 +23,42 @@ class Schedule:
         raise NotImplementedError
 
 
+class Pulse(NamedTuple):
+    """Puffs: births of a steady rate, moved about the beginning of their period (s).
+
+    Their times are shifted by -depth sin(2 pi t / period) period / (2 pi), depth in [0, 1), and what is then within half a
+    period of the beginning is pressed into the part `duty`, in (0, 1]; the rest of the period has no births.
+    """
+
+    period: float
+    depth: float = 0.0
+    duty: float = 1.0
+
+    def shifted(self, t):
+        """When a birth comes that a steady rate would have at t."""
+        beginning = self.period * np.round(t / self.period)
+        return beginning + self.duty * (
+            t - beginning - self.depth * np.sin(2 * np.pi * t / self.period) * (self.period / (2 * np.pi))
+        )
+
+    def steady(self, t: float) -> float:
+        """The last steady time that is shifted to t or before, by bisection."""
+        low, high = t - self.period, t + self.period
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self.shifted(middle) <= t else (low, middle)
+        return low
+
+
 class Rate(Schedule):
     """A rate in 1/s, constant or piecewise linear in time: points ((time, rate), ...), held before the first and after the last.
 
-    Births begin at `start` and end before `stop` (s). A pulse (period, depth) gathers the births of each period about its
-    beginning: the times are shifted by -depth sin(2 pi t / period) period / (2 pi), the mean rate kept; depth in [0, 1).
+    Births begin at `start` and end before `stop` (s). A `pulse` gathers them, the mean rate kept.
     Raises UsageError for a negative or infinite rate.
     """
 
-    def __init__(self, rate, start: float = 0.0, stop: float | None = None, pulse: tuple[float, float] | None = None):
-        self._period, self._depth = pulse or (1.0, 0.0)
+    def __init__(self, rate, start: float = 0.0, stop: float | None = None, pulse: Pulse | None = None):
+        self._pulse = pulse
         points = [(start, float(rate))] if np.ndim(rate) == 0 else [(float(t), float(r)) for t, r in rate]
         if not all(np.isfinite(r) and r >= 0 for _, r in points):
             raise UsageError("a rate must be a finite number of at least 0 per second")
@@ -43,21 +71,10 @@ class Rate(Schedule):
         self._sum = np.append(0.0, np.cumsum(0.5 * (r[1:] + r[:-1]) * np.diff(t)))
         self._last = None if stop is None else self._until(np.nextafter(stop, -np.inf))
 
-    def _pulsed(self, t):
-        return t - self._depth * np.sin(2 * np.pi * t / self._period) * (self._period / (2 * np.pi))
-
-    def _steady(self, t: float) -> float:
-        """The unpulsed time that is shifted to t, by bisection."""
-        low, high = t - self._period, t + self._period
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if self._pulsed(middle) <= t else (low, middle)
-        return low
-
     def _until(self, t: float) -> int:
         moment = t
-        if self._depth:
-            t = self._steady(t)
+        if self._pulse:
+            t = self._pulse.steady(t)
         if t < self._t[0]:
             return 0
         k = int(np.searchsorted(self._t, t, "right")) - 1
@@ -83,7 +100,9 @@ class Rate(Schedule):
             s = 2.0 * rest / (rate + root)  # the stable root of rate s + slope s^2 / 2 = rest
         t = np.where(rate + root > 0, self._t[k] + s, np.inf)
         return (
-            t if not self._depth else np.where(np.isfinite(t), self._pulsed(np.where(np.isfinite(t), t, 0.0)), np.inf)
+            t
+            if self._pulse is None
+            else np.where(np.isfinite(t), self._pulse.shifted(np.where(np.isfinite(t), t, 0.0)), t)
         )
 
 

@@ -110,6 +110,9 @@ class Pulse(Model):
     depth: Annotated[float, parsed(bounded(0, 0.99), {"type": "number", "minimum": 0, "maximum": 0.99})] = about(
         0.5, "0 is steady; the peak is 1 / (1 - depth) times the mean"
     )
+    duty: Annotated[float, parsed(bounded(0.01, 1), {"type": "number", "minimum": 0.01, "maximum": 1})] = about(
+        1.0, "the part of each period, about its beginning, that has births"
+    )
 
 
 class FromEvent(Model):

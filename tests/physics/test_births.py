@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import gen_art as ga
-from gen_art.emitters.schedule import Burst, Rate
+from gen_art.emitters.schedule import Burst, Pulse, Rate
 
 
 def preset(systems, step=0.01, **more):
@@ -40,7 +40,8 @@ FOUNTAIN = {
         Rate(137.7),
         Rate([[0, 0], [0.5, 400], [1, 50]]),
         Rate(50, 0.123, 0.7),
-        Rate(300, 0, None, (0.3, 0.8)),
+        Rate(300, 0, None, Pulse(0.3, 0.8)),
+        Rate(300, 0, None, Pulse(0.3, 0.8, 0.25)),
         Burst([0.1, 0.25, 0.25, 0.7], [3, 5, 1, 2]),
     ],
 )
@@ -62,12 +63,23 @@ def test_births_follow_the_integral_of_the_rate():
 
 
 def test_a_pulse_gathers_births_and_keeps_their_number():
-    times = Rate(1e5, pulse=(0.5, 0.8)).times(0, 100_000)
+    times = Rate(1e5, pulse=Pulse(0.5, 0.8)).times(0, 100_000)
     phase = times / 0.5 % 1
     near, far = np.count_nonzero((phase < 0.002) | (phase > 0.998)), np.count_nonzero(abs(phase - 0.5) < 0.02)
     assert near / 400 == pytest.approx(1 / (1 - 0.8), rel=0.03)  # the peak of 1 / (1 - depth cos) over the mean
     assert far / 4000 == pytest.approx(1 / (1 + 0.8), rel=0.03)
     assert times[-1] == pytest.approx(1.0, abs=1e-4)
+
+
+def test_a_pulse_of_a_short_duty_has_gaps():
+    rate = Rate(1e5, pulse=Pulse(0.5, 0.0, 0.2))
+    times = rate.times(0, 100_000)
+    phase = (times / 0.5 + 0.5) % 1 - 0.5
+    assert abs(phase).max() == pytest.approx(0.1, abs=1e-4)  # births in the 0.2 about each beginning, and evenly there
+    assert np.histogram(phase, 10, (-0.1, 0.1))[0] == pytest.approx(np.full(10, 1e4), rel=0.01)
+    assert np.all(np.diff(times) >= 0) and times[-1] == pytest.approx(1.0, abs=1e-4)
+    for moment in (0.0, 0.03, 0.25, 0.46, 0.5, 0.7):
+        assert rate.until(moment) == np.count_nonzero(times <= moment)
 
 
 def test_same_particles_at_every_time_step():
