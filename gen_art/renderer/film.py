@@ -3,7 +3,8 @@
 import numpy as np
 
 from gen_art.errors import MemoryRefused
-from gen_art.renderer.splat import BIN, CHUNKS, COLUMNS, DEPTH, FIRST, LAST, LEVEL, SLICES, count, draw, lay, list_bins
+from gen_art.renderer.splat import BIN, CHUNKS, SLICES, count, draw, lay, list_bins
+from gen_art.renderer.sprite import COLUMNS, DEPTH, FIRST, LAST, LEVEL
 
 __all__ = ["Film", "Sprites", "splat"]
 

@@ -8,7 +8,7 @@ from gen_art.renderer.camera import Camera
 from gen_art.renderer.film import Film, Sprites, splat
 from gen_art.renderer.light import incoming_light
 from gen_art.renderer.shade import Shading, add_sprites, numbers
-from gen_art.renderer.splat import BLUE, LEVEL, RED
+from gen_art.renderer.sprite import BLUE, LEVEL, RED
 
 __all__ = ["LARGEST", "Painter", "check_size", "living", "render_frame"]
 

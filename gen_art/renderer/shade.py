@@ -17,14 +17,13 @@ from gen_art.registry import suggest
 from gen_art.renderer.camera import View
 from gen_art.renderer.colour import TABLE, blackbody, gradient_table, planck_luminance
 from gen_art.renderer.film import Sprites
-from gen_art.renderer.splat import (
+from gen_art.renderer.sprite import (
     ALPHA,
     AREA,
     BLUE,
     DEPTH,
     DX,
     DY,
-    F2,
     FIRST,
     GREEN,
     LAST,
@@ -64,8 +63,8 @@ KIND, SIZE_MODE, SIZE_VALUE, BLEND, CONSERVE, FALLOFF, TAIL_LIGHT, TAIL_WIDTH = 
 STROBE_LO, STROBE_HI, DUTY, FILM_TIME, RAW, LIT, WEIGHT, EMITS = range(33, 41)
 NUMBERS = 41
 
-F64, U2, I1, L1, F3 = (
-    ti.types.ndarray(d, n) for d, n in ((ti.f64, 1), (ti.u32, 2), (ti.i32, 1), (ti.i64, 1), (ti.f32, 3))
+F64, U2, I1, L1, F2, F3 = (
+    ti.types.ndarray(d, n) for d, n in ((ti.f64, 1), (ti.u32, 2), (ti.i32, 1), (ti.i64, 1), (ti.f32, 2), (ti.f32, 3))
 )
 
 

@@ -10,7 +10,7 @@ from gen_art.preset.look import CameraSpec, Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.colour import blackbody, linear, planck_luminance
 from gen_art.renderer.frame import Painter
-from gen_art.renderer.splat import AREA
+from gen_art.renderer.sprite import AREA
 from tests.render.particles import scene, state
 
 FLAT = Camera(position=(0, 0, 10), height=100.0)

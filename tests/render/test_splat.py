@@ -11,7 +11,7 @@ import pytest
 from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.frame import Painter, render_frame
-from gen_art.renderer.splat import AREA, profile_integral
+from gen_art.renderer.sprite import AREA, profile_integral
 from tests.render.particles import scene, state
 
 SIZE = (400, 240)
