@@ -15,8 +15,8 @@ SMALL: dict[str, dict] = {
         "clock.preroll": 0.00051135,
     },
     "charged": {
-        "systems.ions.emitters.outer.rate": 1e7,
-        "systems.ions.emitters.inner.rate": 1e7,
+        "systems.ions.emitters.outer.rate": 2e7,
+        "systems.ions.emitters.inner.rate": 2e7,
         "clock.preroll": 2e-5,
     },
 }
