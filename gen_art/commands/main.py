@@ -67,6 +67,8 @@ def cli():
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave the process with its exit status."""
+    # imports and tracing make much that stays: looking for rubbish among it finds none
+    gc.set_threshold(50_000, 20, 20)
     leave(run(sys.argv[1:] if arguments is None else arguments))
 
 
@@ -85,9 +87,6 @@ def leave(status: int) -> None:
 
 def run(arguments: list[str]) -> int:
     """Run one command; its exit status."""
-    gc.set_threshold(
-        50_000, 20, 20
-    )  # imports and tracing make much that stays: looking for rubbish among it finds none
     restore = _on_sigterm()
     try:
         status = cli.main(arguments, prog_name="gen-art", standalone_mode=False)

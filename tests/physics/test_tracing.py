@@ -58,9 +58,11 @@ def started():
 
 
 def test_a_function_inlined_within_its_own_arguments():
+    def once(v):
+        return v**2 + v**6
+
     x = np.array([0.5, 1.0], np.float32)
     runtime.kernel(_nested)(x)
-    once = lambda v: v**2 + v**6  # noqa: E731
     assert np.allclose(x, [once(once(0.5)) + 0.25, once(once(1.0)) + 1.0])
 
 
