@@ -13,7 +13,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from gen_art.integrators import INTEGRATORS
-from gen_art.preset import clock, emitter, look, schema
+from gen_art.preset import camera, clock, develop, emitter, look, schema
 from gen_art.preset.registered import in_degrees, is_field, parameters, registry
 
 FOLDER = Path(__file__).resolve().parent
@@ -86,12 +86,12 @@ DOCUMENTED_AS_A_WHOLE = (
     look.Color,
     look.KeyLight,
     look.Trail,
-    look.CameraSpec,
-    look.CameraKey,
-    look.Orbit,
-    look.Fog,
-    look.DevelopSpec,
-    look.Bloom,
+    camera.CameraSpec,
+    camera.CameraKey,
+    camera.Orbit,
+    camera.Fog,
+    develop.DevelopSpec,
+    develop.Bloom,
 )
 WHERE = {
     "Clock": "clock:",
@@ -235,7 +235,7 @@ def field_default(field) -> str:
     value = field.default
     if isinstance(value, look.Ramp) and value.constant:
         return cell(value.curve.points[0][1])
-    if isinstance(value, (look.Color, look.Bloom)):
+    if isinstance(value, (look.Color, develop.Bloom)):
         return cell(value.gradient.stops[0][1] if isinstance(value, look.Color) else value.strength)
     if hasattr(value, "stops"):
         return cell(value.stops[0][1])
@@ -271,7 +271,7 @@ def model(cls, described: bool) -> str:
     where = WHERE.get(cls.__name__, "")
     if cls is emitter.Orbit:
         where = "orbit: of a motion"
-    if cls is look.Orbit:
+    if cls is camera.Orbit:
         where = "orbit: of the camera"
     return f"### {where}\n\n{prose}\n\n{entries}\n"
 

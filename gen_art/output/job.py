@@ -29,7 +29,7 @@ def picture_size(preset, size=None, scale=None, quality: str = "final", even: bo
 
     A size that was scaled is rounded to even numbers where `even` asks for it; a size that was given is not.
     """
-    from gen_art.preset.look import CameraSpec
+    from gen_art.preset.camera import CameraSpec
 
     if quality not in QUALITIES:
         raise UsageError(f"quality is one of {', '.join(QUALITIES)}, not {quality!r}")

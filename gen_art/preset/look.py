@@ -1,67 +1,18 @@
-"""The part of a preset that makes light of particles: `look:` of a system, `camera:` and `develop:` of the piece.
+"""How a system is drawn: `look:`. Frozen pydantic models; attribute names are the YAML keys."""
 
-Frozen pydantic models; attribute names are the YAML keys. Angles stay in degrees here, as the camera takes them.
-"""
+from typing import Annotated, Literal
 
-from typing import Annotated, Any, Literal
-
-from pydantic import BeforeValidator, ConfigDict, Field, PlainSerializer, WithJsonSchema, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from gen_art.errors import UsageError
-from gen_art.preset.colour_names import Gradient, srgb
+from gen_art.preset.colour_names import Gradient
+from gen_art.preset.fields import ColourValue, CurveValue, GradientValue, Number, RangeValue, Vector
 from gen_art.preset.types import Model
-from gen_art.preset.values import Curve, Range, number, vector
+from gen_art.preset.values import Curve, number
 
-__all__ = [
-    "BY",
-    "CameraKey",
-    "CameraSpec",
-    "Color",
-    "DevelopSpec",
-    "Emission",
-    "Fog",
-    "KeyLight",
-    "Look",
-    "Ramp",
-    "Trail",
-]
+__all__ = ["BY", "Color", "Emission", "KeyLight", "Look", "Ramp", "Trail"]
 
 BY = ("age", "seconds", "speed", "energy", "charge", "mass", "radius", "id", "random", "distance", "x", "y", "z")
-
-
-def _schema(**schema):
-    return WithJsonSchema(schema)
-
-
-def _colour_before(value):
-    srgb(value)
-    return tuple(value) if isinstance(value, list) else value
-
-
-_numbers = {"type": ["number", "string"]}
-Number = Annotated[float, BeforeValidator(number), _schema(**_numbers)]
-Vector = Annotated[
-    tuple[float, float, float],
-    BeforeValidator(vector),
-    PlainSerializer(list),
-    _schema(type="array", items=_numbers, minItems=3, maxItems=3),
-]
-RangeValue = Annotated[Range, BeforeValidator(Range.of), PlainSerializer(str), _schema(**_numbers)]
-CurveValue = Annotated[
-    Curve,
-    BeforeValidator(Curve.of),
-    PlainSerializer(lambda c: [list(p) for p in c.points]),
-    _schema(type="array", items={"type": "array", "items": _numbers, "minItems": 2, "maxItems": 2}),
-]
-GradientValue = Annotated[
-    Gradient, BeforeValidator(Gradient.of), PlainSerializer(Gradient.written), _schema(type=["string", "array"])
-]
-ColourValue = Annotated[
-    Any,
-    BeforeValidator(_colour_before),
-    PlainSerializer(lambda c: list(c) if isinstance(c, tuple) else c),
-    _schema(type=["string", "array"]),
-]
 
 
 class Ramp(Model):
@@ -237,107 +188,3 @@ class Look(Model):
         if self.trail is not None and self.blend != "add":
             raise UsageError("a trail needs blend: add")
         return self
-
-
-class CameraKey(Model):
-    """A stop on the camera's path; what is left out stays as the key before had it."""
-
-    time: Number
-    position: Vector | None = None
-    target: Vector | None = None
-    up: Vector | None = None
-    fov: Annotated[Number, Field(gt=0, lt=170)] | None = None
-    height: Annotated[Number, Field(gt=0)] | None = None
-    roll: Number | None = None
-
-
-class Orbit(Model):
-    """The camera turns about the axis through its target: `rate` degrees a film second, from `start` degrees."""
-
-    rate: Number = 10.0
-    start: Number = 0.0
-    axis: Vector = (0.0, 1.0, 0.0)
-
-    short_form = {"type": ["number", "string"]}
-
-    @classmethod
-    def from_short(cls, value):
-        return value if isinstance(value, (Orbit, dict)) else {"rate": value}
-
-
-class Fog(Model):
-    """Light dims as exp(-(d - start) / distance) beyond `start` from the camera, towards `color`."""
-
-    distance: Annotated[Number, Field(gt=0)]
-    start: Annotated[Number, Field(ge=0)] = 0.0
-    color: ColourValue = "black"
-
-    short_form = {"type": ["number", "string"]}
-
-    @classmethod
-    def from_short(cls, value):
-        return value if isinstance(value, (Fog, dict)) else {"distance": value}
-
-
-class CameraSpec(Model):
-    """Where the picture is taken from. Perspective, `fov` degrees from bottom to top; with `height` (world units from
-    bottom to top) orthographic. shutter: degrees of a frame it is open, 180 being half. near: nothing nearer is drawn.
-    path: stops in film time; easing `linear`, `smooth` (rests at each stop) or `spline` (passes through them).
-    size: the picture's default size [width, height].
-    """
-
-    position: Vector = (0.0, 0.0, 10.0)
-    target: Vector = (0.0, 0.0, 0.0)
-    up: Vector = (0.0, 1.0, 0.0)
-    fov: Annotated[Number, Field(gt=0, lt=170)] = 40.0
-    height: Annotated[Number, Field(gt=0)] | None = None
-    roll: Number = 0.0
-    near: Annotated[Number, Field(gt=0)] | None = None
-    far: Annotated[Number, Field(gt=0)] | None = None
-    shutter: Annotated[Number, Field(ge=0, le=360)] = 180.0
-    fog: Fog | None = None
-    orbit: Orbit | None = None
-    path: tuple[CameraKey, ...] = ()
-    easing: Literal["linear", "smooth", "spline"] = "spline"
-    size: tuple[Annotated[int, Field(ge=1, le=16384)], Annotated[int, Field(ge=1, le=16384)]] = (1280, 720)
-
-    @model_validator(mode="after")
-    def _consistent(self):
-        if self.position == self.target:
-            raise UsageError("the camera's position and target must differ")
-        for before, after in zip(self.path, self.path[1:]):
-            if after.time <= before.time:
-                raise UsageError(f"the path's times must increase: {after.time:g} follows {before.time:g}")
-        return self
-
-
-class Bloom(Model):
-    """Light that strays in the lens: `strength` of it, spread over halos of all sizes; radius 0 narrow .. 1 wide."""
-
-    strength: Annotated[Number, Field(ge=0, le=1)] = 0.05
-    radius: Annotated[Number, Field(ge=0, le=1)] = 0.5
-
-    short_form = {"type": ["number", "string"]}
-
-    @classmethod
-    def from_short(cls, value):
-        return value if isinstance(value, (Bloom, dict)) else {"strength": value}
-
-
-class DevelopSpec(Model):
-    """From linear light to a picture: exposure in stops, bloom, vignette, background, tone map, grain, dither.
-
-    contrast turns about middle grey, saturation about luminance, both after the tone map's own (1 leaves them).
-    background: a colour, a gradient from top to bottom, or `night`. It is seen as written where nothing hides
-    it, whatever exposure and tone map are. grain: standard deviation at middle grey. vignette: stops lost in the corners.
-    """
-
-    exposure: Annotated[Number, Field(ge=-60, le=60)] = 0.0
-    bloom: Bloom = Bloom()
-    vignette: Annotated[Number, Field(ge=0, le=8)] = 0.0
-    tone: Literal["agx", "aces", "reinhard", "neutral", "none"] = "agx"
-    contrast: Annotated[Number, Field(gt=0, le=4)] = 1.0
-    saturation: Annotated[Number, Field(ge=0, le=4)] = 1.0
-    background: Literal["night"] | GradientValue = Gradient(((0.0, "black"),))
-    grain: Annotated[Number, Field(ge=0, le=0.5)] = 0.0
-    dither: bool = True

@@ -6,9 +6,11 @@ from typing import Annotated, Any
 from pydantic import PrivateAttr, model_validator
 
 from gen_art.errors import UsageError
+from gen_art.preset.camera import CameraSpec
 from gen_art.preset.clock import Clock
+from gen_art.preset.develop import DevelopSpec
 from gen_art.preset.emitter import Emitter, Particle
-from gen_art.preset.look import CameraSpec, DevelopSpec, Look
+from gen_art.preset.look import Look
 from gen_art.preset.registered import Many, class_schema, is_field, registry
 from gen_art.preset.types import Model, NotNegative, NotNegativeRange, Number, about, parsed
 from gen_art.preset.values import shown

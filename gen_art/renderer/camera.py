@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from gen_art.errors import UsageError
-from gen_art.preset.look import CameraSpec
+from gen_art.preset.camera import CameraSpec
 from gen_art.renderer.colour import linear
 
 __all__ = ["Camera", "View"]

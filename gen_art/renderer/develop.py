@@ -6,7 +6,7 @@ import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import Gradient
-from gen_art.preset.look import DevelopSpec
+from gen_art.preset.develop import DevelopSpec
 from gen_art.renderer.bloom import stray_light
 from gen_art.renderer.colour import LUMINANCE, gradient_table
 from gen_art.renderer.tone import HIGH, LOW, STEPS, STEPS_LOG, curve_table, encode_table, matrices

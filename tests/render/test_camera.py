@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from gen_art.errors import UsageError
-from gen_art.preset.look import CameraSpec, Look
+from gen_art.preset.camera import CameraSpec
+from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.frame import Painter
 from tests.render.particles import scene, state

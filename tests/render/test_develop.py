@@ -5,7 +5,7 @@ import pytest
 
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import srgb
-from gen_art.preset.look import DevelopSpec
+from gen_art.preset.develop import DevelopSpec
 from gen_art.renderer.bloom import levels, stray_light
 from gen_art.renderer.colour import encode_srgb
 from gen_art.renderer.develop import develop

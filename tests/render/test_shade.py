@@ -6,7 +6,8 @@ from pydantic import ValidationError
 
 from gen_art import runtime
 from gen_art.errors import UsageError
-from gen_art.preset.look import CameraSpec, Look
+from gen_art.preset.camera import CameraSpec
+from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.colour import blackbody, linear, planck_luminance
 from gen_art.renderer.frame import Painter

@@ -1,0 +1,43 @@
+"""From light to a picture: `develop:`."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from gen_art.preset.colour_names import Gradient
+from gen_art.preset.fields import GradientValue, Number
+from gen_art.preset.types import Model
+
+__all__ = ["Bloom", "DevelopSpec"]
+
+
+class Bloom(Model):
+    """Light that strays in the lens: `strength` of it, spread over halos of all sizes; radius 0 narrow .. 1 wide."""
+
+    strength: Annotated[Number, Field(ge=0, le=1)] = 0.05
+    radius: Annotated[Number, Field(ge=0, le=1)] = 0.5
+
+    short_form = {"type": ["number", "string"]}
+
+    @classmethod
+    def from_short(cls, value):
+        return value if isinstance(value, (Bloom, dict)) else {"strength": value}
+
+
+class DevelopSpec(Model):
+    """From linear light to a picture: exposure in stops, bloom, vignette, background, tone map, grain, dither.
+
+    contrast turns about middle grey, saturation about luminance, both after the tone map's own (1 leaves them).
+    background: a colour, a gradient from top to bottom, or `night`. It is seen as written where nothing hides
+    it, whatever exposure and tone map are. grain: standard deviation at middle grey. vignette: stops lost in the corners.
+    """
+
+    exposure: Annotated[Number, Field(ge=-60, le=60)] = 0.0
+    bloom: Bloom = Bloom()
+    vignette: Annotated[Number, Field(ge=0, le=8)] = 0.0
+    tone: Literal["agx", "aces", "reinhard", "neutral", "none"] = "agx"
+    contrast: Annotated[Number, Field(gt=0, le=4)] = 1.0
+    saturation: Annotated[Number, Field(ge=0, le=4)] = 1.0
+    background: Literal["night"] | GradientValue = Gradient(((0.0, "black"),))
+    grain: Annotated[Number, Field(ge=0, le=0.5)] = 0.0
+    dither: bool = True
