@@ -160,8 +160,8 @@ class Look(Model):
     at the camera's target.
     """
 
-    draw: Literal["point", "disc", "streak"] = "point"
-    blend: Literal["add", "alpha"] = "add"
+    draw: Literal["point", "disc", "streak", "sphere"] = "point"
+    blend: Literal["add", "alpha", "opaque"] = "add"
     radius: Annotated[Number, Field(gt=0)] | None = None
     width: Annotated[Number, Field(gt=0)] | None = None
     pixels: Annotated[Number, Field(gt=0, le=4096)] | None = None

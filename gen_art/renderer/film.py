@@ -3,46 +3,61 @@
 import numpy as np
 
 from gen_art.errors import MemoryRefused
-from gen_art.renderer.splat import BIN, CHUNKS, SLICES, count, draw, lay, list_bins
-from gen_art.renderer.sprite import COLUMNS, DEPTH, FIRST, LAST, LEVEL
+from gen_art.renderer.splat import BIN, CHUNKS, SLICES, count, drawing, lay, list_bins
+from gen_art.renderer.sprite import FIRST, KIND, LAST, LEVEL, MARKS, ROW, finish
 
 __all__ = ["Film", "Sprites", "splat"]
 
 
 class Sprites:
-    """Rows of sprites for one picture, reused from frame to frame: `rows` (capacity, 21) float32, `count` in use."""
+    """Rows of sprites for one picture, reused from frame to frame: `rows` (capacity, 16) float32, `marks` (capacity, 6)
+    int16 and `depths` (capacity,) float32, of which `count` are in use; `layered`: whether any hides what is behind it.
+    """
 
     def __init__(self):
-        self.rows = np.zeros((0, COLUMNS), np.float32)
-        self.count = 0
-        self.layered = False  # whether any of them hides what is behind it
+        self._allocate(0)
+        self.clear()
 
-    def clear(self):
+    def _allocate(self, capacity: int) -> None:
+        self.rows = np.empty((capacity, ROW), np.float32)
+        self.marks = np.empty((capacity, MARKS), np.int16)
+        self.depths = np.empty(capacity, np.float32)
+
+    def clear(self) -> None:
         self.count, self.layered = 0, False
 
-    def reserve(self, n: int) -> int:
-        """Room for n more; gives the index of the first."""
-        start, need = self.count, self.count + n
-        if need > len(self.rows):
-            grown = np.zeros((max(need, len(self.rows) * 3 // 2), COLUMNS), np.float32)
-            grown[:start] = self.rows[:start]
-            self.rows = grown
-        self.count = need
-        return start
+    def add(self, columns, kind: int, film: "Film", tail: float, taper: float, least: float) -> None:
+        """Append a system's columns but for what has a reach of `least` pixels or less."""
+        base, n = self.count, columns.count
+        if base + n > len(self.rows):
+            old = self.rows, self.marks, self.depths
+            self._allocate(max(base + n, len(self.rows) * 3 // 2))
+            for new, before in zip((self.rows, self.marks, self.depths), old):
+                new[:base] = before[:base]
+        if n:
+            finish(
+                columns.rows, 0, n, self.rows, self.marks, self.depths, base, film.width, film.height, kind, tail, taper,
+                least,
+            )  # fmt: skip
+        self.count += n
+
+    @property
+    def kinds(self) -> frozenset:
+        """What there is to draw."""
+        marks = self.marks[: self.count]
+        seen = marks[marks[:, LAST] >= marks[:, FIRST], KIND]
+        return frozenset(np.flatnonzero(np.bincount(seen, minlength=1)).tolist())
 
     def order(self) -> np.ndarray:
         """The order of drawing (int32): as listed, or back to front when something hides; ties in listed order."""
         n = self.count
-        if not self.layered or n == 0:
+        if not self.layered:
             return np.arange(n, dtype=np.int32)
-        depth = self.rows[:n, DEPTH]
-        seen = self.rows[:n, LAST] >= self.rows[:n, FIRST]
-        if not seen.any():
-            return np.arange(n, dtype=np.int32)
-        near, far = float(depth[seen].min()), float(depth[seen].max())
-        steps = 65535.0 / max(far - near, 1e-30)
-        bins = np.where(seen, (far - depth) * np.float32(steps), 0.0).astype(np.uint16)
-        return np.argsort(bins, kind="stable").astype(np.int32)
+        seen = np.flatnonzero(self.marks[:n, LAST] >= self.marks[:n, FIRST]).astype(np.int32)
+        bits = self.depths[seen].view(np.uint32)
+        far_first = np.where(bits >> 31, bits, ~bits & np.uint32(0x7FFFFFFF))  # floats fall as these whole numbers rise
+        order = np.argsort(far_first.astype(np.uint16), kind="stable")  # a radix sort, 16 bits at a time
+        return seen[order[np.argsort((far_first >> 16).astype(np.uint16)[order], kind="stable")]]
 
 
 class Film:
@@ -52,7 +67,9 @@ class Film:
         self.width, self.height = size
         self.across, self.down = -(-self.width // BIN), -(-self.height // BIN)
         self.stride = 4 * BIN * self.across
-        self.buffer = np.zeros(self.down * BIN * self.stride, np.float32)
+        size = (self.down * BIN + 1) * self.stride  # a spare row: a dot on the last one reaches below it
+        self.both = np.zeros(2 * size, np.float32)  # and a second film for `scatter`: no memory before it is used
+        self.buffer = self.both[:size]
         self._listed, self._touched = np.zeros(0, np.int32), np.zeros(0, np.int32)
         self._half: Film | None = None
 
@@ -71,12 +88,12 @@ class Film:
     def clear(self):
         self.buffer.fill(0.0)
 
-    def draw(self, sprites: Sprites, order: np.ndarray, level: int) -> np.ndarray:
+    def draw(self, sprites: Sprites, order: np.ndarray, level: int, kinds: frozenset) -> np.ndarray:
         """Draw those of the sprites that are of this film's level; gives which bins they touch, (down, across) bool."""
         n, bins = len(order), self.across * self.down
         chunk = -(-n // CHUNKS)
         counts = np.zeros((CHUNKS, bins), np.int32)
-        count(sprites.rows, order, n, float(level), chunk, self.across, counts)
+        count(sprites.marks, order, n, level, chunk, self.across, counts)
         by_bin = counts.T.reshape(-1)
         ends = np.cumsum(by_bin, dtype=np.int64)
         total = int(ends[-1])
@@ -91,8 +108,18 @@ class Film:
         bounds = np.append(starts[0], total).astype(np.int32)
         if total > len(self._listed):
             self._listed, self._touched = (np.zeros(total * 5 // 4, np.int32) for _ in range(2))
-        list_bins(sprites.rows, order, n, float(level), chunk, self.across, starts, self._listed, self._touched)
-        draw(sprites.rows, self._listed, self._touched, bounds, self.across, bins, self.buffer, self.stride)
+        list_bins(sprites.marks, order, n, level, chunk, self.across, starts, self._listed, self._touched)
+        drawing(kinds)(
+            sprites.rows,
+            sprites.marks,
+            self._listed,
+            self._touched,
+            bounds,
+            self.across,
+            bins,
+            self.buffer,
+            self.stride,
+        )
         return touched
 
     def lay(self, coarse: "Film", touched: np.ndarray, over: bool) -> np.ndarray:
@@ -113,18 +140,19 @@ class Film:
 
 def splat(sprites: Sprites, film: Film) -> None:
     """Draw the sprites into the film, over what it holds."""
-    if sprites.count == 0:
+    kinds = sprites.kinds
+    if not kinds:
         return
     order = sprites.order()
-    coarsest = int(sprites.rows[: sprites.count, LEVEL].max())
+    coarsest = int(sprites.marks[: sprites.count, LEVEL].max())
     slices = SLICES if coarsest and sprites.layered else 1
     for part in np.array_split(order, slices):
         if coarsest:
-            _draw_coarse(sprites, part, film, coarsest)
-        film.draw(sprites, part, 0)
+            _draw_coarse(sprites, part, film, coarsest, kinds)
+        film.draw(sprites, part, 0, kinds)
 
 
-def _draw_coarse(sprites: Sprites, order: np.ndarray, film: Film, coarsest: int) -> None:
+def _draw_coarse(sprites: Sprites, order: np.ndarray, film: Film, coarsest: int, kinds: frozenset) -> None:
     """Levels 1 to `coarsest` of these sprites, each laid under the next finer one, and all over the film."""
     films = [film]
     for _ in range(coarsest):
@@ -132,7 +160,7 @@ def _draw_coarse(sprites: Sprites, order: np.ndarray, film: Film, coarsest: int)
         films[-1].clear()
     below = None
     for level in range(coarsest, 0, -1):
-        touched = films[level].draw(sprites, order, level)
+        touched = films[level].draw(sprites, order, level, kinds)
         if below is not None:
             touched = touched | films[level].lay(films[level + 1], below, over=False)
         below = touched

@@ -7,12 +7,16 @@ from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.film import Film, Sprites, splat
 from gen_art.renderer.light import incoming_light
-from gen_art.renderer.shade import Shading, add_sprites, numbers
-from gen_art.renderer.sprite import BLUE, LEVEL, RED
+from gen_art.renderer.scatter import LARGEST as SCATTERED
+from gen_art.renderer.scatter import scatter
+from gen_art.renderer.shade import Columns, shade
+from gen_art.renderer.sprite import BLUE, DISC, HIDDEN, POINT, REACH, RED
+from gen_art.renderer.tables import Shading, numbers
 
 __all__ = ["LARGEST", "Painter", "check_size", "living", "render_frame"]
 
 LARGEST = 16384
+KINDS = ("point", "disc", "streak", "sphere")
 
 
 def check_size(size) -> tuple[int, int]:
@@ -47,7 +51,7 @@ class Painter:
         self.size = check_size(size)
         self.camera, self.looks, self.shutter = camera, looks or {}, shutter
         self.film = Film(self.size)
-        self._sprites = Sprites()
+        self._sprites, self._columns = Sprites(), Columns()
         self._trails: dict[str, Film] = {}
         self._shadings: dict[str, Shading] = {}
         self._plain = Look()
@@ -94,23 +98,36 @@ class Painter:
         return self._shadings[name], raw
 
     def _draw(self, sim, names, view, film_time, shutter, weight, film: Film) -> None:
-        self._sprites.clear()
-        for name in names:
+        looks = {name: self.looks.get(name, self._plain) for name in names}
+        sprites, columns = self._sprites, self._columns
+        sprites.clear()
+        sprites.layered = any(look is not None and look.blend != "add" for look in looks.values())
+        for name in (name for name in names if looks[name] is not None):
             system = sim.systems[name]
-            if self.looks.get(name, self._plain) is None:
-                continue
             shading, raw = self._shading(name, system)
-            q = numbers(shading, view, self.size, sim.time, film_time, shutter, raw, weight)
-            first, lit = add_sprites(self._sprites, system, shading, q)
-            light = shading.look.light
-            if light is not None and len(lit):
-                parallel = view.height is not None
-                eye = view.axes[2] if parallel else view.position
-                rows = self._sprites.rows[first : first + len(lit)]
-                light_in = incoming_light(light, lit[:, :3], lit[:, 3], eye, parallel)
-                smaller = np.float32(0.25) ** rows[:, LEVEL : LEVEL + 1]  # energy counts in the pixels of its film
-                rows[:, RED : BLUE + 1] += lit[:, 4:] * light_in * smaller
-        splat(self._sprites, film)
+            look, kind = shading.look, KINDS.index(shading.look.draw)
+            shade(
+                columns, system, shading, numbers(shading, view, self.size, sim.time, film_time, shutter, raw, weight)
+            )
+            if look.light is not None and columns.count:
+                self._light(look.light, columns, view)
+            least = HIDDEN
+            if not sprites.layered and kind in (POINT, DISC):
+                reach = columns.used[REACH]
+                largest = float(reach.max(initial=HIDDEN))
+                least = SCATTERED if largest > 0.0 else 0.0
+                scatter(columns.rows, columns.count, DISC if largest > 0.0 else POINT, film)
+                if largest <= least:
+                    continue
+            sprites.add(columns, kind, film, look.tail, look.taper, least)
+        splat(sprites, film)
+
+    def _light(self, light, columns: Columns, view) -> None:
+        """Add what a lamp leaves on the particles of a lit look."""
+        lit, parallel = columns.lit[: columns.count], view.height is not None
+        eye = view.axes[2] if parallel else view.position
+        light_in = incoming_light(light, lit[:, :3], lit[:, 3], eye, parallel)
+        columns.used[RED : BLUE + 1] += (lit[:, 4:] * light_in).T
 
 
 def render_frame(sim, size=(1280, 720), camera: Camera | None = None) -> np.ndarray:

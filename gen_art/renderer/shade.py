@@ -1,144 +1,94 @@
-"""From particles to sprites: where each is on the picture, how large, in what colour, with what light.
+"""From particles to columns: where each is on the picture, how large, in what colour, with what light.
 
-One kernel for all looks: what a preset says becomes tables (`Shading`), which are run-time data, so that changing any
-number or colour compiles nothing.
+One kernel for all looks, LANES particles at a time in local arrays, which is what lets it vectorise.
 """
-
-from dataclasses import dataclass
 
 import numpy as np
 
 from gen_art.elementary import exp
-from gen_art.errors import UsageError
-from gen_art.preset.colour_names import Gradient
-from gen_art.preset.look import Color, Look, Ramp
-from gen_art.preset.values import Curve
-from gen_art.registry import suggest
-from gen_art.renderer.camera import View
-from gen_art.renderer.colour import TABLE, blackbody, gradient_table, planck_luminance
-from gen_art.renderer.film import Sprites
+from gen_art.renderer.colour import TABLE
 from gen_art.renderer.sprite import (
     ALPHA,
     AREA,
     BLUE,
+    COLUMNS,
     DEPTH,
+    DISC,
     DX,
     DY,
-    FIRST,
+    EDGE,
     GREEN,
-    LAST,
-    LEVEL,
+    HIDDEN,
+    POINT,
     REACH,
     RED,
     SMALLEST,
-    TAIL,
-    TAPER,
+    SOFTEST,
+    SPHERE,
+    STREAK,
+    VARIANCE,
     X,
     Y,
-    coarsen,
-    finish,
 )  # fmt: skip
+from gen_art.renderer.tables import (
+    ALBEDO,
+    AXES,
+    BLEND,
+    COLOR,
+    CONSERVE,
+    DUTY,
+    EMITS,
+    FALLOFF,
+    FAR,
+    FILM_TIME,
+    FOCUS,
+    FOG_BLUE,
+    FOG_GREEN,
+    FOG_RATE,
+    FOG_RED,
+    FOG_START,
+    INTENSITY,
+    KELVIN,
+    KIND,
+    LENS,
+    LIT,
+    NEAR,
+    OPACITY,
+    ORTHOGRAPHIC,
+    POSITION,
+    QUANTITIES,
+    RAMPS,
+    RAW,
+    ROWS,
+    SCALE,
+    SHUTTER,
+    SIZE,
+    SIZE_MODE,
+    SIZE_VALUE,
+    STROBE_HI,
+    STROBE_LO,
+    TIME,
+    WEIGHT,
+    WIDTH,
+    Shading,
+)
 from gen_art.runtime import kernel, ti
 
-__all__ = ["Shading", "add_sprites"]
+__all__ = ["Columns", "shade"]
 
+LANES = 16
+BLOCK = 2048  # particles a parallel turn
 REFERENCE_ROWS = 720.0  # a "pixel" of a preset is 1/720 of the picture's height
 SOFT = 1.5  # a disc's reach over its radius
-
-_BY = {
-    "age": 0, "seconds": 1, "speed": 2, "energy": 3, "charge": 4, "mass": 5, "radius": 6, "id": 7, "random": 8,
-    "distance": 9, "x": 10, "y": 11, "z": 12,
-}  # fmt: skip
-_ATTRIBUTE = 100
-SIZE, INTENSITY, OPACITY, KELVIN, COLOR, ALBEDO = range(6)
-RAMPS = 6
-
-# run-time numbers of the kernel
-(
-    POSITION, _PY, _PZ, AXES, *_rest,
-) = range(12)  # fmt: skip
-SCALE, ORTHOGRAPHIC, NEAR, FAR, WIDTH, ROWS, TIME, SHUTTER = range(12, 20)
-FOG_START, FOG_RATE, FOG_RED, FOG_GREEN, FOG_BLUE = range(20, 25)
-KIND, SIZE_MODE, SIZE_VALUE, BLEND, CONSERVE, FALLOFF, TAIL_LIGHT, TAIL_WIDTH = range(25, 33)
-STROBE_LO, STROBE_HI, DUTY, FILM_TIME, RAW, LIT, WEIGHT, EMITS = range(33, 41)
-NUMBERS = 41
+BOKEH = 0.25 / VARIANCE  # reach squared that gives the variance of an even disc of radius 1
 
 F64, U2, I1, L1, F2, F3 = (
     ti.types.ndarray(d, n) for d, n in ((ti.f64, 1), (ti.u32, 2), (ti.i32, 1), (ti.i64, 1), (ti.f32, 2), (ti.f32, 3))
 )
 
 
-def _channel(by: str, channels: dict[str, int]) -> float:
-    if by in channels and (by not in _BY or channels[by] > 9):
-        return float(_ATTRIBUTE + channels[by])
-    if by in _BY:
-        return float(_BY[by])
-    raise UsageError(
-        f"a look cannot go by '{by}'{suggest(by, [*_BY, *channels])}; known are {', '.join([*_BY, *channels])}"
-    )
-
-
-def _domain(ramp: Ramp) -> tuple[float, float]:
-    """The values of the quantity at the two ends of the table."""
-    first, last = ramp.curve.points[0][0], ramp.curve.points[-1][0]
-    if ramp.range is not None:
-        span = ramp.range.hi - ramp.range.lo
-        return ramp.range.lo + first * span, ramp.range.lo + last * span
-    return first, last
-
-
-def _samples(curve: Curve) -> np.ndarray:
-    xs, ys = zip(*curve.points)
-    return np.interp(np.linspace(xs[0], xs[-1], TABLE), xs, ys)
-
-
-@dataclass(frozen=True)
-class Shading:
-    """A look as tables: ramps (6, 3) by, low, 1 / span; curves (6, 256); colours (rows, 256, 4): row 0 is the black
-    body, then albedo and emission by tag; `rows` is the emission's row for each source. All float32 but rows.
-    """
-
-    look: Look
-    ramps: np.ndarray
-    curves: np.ndarray
-    colours: np.ndarray
-    tags: tuple[str, ...]
-
-    @classmethod
-    def of(cls, look: Look, channels: dict[str, int]) -> "Shading":
-        """The tables of a look for a system with these attribute rows. UsageError for a quantity it does not have."""
-        emission = look.emission
-        plain = Ramp()
-        kelvin = emission.blackbody if emission and emission.blackbody else None
-        color = emission.color if emission and emission.color else Color()
-        table = [look.size, emission.intensity if emission else plain, look.opacity, kelvin or plain]
-        ramps, curves = np.zeros((RAMPS, 3), np.float32), np.ones((RAMPS, TABLE), np.float32)
-        for k, ramp in enumerate(table):
-            low, high = _domain(ramp)
-            ramps[k] = _channel(ramp.by, channels), low, 1.0 / (high - low) if high > low else 0.0
-            curves[k] = _samples(ramp.curve)
-        for k, spec in ((COLOR, color), (ALBEDO, look.albedo)):
-            low, high = (spec.range.lo, spec.range.hi) if spec.range else (0.0, 1.0)
-            ramps[k] = _channel(spec.by, channels), low, 1.0 / (high - low) if high > low else 0.0
-        tags = tuple(color.tags)
-        gradients: list[Gradient] = [look.albedo.gradient, color.gradient, *(color.tags[t] for t in tags)]
-        colours = np.ones((1 + len(gradients), TABLE, 4), np.float32)
-        if kelvin:
-            temperatures = np.maximum(_samples(kelvin.curve), 100.0)
-            relative = planck_luminance(temperatures) / planck_luminance(temperatures.max())
-            colours[0, :, :3] = blackbody(temperatures) * (relative**emission.planck)[:, None]
-        for row, gradient in enumerate(gradients):
-            colours[1 + row, :, :3] = gradient_table(gradient)
-        return cls(look, ramps, curves, colours, tags)
-
-    def rows(self, sources) -> np.ndarray:
-        """The table row of the emission's colour for each source (an object with a `tag`)."""
-        known = {tag: 3 + k for k, tag in enumerate(self.tags)}
-        return np.array([known.get(getattr(s, "tag", None), 2) for s in sources] or [2], dtype=np.int32)
-
-
 @ti.func
-def _unit(low, high, channel):
+def unit(low, high, channel):
     """A number in 0..1 from a particle's key: PCG's output permutation over a mix of the words."""
     s = (low ^ ti.u32(channel)) * ti.u32(747796405) + ti.u32(2891336453)
     s = s ^ (high * ti.u32(277803737))
@@ -146,20 +96,6 @@ def _unit(low, high, channel):
     w = ((s >> ((s >> ti.u32(28)) + ti.u32(4))) ^ s) * ti.u32(277803737)
     w = (w >> ti.u32(22)) ^ w
     return ti.cast(w >> ti.u32(8), ti.f32) * (1.0 / 16777216.0)
-
-
-@ti.func
-def _colour(table: ti.template(), row, u):
-    place = u * (TABLE - 1.0)
-    k = ti.min(ti.cast(place, ti.i32), TABLE - 2)
-    f = place - ti.cast(k, ti.f32)
-    return ti.Vector(
-        [
-            table[row, k, 0] + (table[row, k + 1, 0] - table[row, k, 0]) * f,
-            table[row, k, 1] + (table[row, k + 1, 1] - table[row, k, 1]) * f,
-            table[row, k, 2] + (table[row, k + 1, 2] - table[row, k, 2]) * f,
-        ]
-    )
 
 
 @ti.func
@@ -174,221 +110,248 @@ def _clip(p, q, low, high):
     return low, high
 
 
+@ti.func
+def _lanes(value):
+    return ti.Vector([value] * LANES)
+
+
 @ti.kernel
 def _shade(
-    S: ti.types.ndarray(ndim=2), birth: F64, key: U2, id: L1, source: I1, tag_rows: I1, n: ti.i32, base: ti.i32, P: F2, A: F2,
+    S: ti.types.ndarray(ndim=2), birth: F64, key: U2, id: L1, source: I1, tag_rows: I1, n: ti.i32, C: F2, A: F2,
     ramps: F2, curves: F2, colours: F3, Q: F64,
 ):  # fmt: skip
     ti.loop_config(block_dim=1)
-    for block in range((n + 2047) // 2048):
-        for i in range(block * 2048, ti.min((block + 1) * 2048, n)):
-            o = base + i
-            P[o, FIRST], P[o, LAST], P[o, DEPTH], P[o, LEVEL] = 1.0, 0.0, 0.0, 0.0
-            age = ti.cast(Q[TIME] - birth[i], ti.f32)
-            life = ti.cast(S[9, i], ti.f32)
-            local = ti.Vector([0.0, 0.0, 0.0])  # right, up, forward
-            flow = ti.Vector([0.0, 0.0, 0.0])
-            for c in ti.static(range(3)):
-                x = ti.cast(ti.cast(S[c, i], ti.f64) - Q[POSITION + c], ti.f32)
-                v = ti.cast(S[3 + c, i], ti.f32)
-                for r in ti.static(range(3)):
-                    local[r] += ti.cast(Q[AXES + 3 * r + c], ti.f32) * x
-                    flow[r] += ti.cast(Q[AXES + 3 * r + c], ti.f32) * v
-            near, far = ti.cast(Q[NEAR], ti.f32), ti.cast(Q[FAR], ti.f32)
-            streak = Q[KIND] > 1.5
-            lapse = ti.min(ti.cast(Q[SHUTTER], ti.f32), ti.max(age, 0.0))
-            old = local - flow * lapse
-            begins, ends = 0.0, 1.0  # the visible part of the segment from `local` (0) to `old` (1)
-            if streak:
-                begins, ends = _clip(local[2] - old[2], local[2] - near, begins, ends)
-            elif local[2] < near:
-                ends = -1.0
-            alive = age >= 0.0 and age < life and local[2] < far
-            if alive and ends > begins:
-                head = local + (old - local) * begins
-                scale = ti.cast(Q[SCALE], ti.f32)
-                per = scale
-                if Q[ORTHOGRAPHIC] < 0.5:
-                    per = scale / head[2]
-                width, rows = ti.cast(Q[WIDTH], ti.f32), ti.cast(Q[ROWS], ti.f32)
-                px, py = 0.5 * width + head[0] * per, 0.5 * rows - head[1] * per
-                dx, dy = 0.0, 0.0
-                if streak:
-                    back = local + (old - local) * ends
-                    per_back = per
-                    if Q[ORTHOGRAPHIC] < 0.5:
-                        per_back = scale / back[2]
-                    dx, dy = px - (0.5 * width + back[0] * per_back), py - (0.5 * rows - back[1] * per_back)
-                    low, high = 0.0, 1.0
-                    run = ti.Vector([dx, -dx, dy, -dy])
-                    room = ti.Vector([px + width, 2.0 * width - px, py + rows, 2.0 * rows - py])
-                    for e in range(4):
-                        low, high = _clip(run[e], room[e], low, high)
-                    if high > low:
-                        px, py = px - dx * low, py - dy * low
-                        dx, dy = dx * (high - low), dy * (high - low)
-                        ends = begins + (ends - begins) * high
-                        begins = begins + (ends - begins) * low / ti.max(high, 1e-30)
-                    else:
-                        ends = begins
-                # every quantity a ramp may go by, then the six tables
-                fraction = age / ti.max(life, 1e-30)
-                speed2 = flow.dot(flow)
-                mass = ti.cast(S[6, i], ti.f32)
-                radius = ti.cast(S[8, i], ti.f32)
-                u = ti.Vector([0.0] * RAMPS)
-                for k in range(RAMPS):
-                    by = ti.cast(ramps[k, 0], ti.i32)
-                    q = fraction
-                    if by >= _ATTRIBUTE:
-                        q = ti.cast(S[by - _ATTRIBUTE, i], ti.f32)
-                    elif by >= 10:
-                        q = ti.cast(S[by - 10, i], ti.f32)
-                    elif by == 1:
-                        q = age
-                    elif by == 2:
-                        q = ti.sqrt(speed2)
-                    elif by == 3:
-                        q = 0.5 * mass * speed2
-                    elif by == 4:
-                        q = ti.cast(S[7, i], ti.f32)
-                    elif by == 5:
-                        q = mass
-                    elif by == 6:
-                        q = radius
-                    elif by == 7:
-                        q = ti.cast(id[i], ti.f32)
-                    elif by == 8:
-                        q = _unit(key[0, i], key[1, i], 11)
-                    elif by == 9:
-                        d2 = 0.0
-                        for c in ti.static(range(3)):
-                            d2 += ti.cast(S[c, i], ti.f32) * ti.cast(S[c, i], ti.f32)
-                        q = ti.sqrt(d2)
-                    u[k] = ti.min(ti.max((q - ramps[k, 1]) * ramps[k, 2], 0.0), 1.0)
-                value = ti.Vector([0.0] * 3)
-                for k in range(3):
-                    place = u[k] * (TABLE - 1.0)
-                    at = ti.min(ti.cast(place, ti.i32), TABLE - 2)
-                    value[k] = curves[k, at] + (curves[k, at + 1] - curves[k, at]) * (place - ti.cast(at, ti.f32))
-                # size in pixels, and the area its light is worth
-                size = ti.cast(Q[SIZE_VALUE], ti.f32)
-                if Q[SIZE_MODE] < 0.5:
-                    size = radius
-                pixel = rows / REFERENCE_ROWS
-                half = size * value[SIZE] * ti.select(Q[SIZE_MODE] > 1.5, pixel, per)
-                reach = half * SOFT
-                area = AREA * reach * reach
-                shown = ti.sqrt(reach * reach + SMALLEST * SMALLEST)
-                if Q[KIND] < 0.5 and Q[SIZE_MODE] < 1.5:
-                    shown = 0.0
-                    area = pixel * pixel * value[SIZE] * value[SIZE]
-                if Q[RAW] > 0.5:
-                    area = width * rows
-                light = value[INTENSITY] * ti.cast(Q[WEIGHT], ti.f32) * (ends - begins)
-                if Q[FALLOFF] > 0.0 and Q[ORTHOGRAPHIC] < 0.5:
-                    light *= ti.cast(Q[FALLOFF], ti.f32) / (head[2] * head[2])
-                if Q[STROBE_HI] > 0.0:
-                    f = Q[STROBE_LO] + (Q[STROBE_HI] - Q[STROBE_LO]) * ti.cast(_unit(key[0, i], key[1, i], 5), ti.f64)
-                    turn = Q[FILM_TIME] * f + ti.cast(_unit(key[0, i], key[1, i], 6), ti.f64)
-                    light *= ti.select(turn - ti.floor(turn) < Q[DUTY], 1.0, 0.0)
-                rgb = ti.Vector([0.0, 0.0, 0.0])
-                if Q[EMITS] > 0.5:
-                    row = tag_rows[source[i]]
-                    rgb = _colour(colours, row, u[COLOR]) * _colour(colours, 0, u[KELVIN]) * (light * area)
-                cover = 0.0
-                white = ti.Vector([0.0, 0.0, 0.0])
-                depth = value[OPACITY]
-                if Q[BLEND] > 0.5:
-                    world = half / per
-                    if Q[CONSERVE] > 0.0:
-                        shrink = ti.cast(Q[CONSERVE], ti.f32) / ti.max(world, 1e-30)
-                        depth *= shrink * shrink
-                    white = _colour(colours, 1, u[ALBEDO])
-                dense = ti.Vector(
-                    [depth, ti.max(head[2] - ti.cast(Q[FOG_START], ti.f32), 0.0) * ti.cast(Q[FOG_RATE], ti.f32)]
-                )
-                for e in range(2):  # through the sprite, and through the fog in front of it
-                    dense[e] = exp(-dense[e])
-                if Q[BLEND] > 0.5:
-                    cover = (1.0 - dense[0]) * area
-                if Q[FOG_RATE] > 0.0:
-                    clear = dense[1]
-                    mist = ti.Vector([Q[FOG_RED], Q[FOG_GREEN], Q[FOG_BLUE]])
-                    for c in ti.static(range(3)):
-                        rgb[c] = rgb[c] * clear + cover * (1.0 - clear) * ti.cast(mist[c], ti.f32)
-                    white *= clear
-                if Q[LIT] > 0.5:
-                    for c in ti.static(range(3)):
-                        A[i, c] = ti.cast(S[c, i], ti.f32)
-                        A[i, 4 + c] = white[c] * cover
-                    A[i, 3] = depth * AREA * (half / per * SOFT) * (half / per * SOFT)
-                else:
-                    rgb += white * cover
-                P[o, X], P[o, Y], P[o, REACH], P[o, DX], P[o, DY] = px, py, shown, dx, dy
-                P[o, RED], P[o, GREEN], P[o, BLUE], P[o, ALPHA], P[o, DEPTH] = rgb[0], rgb[1], rgb[2], cover, head[2]
-                P[o, TAIL], P[o, TAPER] = ti.cast(Q[TAIL_LIGHT], ti.f32), ti.cast(Q[TAIL_WIDTH], ti.f32)
-                beyond = ti.max(shown, 1.0) * 1.5 + ti.max(abs(dx), abs(dy))
-                seen = px > -beyond and px < width + beyond and py > -beyond and py < rows + beyond
-                if seen and (cover > 0.0 or rgb[0] + rgb[1] + rgb[2] > 0.0 or Q[LIT] > 0.5):
-                    level = 0
-                    if Q[KIND] < 1.5:
-                        level = coarsen(P, o, _unit(key[0, i], key[1, i], 21))
-                    side = (1 << level) - 1
-                    finish(
-                        P, o, (ti.cast(Q[WIDTH], ti.i32) + side) >> level, (ti.cast(Q[ROWS], ti.i32) + side) >> level
+    for block in range((n + BLOCK - 1) // BLOCK):
+        kind, scale = ti.cast(Q[KIND], ti.i32), ti.cast(Q[SCALE], ti.f32)
+        parallel = Q[ORTHOGRAPHIC] > 0.5
+        near, far = ti.cast(Q[NEAR], ti.f32), ti.cast(Q[FAR], ti.f32)
+        width, rows = ti.cast(Q[WIDTH], ti.f32), ti.cast(Q[ROWS], ti.f32)
+        for tile in range(block * BLOCK // LANES, ti.min((block + 1) * BLOCK, n + LANES - 1) // LANES):
+            i0 = tile * LANES
+            right, above, ahead = _lanes(0.0), _lanes(0.0), _lanes(0.0)
+            goes, climbs, comes = _lanes(0.0), _lanes(0.0), _lanes(0.0)
+            px, py, dx, dy, per = _lanes(0.0), _lanes(0.0), _lanes(0.0), _lanes(0.0), _lanes(0.0)
+            part = _lanes(0.0)  # of the streak that is in the frame; 0 for what is not drawn
+            quantity = ti.Vector([0.0] * ((QUANTITIES + RAMPS) * LANES))
+            for j in range(LANES):
+                i = i0 + j
+                x = ti.cast(ti.cast(S[0, i], ti.f64) - Q[POSITION], ti.f32)
+                y = ti.cast(ti.cast(S[1, i], ti.f64) - Q[POSITION + 1], ti.f32)
+                z = ti.cast(ti.cast(S[2, i], ti.f64) - Q[POSITION + 2], ti.f32)
+                u, v, w = ti.cast(S[3, i], ti.f32), ti.cast(S[4, i], ti.f32), ti.cast(S[5, i], ti.f32)
+                a = ti.Vector([ti.cast(Q[AXES + k], ti.f32) for k in range(9)])
+                right[j], goes[j] = a[0] * x + a[1] * y + a[2] * z, a[0] * u + a[1] * v + a[2] * w
+                above[j], climbs[j] = a[3] * x + a[4] * y + a[5] * z, a[3] * u + a[4] * v + a[5] * w
+                ahead[j], comes[j] = a[6] * x + a[7] * y + a[8] * z, a[6] * u + a[7] * v + a[8] * w
+                age, life = ti.cast(Q[TIME] - birth[i], ti.f32), ti.cast(S[9, i], ti.f32)
+                mass, squared = ti.cast(S[6, i], ti.f32), u * u + v * v + w * w
+                x, y, z = ti.cast(S[0, i], ti.f32), ti.cast(S[1, i], ti.f32), ti.cast(S[2, i], ti.f32)
+                quantity[j], quantity[LANES + j] = age / ti.max(life, 1e-30), age
+                quantity[2 * LANES + j], quantity[3 * LANES + j] = ti.sqrt(squared), 0.5 * mass * squared
+                quantity[4 * LANES + j], quantity[5 * LANES + j] = ti.cast(S[7, i], ti.f32), mass
+                quantity[6 * LANES + j], quantity[7 * LANES + j] = ti.cast(S[8, i], ti.f32), ti.cast(id[i], ti.f32)
+                quantity[8 * LANES + j] = unit(key[0, i], key[1, i], 11)
+                quantity[9 * LANES + j] = ti.sqrt(x * x + y * y + z * z)
+                quantity[10 * LANES + j], quantity[11 * LANES + j], quantity[12 * LANES + j] = x, y, z
+                visible = (i < n) & (age >= 0.0) & (age < life) & (ahead[j] < far)
+                visible = visible & ((ahead[j] >= near) | (kind == STREAK))
+                part[j] = ti.select(visible, 1.0, 0.0)
+            if kind == STREAK:
+                for j in range(LANES):
+                    if part[j] > 0.0:
+                        lapse = ti.min(ti.cast(Q[SHUTTER], ti.f32), ti.max(quantity[LANES + j], 0.0))
+                        head = ti.Vector([right[j], above[j], ahead[j]])
+                        old = head - ti.Vector([goes[j], climbs[j], comes[j]]) * lapse
+                        begins, ends = _clip(head[2] - old[2], head[2] - near, 0.0, 1.0)
+                        part[j] = 0.0
+                        if ends > begins:
+                            back = head + (old - head) * ends
+                            head = head + (old - head) * begins
+                            here, there = scale, scale
+                            if not parallel:
+                                here, there = scale / head[2], scale / back[2]
+                            hx, hy = 0.5 * width + head[0] * here, 0.5 * rows - head[1] * here
+                            ox, oy = hx - (0.5 * width + back[0] * there), hy - (0.5 * rows - back[1] * there)
+                            low, high = 0.0, 1.0
+                            run = ti.Vector([ox, -ox, oy, -oy])
+                            room = ti.Vector([hx + width, 2.0 * width - hx, hy + rows, 2.0 * rows - hy])
+                            for e in range(4):
+                                low, high = _clip(run[e], room[e], low, high)
+                            if high > low:
+                                px[j], py[j] = hx - ox * low, hy - oy * low
+                                dx[j], dy[j] = ox * (high - low), oy * (high - low)
+                                part[j] = (ends - begins) * (high - low)
+                            per[j], ahead[j] = here, head[2]
+            else:
+                for j in range(LANES):
+                    per[j] = ti.select(parallel, scale, scale / ti.select(part[j] > 0.0, ahead[j], 1.0))
+                    px[j], py[j] = 0.5 * width + right[j] * per[j], 0.5 * rows - above[j] * per[j]
+            # the six tables, each by its quantity
+            place = ti.Vector([0.0] * (RAMPS * LANES))
+            value = ti.Vector([0.0] * (3 * LANES))
+            for k in range(RAMPS):
+                slot = ti.cast(ramps[k, 0], ti.i32) * LANES
+                channel = ti.cast(ramps[k, 3], ti.i32)
+                if channel >= 0:
+                    for j in range(LANES):
+                        quantity[slot + j] = ti.cast(S[channel, i0 + j], ti.f32)
+                for j in range(LANES):
+                    t = ti.min(ti.max((quantity[slot + j] - ramps[k, 1]) * ramps[k, 2], 0.0), 1.0)
+                    place[k * LANES + j] = t * (TABLE - 1.0)
+                if k < 3:
+                    for j in range(LANES):
+                        t = place[k * LANES + j]
+                        at = ti.min(ti.cast(t, ti.i32), TABLE - 2)
+                        first = curves[k, at]
+                        value[k * LANES + j] = first + (curves[k, at + 1] - first) * (t - ti.cast(at, ti.f32))
+            # size in pixels, the area its light is worth, what hides it
+            half, area, light, fog = _lanes(0.0), _lanes(0.0), _lanes(0.0), _lanes(1.0)
+            through, cover = _lanes(0.0), _lanes(0.0)
+            mode = ti.cast(Q[SIZE_MODE], ti.i32)
+            pixel = rows / REFERENCE_ROWS
+            for j in range(LANES):
+                size = ti.select(mode == 0, quantity[6 * LANES + j], ti.cast(Q[SIZE_VALUE], ti.f32))
+                size *= value[SIZE * LANES + j]
+                half[j] = size * ti.select(mode == 2, pixel, per[j])
+                reach, dot = half[j] * SOFT, pixel * value[SIZE * LANES + j]
+                a = ti.select(kind == SPHERE, 3.14159265 * half[j] * half[j], AREA * reach * reach)
+                a = ti.select((kind == POINT) & (mode < 2), dot * dot, a)
+                area[j] = ti.select(Q[RAW] > 0.5, width * rows, a)
+                faint = ti.cast(Q[FALLOFF], ti.f32) / ti.max(ahead[j] * ahead[j], 1e-30)
+                faint = ti.select((Q[FALLOFF] > 0.0) & (not parallel), faint, 1.0)
+                light[j] = value[INTENSITY * LANES + j] * ti.cast(Q[WEIGHT], ti.f32) * part[j] * faint
+                shrink = ti.cast(Q[CONSERVE], ti.f32) * per[j] / ti.max(half[j], 1e-30)
+                through[j] = value[OPACITY * LANES + j] * ti.select(Q[CONSERVE] > 0.0, shrink * shrink, 1.0)
+            if Q[STROBE_HI] > 0.0:
+                for j in range(LANES):
+                    one, two = key[0, i0 + j], key[1, i0 + j]
+                    f = Q[STROBE_LO] + (Q[STROBE_HI] - Q[STROBE_LO]) * ti.cast(unit(one, two, 5), ti.f64)
+                    turn = Q[FILM_TIME] * f + ti.cast(unit(one, two, 6), ti.f64)
+                    light[j] *= ti.select(turn - ti.floor(turn) < Q[DUTY], 1.0, 0.0)
+            if Q[BLEND] > 0.5:
+                for j in range(LANES):
+                    hidden = ti.select(Q[BLEND] > 1.5, 1.0, 1.0 - exp(-through[j]))
+                    cover[j] = ti.select(part[j] > 0.0, hidden * area[j], 0.0)
+            if Q[FOG_RATE] > 0.0:
+                for j in range(LANES):
+                    mist = ti.max(ahead[j] - ti.cast(Q[FOG_START], ti.f32), 0.0) * ti.cast(Q[FOG_RATE], ti.f32)
+                    fog[j] = exp(-mist)
+            # colour, and the light that a lamp would leave on it
+            red, green, blue = _lanes(0.0), _lanes(0.0), _lanes(0.0)
+            if Q[EMITS] > 0.5:
+                for j in range(LANES):
+                    t, h = place[COLOR * LANES + j], place[KELVIN * LANES + j]
+                    row, at, hot = tag_rows[source[i0 + j]], ti.min(ti.cast(t, ti.i32), TABLE - 2), 0
+                    hot = ti.min(ti.cast(h, ti.i32), TABLE - 2)
+                    f, g = t - ti.cast(at, ti.f32), h - ti.cast(hot, ti.f32)
+                    c, d, e, k = (
+                        colours[row, at, 0],
+                        colours[row, at + 1, 0],
+                        colours[0, hot, 0],
+                        colours[0, hot + 1, 0],
                     )
-            elif Q[LIT] > 0.5:
-                A[i, 3] = 0.0
+                    red[j] = (c + (d - c) * f) * (e + (k - e) * g) * (light[j] * area[j])
+                    c, d, e, k = (
+                        colours[row, at, 1],
+                        colours[row, at + 1, 1],
+                        colours[0, hot, 1],
+                        colours[0, hot + 1, 1],
+                    )
+                    green[j] = (c + (d - c) * f) * (e + (k - e) * g) * (light[j] * area[j])
+                    c, d, e, k = (
+                        colours[row, at, 2],
+                        colours[row, at + 1, 2],
+                        colours[0, hot, 2],
+                        colours[0, hot + 1, 2],
+                    )
+                    blue[j] = (c + (d - c) * f) * (e + (k - e) * g) * (light[j] * area[j])
+            if Q[BLEND] > 0.5:
+                for j in range(LANES):
+                    t = place[ALBEDO * LANES + j]
+                    at = ti.min(ti.cast(t, ti.i32), TABLE - 2)
+                    f, strength = t - ti.cast(at, ti.f32), cover[j] * fog[j]
+                    c, d, e = colours[1, at, 0], colours[1, at, 1], colours[1, at, 2]
+                    c = (c + (colours[1, at + 1, 0] - c) * f) * strength
+                    d = (d + (colours[1, at + 1, 1] - d) * f) * strength
+                    e = (e + (colours[1, at + 1, 2] - e) * f) * strength
+                    mist = cover[j] * (1.0 - fog[j])
+                    red[j] = red[j] * fog[j] + mist * ti.cast(Q[FOG_RED], ti.f32)
+                    green[j] = green[j] * fog[j] + mist * ti.cast(Q[FOG_GREEN], ti.f32)
+                    blue[j] = blue[j] * fog[j] + mist * ti.cast(Q[FOG_BLUE], ti.f32)
+                    if Q[LIT] > 0.5:
+                        place[j], place[LANES + j], place[2 * LANES + j] = c, d, e
+                        breadth = half[j] / per[j] * SOFT
+                        place[3 * LANES + j] = ti.select(part[j] > 0.0, through[j] * AREA * breadth * breadth, 0.0)
+                    else:
+                        red[j], green[j], blue[j] = red[j] + c, green[j] + d, blue[j] + e
+            else:
+                for j in range(LANES):
+                    red[j], green[j], blue[j] = red[j] * fog[j], green[j] * fog[j], blue[j] * fog[j]
+            # what a sprite shows: reach and edge, with the lens; what is out of the frame or gives nothing is hidden
+            shown, edge = _lanes(0.0), _lanes(0.0)
+            for j in range(LANES):
+                circle = ti.cast(Q[LENS], ti.f32) * abs(scale / ti.cast(Q[FOCUS], ti.f32) - per[j])
+                reach = half[j] * SOFT
+                soft = ti.sqrt(reach * reach + SMALLEST * SMALLEST)
+                dot = (kind == POINT) & (mode < 2)
+                s = ti.sqrt(soft * soft + circle * circle * BOKEH)
+                e = -unit(key[0, i0 + j], key[1, i0 + j], 21)  # spreads the size at which it moves to a coarser film
+                if (kind <= DISC) & (Q[LENS] > 0.0):
+                    s, e = ti.max(circle, 0.01), ti.select(dot, SMALLEST, soft)
+                elif dot:
+                    s = 0.0
+                elif kind == SPHERE:
+                    s, e = ti.max(half[j], circle), ti.max(ti.min(half[j], circle), SOFTEST)
+                shown[j], edge[j] = s, e
+                beyond = (ti.max(shown[j], 1.0) + edge[j]) * 1.5 + ti.max(abs(dx[j]), abs(dy[j]))
+                seen = (part[j] > 0.0) & (px[j] > -beyond) & (px[j] < width + beyond)
+                seen = seen & (py[j] > -beyond) & (py[j] < rows + beyond)
+                gives = (cover[j] > 0.0) | (red[j] + green[j] + blue[j] > 0.0) | (Q[LIT] > 0.5)
+                shown[j] = ti.select(seen & gives, shown[j], HIDDEN)
+            for j in range(ti.min(LANES, n - i0)):
+                i = i0 + j
+                C[X, i], C[Y, i], C[DX, i], C[DY, i] = px[j], py[j], dx[j], dy[j]
+                C[REACH, i], C[EDGE, i], C[DEPTH, i] = shown[j], edge[j], ahead[j]
+                C[RED, i], C[GREEN, i], C[BLUE, i], C[ALPHA, i] = red[j], green[j], blue[j], cover[j]
+            if Q[LIT] > 0.5:
+                for j in range(ti.min(LANES, n - i0)):
+                    i = i0 + j
+                    for c in ti.static(range(3)):
+                        A[i, c], A[i, 4 + c] = ti.cast(S[c, i], ti.f32), place[c * LANES + j]
+                    A[i, 3] = place[3 * LANES + j]
 
 
-shade = kernel(_shade)
+shade_kernel = kernel(_shade)
 
 
-def numbers(
-    shading: Shading, view: View, size, time: float, film_time: float, shutter: float, raw: bool, weight: float = 1.0
-) -> np.ndarray:
-    """The kernel's run-time numbers (float64). `weight` scales the light, `raw` makes every particle's light 1."""
-    look = shading.look
-    q = np.zeros(NUMBERS)
-    q[POSITION : POSITION + 3] = view.position
-    q[AXES : AXES + 9] = view.axes.reshape(-1)
-    q[SCALE], q[ORTHOGRAPHIC] = view.scale(size[1]), view.height is not None
-    q[NEAR], q[FAR] = (-np.inf if view.height else view.near), view.far
-    q[WIDTH], q[ROWS] = size
-    q[TIME], q[FILM_TIME] = time, film_time
-    q[SHUTTER] = shutter if look.length is None else look.length
-    if view.fog:
-        q[FOG_START], q[FOG_RATE] = view.fog[0], 1.0 / view.fog[1]
-        q[FOG_RED : FOG_RED + 3] = view.fog[2]
-    q[KIND] = ("point", "disc", "streak").index(look.draw)
-    if look.pixels is not None:
-        q[SIZE_MODE], q[SIZE_VALUE] = 2, 0.5 * look.pixels
-    elif look.radius is not None or look.width is not None:
-        q[SIZE_MODE], q[SIZE_VALUE] = 1, look.radius if look.radius is not None else 0.5 * look.width
-    q[BLEND] = look.blend == "alpha"
-    q[CONSERVE] = look.reference or 0.0
-    q[FALLOFF] = view.distance**2 if look.falloff == "inverse_square" else 0.0
-    q[TAIL_LIGHT], q[TAIL_WIDTH] = look.tail, look.taper
-    emission = look.emission
-    if emission and emission.strobe:
-        q[STROBE_LO], q[STROBE_HI], q[DUTY] = emission.strobe.lo, max(emission.strobe.hi, 1e-12), emission.duty
-    q[RAW], q[WEIGHT], q[LIT] = raw, weight, look.light is not None
-    q[EMITS] = emission is not None or look.blend == "add"
-    return q
+class Columns:
+    """One system's particles on the picture: `rows` (11, capacity) float32, of which `count` are in use; reused."""
+
+    def __init__(self):
+        self.rows = np.zeros((COLUMNS, 0), np.float32)
+        self.lit = np.zeros((1, 7), np.float32)
+        self.count = 0
+
+    def reserve(self, n: int, lit: bool) -> None:
+        if n > self.rows.shape[1]:
+            self.rows = np.empty((COLUMNS, n + n // 8), np.float32)
+        if lit and n > len(self.lit):
+            self.lit = np.empty((n + n // 8, 7), np.float32)
+        self.count = n
+
+    @property
+    def used(self) -> np.ndarray:
+        return self.rows[:, : self.count]
 
 
-def add_sprites(sprites: Sprites, system, shading: Shading, q: np.ndarray) -> tuple[int, np.ndarray]:
-    """Append a system's particles; gives the first row and, for a lit look, (n, 7) of position, extinction cross
-    section and albedo times cover, whose light is still to be added.
+def shade(columns: Columns, system, shading: Shading, q: np.ndarray) -> None:
+    """Fill the columns from a system. For a lit look `columns.lit` (n, 7) holds position, extinction cross section and
+    albedo times cover, whose light is still to be added.
     """
     n = int(system.count)
-    first = sprites.reserve(n)
-    auxiliary = np.zeros((n if q[LIT] else 1, 7), np.float32)
+    columns.reserve(n, q[LIT] > 0.5)
     if n:
-        shade(
-            system.floats, system.birth, system.key, system.id, system.source, shading.rows(system.sources), n, first,
-            sprites.rows, auxiliary, shading.ramps, shading.curves, shading.colours, q,
+        shade_kernel(
+            system.floats, system.birth, system.key, system.id, system.source, shading.rows(system.sources), n,
+            columns.rows, columns.lit, shading.ramps, shading.curves, shading.colours, q,
         )  # fmt: skip
-    sprites.layered |= shading.look.blend == "alpha"
-    return first, auxiliary

@@ -7,23 +7,30 @@ which is what lets the blending vectorise. Neither the number of threads nor any
 Where sprites hide each other, the order of drawing is cut into SLICES, and in each of them the coarse films come first.
 """
 
+from functools import cache
+
 from gen_art.renderer.sprite import (
     ACROSS,
     ALPHA,
     BLUE,
+    DISC,
     DX,
     DY,
+    EDGE,
     FIRST,
     GREEN,
+    KIND,
     LAST,
     LEFT,
     LEVEL,
-    NORM_X,
-    NORM_Y,
+    NORM,
+    POINT,
     REACH,
     RED,
     RIGHT,
     SLOPE,
+    SPHERE,
+    STREAK,
     TAIL,
     TAPER,
     THINNEST,
@@ -31,11 +38,12 @@ from gen_art.renderer.sprite import (
     Y,
     along,
     profile,
+    rim,
     step,
 )
 from gen_art.runtime import kernel, ti
 
-__all__ = ["count", "draw", "lay", "list_bins"]
+__all__ = ["count", "drawing", "lay", "list_bins"]
 
 BIN = 32  # pixels along the side of a bin
 TILE = 8  # pixels along the side of the local array
@@ -45,15 +53,16 @@ LANE = 4 * TILE  # floats in a tile's row
 SLICES = 24
 
 F1, F2, I1, I2 = (ti.types.ndarray(d, n) for d, n in ((ti.f32, 1), (ti.f32, 2), (ti.i32, 1), (ti.i32, 2)))
+H2 = ti.types.ndarray(ti.i16, 2)
 
 
 @ti.func
-def _bins(P: ti.template(), i, level):
+def _bins(marks: ti.template(), i, level):
     """First and last bin in each direction; none for a sprite that is not seen, or not on this level."""
-    y0, y1 = ti.cast(P[i, FIRST], ti.i32) // BIN, ti.cast(P[i, LAST], ti.i32) // BIN
-    if P[i, LAST] < P[i, FIRST] or P[i, LEVEL] != level:
+    y0, y1 = ti.cast(marks[i, FIRST], ti.i32) // BIN, ti.cast(marks[i, LAST], ti.i32) // BIN
+    if marks[i, LAST] < marks[i, FIRST] or ti.cast(marks[i, LEVEL], ti.i32) != level:
         y0, y1 = 0, -1
-    return ti.cast(P[i, LEFT], ti.i32) // BIN, ti.cast(P[i, RIGHT], ti.i32) // BIN, y0, y1
+    return ti.cast(marks[i, LEFT], ti.i32) // BIN, ti.cast(marks[i, RIGHT], ti.i32) // BIN, y0, y1
 
 
 @ti.func
@@ -67,11 +76,11 @@ def _tiles(first, last, place):
 
 
 @ti.kernel
-def _count(P: F2, order: I1, n: ti.i32, level: ti.f32, chunk: ti.i32, across: ti.i32, counts: I2):
+def _count(marks: H2, order: I1, n: ti.i32, level: ti.i32, chunk: ti.i32, across: ti.i32, counts: I2):
     ti.loop_config(block_dim=1)
     for c in range(CHUNKS):
         for j in range(c * chunk, ti.min((c + 1) * chunk, n)):
-            x0, x1, y0, y1 = _bins(P, order[j], level)
+            x0, x1, y0, y1 = _bins(marks, order[j], level)
             for y in range(y0, y1 + 1):
                 for x in range(x0, x1 + 1):
                     counts[c, y * across + x] = counts[c, y * across + x] + 1
@@ -79,20 +88,20 @@ def _count(P: F2, order: I1, n: ti.i32, level: ti.f32, chunk: ti.i32, across: ti
 
 @ti.kernel
 def _list(
-    P: F2, order: I1, n: ti.i32, level: ti.f32, chunk: ti.i32, across: ti.i32, starts: I2, listed: I1, touched: I1
+    marks: H2, order: I1, n: ti.i32, level: ti.i32, chunk: ti.i32, across: ti.i32, starts: I2, listed: I1, touched: I1
 ):
     """`touched`: one bit for each of the bin's tiles."""
     ti.loop_config(block_dim=1)
     for c in range(CHUNKS):
         for j in range(c * chunk, ti.min((c + 1) * chunk, n)):
             i = order[j]
-            x0, x1, y0, y1 = _bins(P, i, level)
+            x0, x1, y0, y1 = _bins(marks, i, level)
             for y in range(y0, y1 + 1):
                 for x in range(x0, x1 + 1):
                     b = y * across + x
                     at = starts[c, b]
-                    u0, u1 = _tiles(P[i, LEFT], P[i, RIGHT], x)
-                    v0, v1 = _tiles(P[i, FIRST], P[i, LAST], y)
+                    u0, u1 = _tiles(marks[i, LEFT], marks[i, RIGHT], x)
+                    v0, v1 = _tiles(marks[i, FIRST], marks[i, LAST], y)
                     row = (1 << (u1 + 1)) - (1 << u0)
                     bits = 0
                     for v in range(v0, v1 + 1):
@@ -121,7 +130,7 @@ def _point(P: ti.template(), i, tile: ti.template(), x, y):
 
 @ti.func
 def _disc(P: ti.template(), i, tile: ti.template(), x, y, top, bottom):
-    reach, norm = P[i, REACH], P[i, NORM_X] * P[i, NORM_Y]
+    reach, norm = P[i, REACH], P[i, NORM]
     r, g, b, a = P[i, RED], P[i, GREEN], P[i, BLUE], P[i, ALPHA]
     inverse = 1.0 / reach
     light, veil, down = ti.Vector([0.0] * LANE), ti.Vector([0.0] * LANE), ti.Vector([0.0] * TILE)
@@ -140,6 +149,21 @@ def _disc(P: ti.template(), i, tile: ti.template(), x, y, top, bottom):
 
 
 @ti.func
+def _sphere(P: ti.template(), i, tile: ti.template(), x, y, top, bottom):
+    """An even disc with a soft rim; where it hides, what is under a pixel stays by the part it does not cover."""
+    reach, edge, norm = P[i, REACH], P[i, EDGE], P[i, NORM]
+    r, g, b, a = P[i, RED] * norm, P[i, GREEN] * norm, P[i, BLUE] * norm, P[i, ALPHA] * norm
+    for row in range(top, bottom):
+        v = ti.cast(row, ti.f32) + 0.5 - y
+        for j in range(LANE):
+            u, c = ti.cast(j >> 2, ti.f32) + 0.5 - x, j & 3
+            w = rim(ti.sqrt(u * u + v * v), reach, edge)
+            under = tile[row * LANE + j]
+            light = ti.select(c == 0, r, ti.select(c == 1, g, ti.select(c == 2, b, a)))
+            tile[row * LANE + j] = under * (1.0 - ti.min(w * a, 1.0)) + w * light
+
+
+@ti.func
 def _streak(P: ti.template(), i, tile: ti.template(), x, y, dx, dy, top, bottom):
     """Column by column along the longer axis; across it each pixel gets the step's rise over its width, which sums to 1."""
     reach, slope, across = P[i, REACH], P[i, SLOPE], P[i, ACROSS]
@@ -153,7 +177,7 @@ def _streak(P: ti.template(), i, tile: ti.template(), x, y, dx, dy, top, bottom)
         step_m, step_n = LANE, 4
     span = abs(dm)
     sign = ti.select(dm > 0.0, 1.0, -1.0)
-    r, g, b = P[i, RED] * P[i, NORM_X], P[i, GREEN] * P[i, NORM_X], P[i, BLUE] * P[i, NORM_X]
+    r, g, b = P[i, RED] * P[i, NORM], P[i, GREEN] * P[i, NORM], P[i, BLUE] * P[i, NORM]
     tail, taper, per_span = P[i, TAIL], P[i, TAPER], 1.0 / span
     weight, middle, wide = ti.Vector([0.0] * TILE), ti.Vector([0.0] * TILE), ti.Vector([0.0] * TILE)
     for m in range(TILE):
@@ -178,33 +202,47 @@ def _streak(P: ti.template(), i, tile: ti.template(), x, y, dx, dy, top, bottom)
                 tile[o + 2] += b * w
 
 
-@ti.kernel
-def _draw(P: F2, listed: I1, touched: I1, bounds: I1, across: ti.i32, bins: ti.i32, film: F1, stride: ti.i32):
-    ti.loop_config(block_dim=1)
-    for place in range(bins * SIDE * SIDE):  # one tile, not one bin, a turn: the compiler takes a third of the time
-        b, t = place // (SIDE * SIDE), place % (SIDE * SIDE)
-        if bounds[b + 1] > bounds[b]:
-            ox, oy = (b % across) * BIN + (t % SIDE) * TILE, (b // across) * BIN + (t // SIDE) * TILE
-            tile = ti.Vector([0.0] * (TILE * LANE))
-            for row in range(TILE):
-                for j in range(LANE):
-                    tile[row * LANE + j] = film[(oy + row) * stride + ox * 4 + j]
-            ax, ay = ti.cast(ox, ti.f32), ti.cast(oy, ti.f32)
-            for k in range(bounds[b], bounds[b + 1]):
-                if (touched[k] >> t) & 1:
-                    i = listed[k]
-                    top = ti.max(ti.cast(P[i, FIRST] - ay, ti.i32), 0)
-                    bottom = ti.min(ti.cast(P[i, LAST] - ay, ti.i32) + 1, TILE)
-                    x, y = P[i, X] - ax, P[i, Y] - ay
-                    if P[i, REACH] <= 0.0:
-                        _point(P, i, tile, x, y)
-                    elif P[i, DX] == 0.0 and P[i, DY] == 0.0:
-                        _disc(P, i, tile, x, y, top, bottom)
-                    else:
-                        _streak(P, i, tile, x, y, P[i, DX], P[i, DY], top, bottom)
-            for row in range(TILE):
-                for j in range(LANE):
-                    film[(oy + row) * stride + ox * 4 + j] = tile[row * LANE + j]
+@cache
+def drawing(kinds: frozenset):
+    """The kernel that draws sprites of these kinds: what a picture does not hold need not be compiled, nor loaded."""
+
+    @ti.kernel
+    def draw(
+        P: F2, marks: H2, listed: I1, touched: I1, bounds: I1, across: ti.i32, bins: ti.i32, film: F1, stride: ti.i32
+    ):
+        ti.loop_config(block_dim=1)
+        for place in range(bins * SIDE * SIDE):  # one tile, not one bin, a turn: the compiler takes a third of the time
+            bin, t = place // (SIDE * SIDE), place % (SIDE * SIDE)
+            if bounds[bin + 1] > bounds[bin]:
+                ox, oy = (bin % across) * BIN + (t % SIDE) * TILE, (bin // across) * BIN + (t // SIDE) * TILE
+                tile = ti.Vector([0.0] * (TILE * LANE))
+                for row in range(TILE):
+                    for j in range(LANE):
+                        tile[row * LANE + j] = film[(oy + row) * stride + ox * 4 + j]
+                for k in range(bounds[bin], bounds[bin + 1]):
+                    if (touched[k] >> t) & 1:
+                        i = listed[k]
+                        kind = ti.cast(marks[i, KIND], ti.i32)
+                        top = ti.max(ti.cast(marks[i, FIRST], ti.i32) - oy, 0)
+                        bottom = ti.min(ti.cast(marks[i, LAST], ti.i32) - oy + 1, TILE)
+                        x, y = P[i, X] - ti.cast(ox, ti.f32), P[i, Y] - ti.cast(oy, ti.f32)
+                        if ti.static(POINT in kinds):
+                            if kind == POINT:
+                                _point(P, i, tile, x, y)
+                        if ti.static(DISC in kinds):
+                            if kind == DISC:
+                                _disc(P, i, tile, x, y, top, bottom)
+                        if ti.static(STREAK in kinds):
+                            if kind == STREAK:
+                                _streak(P, i, tile, x, y, P[i, DX], P[i, DY], top, bottom)
+                        if ti.static(SPHERE in kinds):
+                            if kind == SPHERE:
+                                _sphere(P, i, tile, x, y, top, bottom)
+                for row in range(TILE):
+                    for j in range(LANE):
+                        film[(oy + row) * stride + ox * 4 + j] = tile[row * LANE + j]
+
+    return kernel(draw)
 
 
 @ti.kernel
@@ -244,4 +282,4 @@ def _lay(
                     film[o + c] = u[c]
 
 
-count, list_bins, draw, lay = (kernel(k) for k in (_count, _list, _draw, _lay))
+count, list_bins, lay = (kernel(k) for k in (_count, _list, _lay))

@@ -1,4 +1,4 @@
-"""A sprite: a point, a soft disc or a streak, as a row of 21 float32, and how its light is spread.
+"""A sprite: a point, a soft disc, a streak, a sphere or a picture, as a row of float32, and how its light is spread.
 
 Its light is spread by weights that are divided by their sum over its whole footprint, so every sprite gives exactly its
 energy wherever its middle lies between pixels; only the frame's border cuts.
@@ -6,6 +6,7 @@ energy wherever its middle lies between pixels; only the frame's border cuts.
 Kernel of a disc, per axis: g(t) = (1 - 0.3125 t^2)^8 (1 - t^2)^2, t = distance / reach, reach = 3.3 standard deviations:
 a Gaussian that ends softly. A streak is a disc swept along a segment: its profile along the longer axis is the
 integral of the kernel between the ends, across it the kernel about the segment, with the covariance of the swept disc.
+A sphere, or what a lens draws of a point out of focus, is an even disc of radius `reach` whose rim falls over +-`edge`.
 
 Large discs are smooth, so they move to films of a half, a quarter or an eighth of the size (`LEVEL`), which are laid over
 the film with bilinear weights; their reach is shortened by what that adds.
@@ -13,41 +14,30 @@ the film with bilinear weights; their reach is shortened by what that adds.
 
 import numpy as np
 
-from gen_art.runtime import ti
+from gen_art.runtime import kernel, ti
 
-__all__ = ["AREA", "along", "coarsen", "finish", "profile", "profile_integral", "step"]
+__all__ = ["AREA", "along", "finish", "profile", "profile_integral", "rim", "step"]
 
-# columns of a sprite's row
-(
-    X,
-    Y,
-    REACH,
-    DX,
-    DY,
-    RED,
-    GREEN,
-    BLUE,
-    ALPHA,
-    DEPTH,
-    FIRST,
-    LAST,
-    LEFT,
-    RIGHT,
-    NORM_X,
-    NORM_Y,
-    TAIL,
-    TAPER,
-    SLOPE,
-    ACROSS,
-    LEVEL,
-) = range(21)
-COLUMNS = 21
+# what is drawn
+POINT, DISC, STREAK, SPHERE = range(4)
+# a particle on the picture, channel by channel: the first eleven; then what drawing a sprite needs, a row each
+X, Y, REACH, EDGE, DX, DY, RED, GREEN, BLUE, ALPHA, DEPTH = range(11)
+COLUMNS = 11
+SLOPE, ACROSS, NORM, TAIL, TAPER, _SPARE = range(10, 16)  # a row keeps its depth elsewhere: 64 bytes, a line of cache
+ROW = 16
+# whole numbers beside a row: the pixels it touches, the film it is drawn in, what it is
+LEFT, RIGHT, FIRST, LAST, LEVEL, KIND = range(6)
+MARKS = 6
+HIDDEN = -1.0  # the reach of what is not drawn
 SMALLEST = 1.5  # pixels of reach: a standard deviation of 0.45, or the kernel would alias
+SOFTEST = 0.75  # pixels: the least half width of an even disc's rim
 COARSE = 16.0  # pixels of reach from which a disc is drawn at half the size, then at a quarter, an eighth
 COARSEST = 3
 VARIANCE = 0.0903  # of the kernel of reach 1
 THINNEST = 1.15  # the same for a streak, whose weights are integrals over pixels
-WIDE = 64.0  # pixels of reach from which the kernel's sum is its integral (to 1e-6)
+WIDE = 64.0  # pixels of reach from which a kernel's sum is its integral (to 1e-6)
+
+F1, F2, H2 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i16, 2)
 
 
 def profile_integral() -> float:
@@ -122,61 +112,112 @@ def streak_slope(dm, dn, reach):
 
 
 @ti.func
-def finish(P: ti.template(), i, width, rows):
-    """Fill in the pixels a sprite touches (clipped to the frame; LAST < FIRST: none) and its norms; x, y, reach, dx, dy
-    and tail must be there.
-    """
-    x, y, reach, dx, dy = P[i, X], P[i, Y], P[i, REACH], P[i, DX], P[i, DY]
-    left, right = ti.min(x, x - dx), ti.max(x, x - dx)
-    low, high = ti.min(y, y - dy), ti.max(y, y - dy)
-    if reach <= 0.0:
-        left, right, low, high = x - 0.5, x + 0.5, y - 0.5, y + 0.5
-    elif ti.max(abs(dx), abs(dy)) < 1e-3:
-        left, right, low, high = x - reach, x + reach, y - reach, y + reach
-        P[i, DX], P[i, DY] = 0.0, 0.0
-        P[i, NORM_X], P[i, NORM_Y] = 1.0 / line_sum(x, reach), 1.0 / line_sum(y, reach)
-    else:
-        dm, dn, end = dx, dy, x
-        upright = abs(dy) > abs(dx)
-        if upright:
-            dm, dn, end = dy, dx, y
-        span = abs(dm)
-        sign = dm / span
-        margin = streak_margin(span, reach)
-        slope, across = streak_slope(dm, dn, reach)
-        P[i, SLOPE] = slope
-        P[i, ACROSS] = ti.sqrt(ti.max(across * across - 1.0 / (12.0 * VARIANCE), 0.0))  # what a pixel's width adds
-        start = end - dm
-        total = 0.0
-        first = ti.cast(ti.floor(ti.min(start, end) - margin), ti.i32)
-        last = ti.cast(ti.floor(ti.max(start, end) + margin), ti.i32)
-        for k in range(first, last + 1):
-            total += along((ti.cast(k, ti.f32) + 0.5 - start) * sign, span, reach, P[i, TAIL])
-        P[i, NORM_X] = 1.0 / ti.max(total, 1e-30)
-        swing = ti.max(across, SMALLEST) + abs(slope) * margin + 0.5
-        if upright:
-            left, right, low, high = left - swing, right + swing, low - margin, high + margin
-        else:
-            left, right, low, high = left - margin, right + margin, low - swing, high + swing
-    P[i, LEFT], P[i, RIGHT] = ti.floor(ti.max(left, 0.0)), ti.floor(ti.min(right, ti.cast(width, ti.f32) - 0.5))
-    P[i, FIRST], P[i, LAST] = ti.floor(ti.max(low, 0.0)), ti.floor(ti.min(high, ti.cast(rows, ti.f32) - 0.5))
-    if P[i, RIGHT] < P[i, LEFT]:
-        P[i, LAST] = P[i, FIRST] - 1.0
+def rim(distance, reach, edge):
+    """An even disc's weight at a distance from its middle: 1 inside, falling to 0 over reach +- edge."""
+    return 1.0 - step((distance - reach) / edge)
 
 
 @ti.func
-def coarsen(P: ti.template(), i, chance):
-    """Move a disc to the film of its size: energy, place and reach in that film's pixels. `chance` in 0..1, the sprite's
-    own, spreads the size at which that happens, so that no edge shows where sprites grow past it.
+def _rim_sum(x, y, reach, edge):
+    """The sum of `rim` over all pixel centres; for a large disc its integral."""
+    total = 3.14159265 * (reach * reach + edge * edge / 11.0)
+    whole = reach + edge
+    if whole < WIDE:
+        total = 0.0
+        first, last = ti.cast(ti.floor(y - whole), ti.i32), ti.cast(ti.floor(y + whole), ti.i32)
+        left, right = ti.cast(ti.floor(x - whole), ti.i32), ti.cast(ti.floor(x + whole), ti.i32)
+        for k in range(first, last + 1):
+            v = ti.cast(k, ti.f32) + 0.5 - y
+            for m in range(left, right + 1):
+                u = ti.cast(m, ti.f32) + 0.5 - x
+                total += rim(ti.sqrt(u * u + v * v), reach, edge)
+    return total
+
+
+@ti.func
+def _coarser(reach, chance):
+    """The film a disc is drawn in, and its reach there. `chance` in 0..1, the sprite's own, spreads the size at which that
+    happens, so that no edge shows where sprites grow past it.
     """
     level = 0
     limit = COARSE * (0.75 + 0.75 * chance)
-    while level < COARSEST and P[i, REACH] >= limit:
-        for c in ti.static((X, Y, REACH)):
-            P[i, c] = P[i, c] * 0.5
-        for c in ti.static((RED, GREEN, BLUE, ALPHA)):
-            P[i, c] = P[i, c] * 0.25
+    while level < COARSEST and reach >= limit:
+        reach *= 0.5
         level += 1
-        P[i, REACH] = ti.sqrt(P[i, REACH] * P[i, REACH] - 1.0 / (6.0 * VARIANCE))  # what bilinear weights add
-    P[i, LEVEL] = ti.cast(level, ti.f32)
-    return level
+        reach = ti.sqrt(reach * reach - 1.0 / (6.0 * VARIANCE))  # what bilinear weights add
+    return level, reach
+
+
+@ti.kernel
+def _finish(
+    C: F2, start: ti.i32, n: ti.i32, P: F2, marks: H2, depths: F1, base: ti.i32, width: ti.i32, rows: ti.i32,
+    kind: ti.i32, tail: ti.f32, taper: ti.f32, least: ti.f32,
+):  # fmt: skip
+    """Rows base.. of the sprites from columns start..start + n: the pixels each touches (clipped to the frame; LAST < FIRST:
+    none) and its norms. Those of a reach of `least` or less are left out.
+    """
+    ti.loop_config(block_dim=1)
+    for block in range((n + 2047) // 2048):
+        for k in range(block * 2048, ti.min((block + 1) * 2048, n)):
+            i, c = base + k, start + k
+            marks[i, FIRST], marks[i, LAST], marks[i, LEVEL], marks[i, KIND] = (
+                ti.i16(1),
+                ti.i16(0),
+                ti.i16(0),
+                ti.i16(kind),
+            )
+            depths[i] = C[DEPTH, c]
+            x, y, reach, edge, dx, dy = C[X, c], C[Y, c], C[REACH, c], C[EDGE, c], C[DX, c], C[DY, c]
+            if reach > least and reach >= 0.0:
+                level, what = 0, kind
+                left, right, low, high = x - 0.5, x + 0.5, y - 0.5, y + 0.5
+                if edge > 0.0:
+                    what = SPHERE
+                    P[i, NORM] = 1.0 / ti.max(_rim_sum(x, y, reach, edge), 1e-30)
+                    left, right, low, high = x - reach - edge, x + reach + edge, y - reach - edge, y + reach + edge
+                elif reach > 0.0 and ti.max(abs(dx), abs(dy)) < 1e-3:
+                    what = DISC
+                    level, reach = _coarser(reach, -edge)
+                    shrink = 1.0 / ti.cast(1 << level, ti.f32)
+                    x, y = x * shrink, y * shrink
+                    P[i, NORM] = shrink * shrink / (line_sum(x, reach) * line_sum(y, reach))
+                    left, right, low, high = x - reach, x + reach, y - reach, y + reach
+                elif reach > 0.0:
+                    dm, dn, end = dx, dy, x
+                    upright = abs(dy) > abs(dx)
+                    if upright:
+                        dm, dn, end = dy, dx, y
+                    span = abs(dm)
+                    sign = dm / span
+                    margin = streak_margin(span, reach)
+                    slope, across = streak_slope(dm, dn, reach)
+                    P[i, SLOPE] = slope
+                    P[i, ACROSS] = ti.sqrt(ti.max(across * across - 1.0 / (12.0 * VARIANCE), 0.0))  # a pixel adds this
+                    begin = end - dm
+                    total = 0.0
+                    first = ti.cast(ti.floor(ti.min(begin, end) - margin), ti.i32)
+                    last = ti.cast(ti.floor(ti.max(begin, end) + margin), ti.i32)
+                    for m in range(first, last + 1):
+                        total += along((ti.cast(m, ti.f32) + 0.5 - begin) * sign, span, reach, tail)
+                    P[i, NORM] = 1.0 / ti.max(total, 1e-30)
+                    swing = ti.max(across, SMALLEST) + abs(slope) * margin + 0.5
+                    left, right, low, high = ti.min(x, x - dx), ti.max(x, x - dx), ti.min(y, y - dy), ti.max(y, y - dy)
+                    if upright:
+                        left, right, low, high = left - swing, right + swing, low - margin, high + margin
+                    else:
+                        left, right, low, high = left - margin, right + margin, low - swing, high + swing
+                P[i, X], P[i, Y], P[i, REACH], P[i, EDGE], P[i, DX], P[i, DY] = x, y, reach, edge, dx, dy
+                for e in ti.static((RED, GREEN, BLUE, ALPHA)):
+                    P[i, e] = C[e, c]
+                P[i, TAIL], P[i, TAPER] = tail, taper
+                side = (1 << level) - 1
+                w, h = ti.cast((width + side) >> level, ti.f32), ti.cast((rows + side) >> level, ti.f32)
+                left, right = ti.floor(ti.max(left, 0.0)), ti.floor(ti.min(right, w - 0.5))
+                low, high = ti.floor(ti.max(low, 0.0)), ti.floor(ti.min(high, h - 0.5))
+                if right >= left and high >= low:
+                    marks[i, LEFT], marks[i, RIGHT] = ti.cast(left, ti.i16), ti.cast(right, ti.i16)
+                    marks[i, FIRST], marks[i, LAST] = ti.cast(low, ti.i16), ti.cast(high, ti.i16)
+                marks[i, LEVEL], marks[i, KIND] = ti.cast(level, ti.i16), ti.cast(what, ti.i16)
+
+
+finish = kernel(_finish)

@@ -4,13 +4,15 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from gen_art.particles.state import PADDING as SPARE
+
 
 def state(position, velocity=None, *, mass=1.0, charge=0.0, radius=0.01, life=np.inf, birth=0.0, tags=(None,), source=0,
           attributes=None, dtype=np.float32):  # fmt: skip
-    """Storage of n particles with a few unused slots behind them."""
+    """Storage of n particles with unused slots behind them, as a tile may read past the end."""
     position = np.asarray(position, dtype=np.float64).reshape(-1, 3)
     n, attributes = len(position), attributes or {}
-    floats = np.zeros((10 + len(attributes), n + 5), dtype)
+    floats = np.zeros((10 + len(attributes), n + SPARE), dtype)
     floats[:3, :n] = position.T
     if velocity is not None:
         floats[3:6, :n] = np.asarray(velocity, dtype=np.float64).reshape(-1, 3).T
@@ -18,11 +20,11 @@ def state(position, velocity=None, *, mass=1.0, charge=0.0, radius=0.01, life=np
         floats[row, :n] = value
     for row, value in enumerate(attributes.values(), start=10):
         floats[row, :n] = value
-    births, sources = np.zeros(n + 5), np.zeros(n + 5, np.int32)
+    births, sources = np.zeros(n + SPARE), np.zeros(n + SPARE, np.int32)
     births[:n], sources[:n] = birth, source
     return SimpleNamespace(
-        floats=floats, birth=births, key=np.random.default_rng(1).integers(0, 2**32, (2, n + 5), dtype=np.uint32),
-        id=np.arange(n + 5), source=sources, sources=[SimpleNamespace(name=str(t), tag=t) for t in tags], count=n,
+        floats=floats, birth=births, key=np.random.default_rng(1).integers(0, 2**32, (2, n + SPARE), dtype=np.uint32),
+        id=np.arange(n + SPARE), source=sources, sources=[SimpleNamespace(name=str(t), tag=t) for t in tags], count=n,
         channels={name: 10 + k for k, name in enumerate(attributes)},
     )  # fmt: skip
 
