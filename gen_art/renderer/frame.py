@@ -7,8 +7,8 @@ from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.film import Film, Sprites, splat
 from gen_art.renderer.light import incoming_light
+from gen_art.renderer.scatter import FEW, scatter
 from gen_art.renderer.scatter import LARGEST as SCATTERED
-from gen_art.renderer.scatter import scatter
 from gen_art.renderer.shade import Columns, shade
 from gen_art.renderer.sprite import BLUE, DISC, HIDDEN, POINT, REACH, RED
 from gen_art.renderer.tables import Shading, numbers
@@ -112,7 +112,7 @@ class Painter:
             if look.light is not None and columns.count:
                 self._light(look.light, columns, view)
             least = HIDDEN
-            if not sprites.layered and kind in (POINT, DISC):
+            if not sprites.layered and kind in (POINT, DISC) and columns.count > FEW:
                 reach = columns.used[REACH]
                 largest = float(reach.max(initial=HIDDEN))
                 least = SCATTERED if largest > 0.0 else 0.0

@@ -6,92 +6,96 @@ it, which is added in the end. Pixels are vectors of four, so that a pixel is re
 
 import numpy as np
 
+from gen_art.renderer.shade import LANES
 from gen_art.renderer.sprite import BLUE, GREEN, POINT, REACH, RED, X, Y, profile
 from gen_art.runtime import kernel, ti
 
-__all__ = ["LARGEST", "scatter"]
+__all__ = ["FEW", "LARGEST", "scatter"]
 
 LARGEST = 4.0  # pixels of reach of a disc that is drawn here
-LANES = 16
+PARTS = 2
 TAPS = 10  # pixels that such a disc may touch along one side
-FEW = 32768  # for no more particles the second film is not worth its adding
+FEW = 32768  # for no more particles a second film is not worth its adding: they are drawn as any other sprites
 
 PIXEL = ti.types.vector(4, ti.f32)
 F1, F2, FILM = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2), ti.types.ndarray(PIXEL, 1)
 
 
 @ti.func
-def _range(n, part, parts):
+def _range(n, part):
     """First and last tile of a part."""
     tiles = (n + LANES - 1) // LANES
     return tiles // parts * part, ti.select(part + 1 < parts, tiles // parts * (part + 1), tiles)
 
 
 @ti.kernel
-def _points(C: F2, n: ti.i32, parts: ti.i32, films: FILM, pixels: ti.i32, stride: ti.i32, width: ti.i32, rows: ti.i32):
+def _points(C: F2, n: ti.i32, films: FILM, pixels: ti.i32, stride: ti.i32, width: ti.i32, rows: ti.i32):
     """Bilinear dots: pixel centres within a pixel of the point get (1 - |dx|) (1 - |dy|) of its light."""
     ti.loop_config(block_dim=1)
-    for part in range(parts):
+    for part in range(PARTS):
         w, h = ti.cast(width, ti.f32), ti.cast(rows, ti.f32)
-        begin, end = _range(n, part, parts)
+        begin, end = _range(n, part)
         for tile in range(begin, end):
             place = ti.Vector([0] * LANES)
             a, b = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
             c, d = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
             for j in range(LANES):
-                i = ti.min(tile * LANES + j, n - 1)
+                i = tile * LANES + j
                 u, v = C[X, i] - 0.5, C[Y, i] - 0.5
                 x, y = ti.min(ti.max(ti.floor(u), 0.0), w - 1.0), ti.min(ti.max(ti.floor(v), 0.0), h - 1.0)
-                here = (C[REACH, i] == 0.0) & (tile * LANES + j < n)
-                u, v = ti.select(here, u - x, 9.0), v - y  # what lies beyond the border weighs nothing
+                here = (C[REACH, i] == 0.0) & (i < n)
+                u, v = u - x, v - y  # what lies beyond the border weighs nothing
                 left, right = ti.max(1.0 - abs(u), 0.0), ti.select(x + 1.0 < w, ti.max(1.0 - abs(u - 1.0), 0.0), 0.0)
                 top, low = ti.max(1.0 - abs(v), 0.0), ti.select(y + 1.0 < h, ti.max(1.0 - abs(v - 1.0), 0.0), 0.0)
-                place[j] = ti.select(here, ti.cast(y, ti.i32) * stride + ti.cast(x, ti.i32), 0) + part * pixels
+                place[j] = ti.select(here, part * pixels + ti.cast(y, ti.i32) * stride + ti.cast(x, ti.i32), -1)
                 a[j], b[j], c[j], d[j] = left * top, right * top, left * low, right * low
             for j in range(LANES):
-                i, o = ti.min(tile * LANES + j, n - 1), place[j]
-                light = PIXEL(C[RED, i], C[GREEN, i], C[BLUE, i], 0.0)
-                films[o] = films[o] + light * a[j]
-                films[o + 1] = films[o + 1] + light * b[j]
-                films[o + stride] = films[o + stride] + light * c[j]
-                films[o + stride + 1] = films[o + stride + 1] + light * d[j]
+                i, o = tile * LANES + j, place[j]
+                if o >= 0:
+                    light = PIXEL(C[RED, i], C[GREEN, i], C[BLUE, i], 0.0)
+                    films[o] = films[o] + light * a[j]
+                    films[o + 1] = films[o + 1] + light * b[j]
+                    films[o + stride] = films[o + stride] + light * c[j]
+                    films[o + stride + 1] = films[o + stride + 1] + light * d[j]
 
 
 @ti.kernel
-def _discs(C: F2, n: ti.i32, parts: ti.i32, films: FILM, pixels: ti.i32, stride: ti.i32, width: ti.i32, rows: ti.i32):
+def _discs(C: F2, n: ti.i32, films: FILM, pixels: ti.i32, stride: ti.i32, width: ti.i32, rows: ti.i32):
     """Soft discs of a reach of LARGEST at most, each by the weights of its columns and its rows."""
     ti.loop_config(block_dim=1)
-    for part in range(parts):
-        begin, end = _range(n, part, parts)
+    for part in range(PARTS):
+        begin, end = _range(n, part)
         for tile in range(begin, end):
-            left, top = ti.Vector([0] * LANES), ti.Vector([0] * LANES)
+            left, top, taps = ti.Vector([0] * LANES), ti.Vector([0] * LANES), ti.Vector([0] * LANES)
+            x, y, inverse = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
             sum_x, sum_y = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
+            # k, kept from the compiler: it takes a pixel as one vector where it cannot split it into four running offsets
+            steps = ti.Vector([k for k in range(TAPS)])
             across, down = ti.Vector([0.0] * (TAPS * LANES)), ti.Vector([0.0] * (TAPS * LANES))
             for j in range(LANES):
-                i = ti.min(tile * LANES + j, n - 1)
-                reach = C[REACH, i]
-                here = (reach > 0.0) & (reach <= LARGEST) & (tile * LANES + j < n)
-                left[j] = ti.select(here, ti.cast(ti.floor(C[X, i] - reach), ti.i32), -TAPS)
-                top[j] = ti.select(here, ti.cast(ti.floor(C[Y, i] - reach), ti.i32), -TAPS)
+                i = tile * LANES + j
+                here = (C[REACH, i] > 0.0) & (C[REACH, i] <= LARGEST) & (i < n)
+                reach = ti.select(here, C[REACH, i], 1.0)
+                left[j], top[j] = ti.cast(ti.floor(C[X, i] - reach), ti.i32), ti.cast(ti.floor(C[Y, i] - reach), ti.i32)
+                x[j], y[j] = C[X, i] - 0.5 - ti.cast(left[j], ti.f32), C[Y, i] - 0.5 - ti.cast(top[j], ti.f32)
+                inverse[j] = 1.0 / reach
+                taps[j] = ti.select(here, ti.cast(ti.ceil(2.0 * reach), ti.i32) + 1, 0)
             for t in range(TAPS):
                 for j in range(LANES):
-                    i = ti.min(tile * LANES + j, n - 1)
-                    inverse = 1.0 / ti.max(C[REACH, i], 1e-3)
-                    u = profile((ti.cast(left[j] + t, ti.f32) + 0.5 - C[X, i]) * inverse)
-                    v = profile((ti.cast(top[j] + t, ti.f32) + 0.5 - C[Y, i]) * inverse)
+                    u = profile((ti.cast(t, ti.f32) - x[j]) * inverse[j])
+                    v = profile((ti.cast(t, ti.f32) - y[j]) * inverse[j])
                     across[t * LANES + j], down[t * LANES + j] = u, v
                     sum_x[j], sum_y[j] = sum_x[j] + u, sum_y[j] + v
             for j in range(LANES):
-                i = ti.min(tile * LANES + j, n - 1)
-                norm = 1.0 / ti.max(sum_x[j] * sum_y[j], 1e-30)
-                light = PIXEL(C[RED, i], C[GREEN, i], C[BLUE, i], 0.0) * norm
-                taps = ti.min(ti.cast(ti.ceil(2.0 * C[REACH, i]), ti.i32) + 1, TAPS)  # none for what is not drawn here
-                first, last = ti.max(-left[j], 0), ti.min(taps, width - left[j])
-                for t in range(ti.max(-top[j], 0), ti.min(taps, rows - top[j])):
+                i = tile * LANES + j
+                light = PIXEL(C[RED, i], C[GREEN, i], C[BLUE, i], 0.0) * (1.0 / (sum_x[j] * sum_y[j]))
+                first, last = ti.max(-left[j], 0), ti.min(taps[j], width - left[j])
+                for t in range(ti.max(-top[j], 0), ti.min(taps[j], rows - top[j])):
                     row = light * down[t * LANES + j]
                     o = part * pixels + (top[j] + t) * stride + left[j]
                     for k in range(first, last):
-                        films[o + k] = films[o + k] + row * across[k * LANES + j]
+                        at = o + steps[k]
+                        films[at] = films[at] + row * across[k * LANES + j]
 
 
 @ti.kernel
@@ -115,11 +119,7 @@ points, discs, merge = kernel(_points), kernel(_discs), kernel(_merge)
 
 def scatter(columns: np.ndarray, n: int, kind: int, film) -> None:
     """Add the points, or the discs of a reach up to LARGEST, among the first n of these columns (11, ...) to a film."""
-    if n == 0:
-        return
-    parts = 1 if n <= FEW else 2
     draw = points if kind == POINT else discs
     pixels = len(film.buffer) // 4
-    draw(columns, n, parts, film.both.reshape(-1, 4), pixels, film.stride // 4, film.width, film.height)
-    if parts == 2:
-        merge(film.both, film.height, film.stride, len(film.buffer))
+    draw(columns, n, film.both.reshape(-1, 4), pixels, film.stride // 4, film.width, film.height)
+    merge(film.both, film.height, film.stride, len(film.buffer))

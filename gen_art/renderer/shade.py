@@ -76,7 +76,7 @@ from gen_art.runtime import kernel, ti
 
 __all__ = ["Columns", "shade"]
 
-LANES = 16
+LANES = 8
 BLOCK = 2048  # particles a parallel turn
 REFERENCE_ROWS = 720.0  # a "pixel" of a preset is 1/720 of the picture's height
 SOFT = 1.5  # a disc's reach over its radius
@@ -325,7 +325,9 @@ shade_kernel = kernel(_shade)
 
 
 class Columns:
-    """One system's particles on the picture: `rows` (11, capacity) float32, of which `count` are in use; reused."""
+    """One system's particles on the picture: `rows` (11, capacity) float32, of which `count` are in use;
+    reused. There is always room for a whole tile at the end.
+    """
 
     def __init__(self):
         self.rows = np.zeros((COLUMNS, 0), np.float32)
@@ -334,7 +336,7 @@ class Columns:
 
     def reserve(self, n: int, lit: bool) -> None:
         if n > self.rows.shape[1]:
-            self.rows = np.empty((COLUMNS, n + n // 8), np.float32)
+            self.rows = np.empty((COLUMNS, (n + n // 8) // LANES * LANES + LANES), np.float32)
         if lit and n > len(self.lit):
             self.lit = np.empty((n + n // 8, 7), np.float32)
         self.count = n
