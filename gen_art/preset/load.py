@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from gen_art.errors import UsageError
+from gen_art.preset.files import FOLDER
 from gen_art.preset.overrides import apply, fill_knobs, plain
 from gen_art.preset.problems import Problem, dotted, preset_error
 from gen_art.preset.reader import Node, Source, read_bytes, read_file
@@ -47,19 +48,25 @@ def load_preset(
     """
     from gen_art.preset.schema import Preset
 
+    folder = Path()
     if isinstance(preset, Preset):
-        source, name, data = _nowhere("preset"), preset.name, preset.resolved()
+        source, name, data, folder = _nowhere("preset"), preset.name, preset.resolved(), preset.folder
     elif isinstance(preset, Mapping):
         data = plain(preset)
         source, name = _nowhere("preset"), str(data.pop("name", "preset"))
     else:
         source, name = open_source(preset)
         data = source.plain()
+        folder = Path() if str(preset) == "-" else find(str(preset)).parent
     set_paths = apply(data, overrides) if overrides else []
     if seed is not None:
         data["seed"] = secrets.randbelow(2**31) if seed == "random" else seed
         set_paths.append(("seed",))
-    return validate(data, name, source, set_paths)
+    token = FOLDER.set(folder)
+    try:
+        return validate(data, name, source, set_paths)
+    finally:
+        FOLDER.reset(token)
 
 
 def validate(data: dict, name: str, source: Source, set_paths: list[tuple]):

@@ -7,10 +7,11 @@ from pydantic import ConfigDict, Field, model_validator
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import Gradient
 from gen_art.preset.fields import ColourValue, CurveValue, GradientValue, Number, RangeValue, Vector
+from gen_art.preset.files import ImageFile
 from gen_art.preset.types import Model
-from gen_art.preset.values import Curve, number
+from gen_art.preset.values import Curve, Range, number
 
-__all__ = ["BY", "Color", "Emission", "KeyLight", "Look", "Ramp", "Trail"]
+__all__ = ["BY", "Color", "Emission", "KeyLight", "Look", "Picture", "Ramp", "Trail"]
 
 BY = ("age", "seconds", "speed", "energy", "charge", "mass", "radius", "id", "random", "distance", "x", "y", "z")
 
@@ -147,20 +148,40 @@ class Trail(Model):
         return value if isinstance(value, (Trail, dict)) else {"half_life": value}
 
 
+class Picture(Model):
+    """A picture for every particle, `radius` from its middle to its sides; white paint on transparent ground takes the
+    particle's colour. It lies in the preset's folder.
+
+    turn: degrees, counter-clockwise; `random` turns each its own way. spin: degrees a simulated second, or lo..hi.
+    """
+
+    image: Annotated[str, ImageFile]
+    turn: Literal["random"] | Number = 0.0
+    spin: RangeValue = Range(0.0, 0.0)
+
+    short_form = {"type": "string", "description": "the picture's file"}
+
+    @classmethod
+    def from_short(cls, value):
+        return value if isinstance(value, (Picture, dict)) else {"image": value}
+
+
 class Look(Model):
     """How a system's particles are drawn.
 
-    draw: `point` (a bilinear dot), `disc` (a soft Gaussian sprite; its radius is 2.2 standard deviations) or `streak`
-    (the path of the last `length` seconds, by default the time the shutter is open). radius, width: world units;
-    without them the particle's own radius. pixels: the size in pixels of a picture 720 rows high instead.
-    size multiplies either. blend `add` is light, `alpha` also hides what is behind it.
+    draw: `point` (a bilinear dot), `disc` (a soft Gaussian sprite; its radius is 2.2 standard deviations), `streak`
+    (the path of the last `length` seconds, by default the time the shutter is open), `sphere` (an even disc with a sharp
+    rim) or `picture` (an image of its own, see `picture`). radius, width: world units; without them the particle's own
+    radius. pixels: the size in pixels of a picture 720 rows high instead. size multiplies either. blend `add` is light,
+    `alpha` also hides what is behind it, `opaque` hides all of it.
     opacity: optical depth at a sprite's middle; with `reference` (m) it is that of a sprite of that radius and falls
     as (reference / r)^2, so that a growing sprite keeps its extinction cross section. tail, taper: a streak's
     brightness and width at its old end, relative to its head. falloff: `inverse_square` dims points as 1/d^2, with 1
     at the camera's target.
     """
 
-    draw: Literal["point", "disc", "streak", "sphere"] = "point"
+    draw: Literal["point", "disc", "streak", "sphere", "picture"] = "point"
+    picture: Picture | None = None
     blend: Literal["add", "alpha", "opaque"] = "add"
     radius: Annotated[Number, Field(gt=0)] | None = None
     width: Annotated[Number, Field(gt=0)] | None = None
@@ -181,8 +202,12 @@ class Look(Model):
     def _consistent(self):
         if sum(v is not None for v in (self.radius, self.width, self.pixels)) > 1:
             raise UsageError("give one of radius, width and pixels")
-        if self.blend == "alpha" and self.draw != "disc":
-            raise UsageError("blend: alpha needs draw: disc")
+        if (self.draw == "picture") != (self.picture is not None):
+            raise UsageError("draw: picture and a picture go together: `draw: picture` and `picture: spark.png`")
+        if self.blend == "alpha" and self.draw not in ("disc", "sphere", "picture"):
+            raise UsageError("blend: alpha needs draw: disc, sphere or picture")
+        if self.blend == "opaque" and self.draw not in ("sphere", "picture"):
+            raise UsageError("blend: opaque needs draw: sphere or picture")
         if self.light is not None and self.blend != "alpha":
             raise UsageError("a light needs blend: alpha")
         if self.trail is not None and self.blend != "add":

@@ -1,6 +1,7 @@
 """The Preset: the validated description of a piece. Attributes are the YAML keys (`from` is `source` in Python)."""
 
 import json
+from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import PrivateAttr, model_validator
@@ -10,6 +11,7 @@ from gen_art.preset.camera import CameraSpec
 from gen_art.preset.clock import Clock
 from gen_art.preset.develop import DevelopSpec
 from gen_art.preset.emitter import Emitter, Particle
+from gen_art.preset.files import FOLDER
 from gen_art.preset.look import Look
 from gen_art.preset.registered import Many, class_schema, is_field, registry
 from gen_art.preset.types import Model, NotNegative, NotNegativeRange, Number, about, parsed
@@ -121,6 +123,7 @@ class Preset(Model):
     gallery: Gallery = about(Gallery(), "the moments that stand for the piece")
     _name: str = PrivateAttr("preset")
     _written: dict = PrivateAttr(default_factory=dict)
+    _folder: Path = PrivateAttr(Path())
 
     @classmethod
     def known_keys(cls) -> list[str]:
@@ -136,9 +139,20 @@ class Preset(Model):
         return self._name
 
     def keep(self, name: str, written: dict) -> "Preset":
-        """Remember the name and the plain data this was made from."""
-        self._name, self._written = name, written
+        """Remember the name, the folder that is being read and the plain data this was made from."""
+        self._name, self._written, self._folder = name, written, FOLDER.get()
         return self
+
+    @property
+    def folder(self) -> Path:
+        """Where the files it names lie."""
+        return self._folder
+
+    @property
+    def files(self) -> list:
+        """The files it names, in the order of the systems: PresetFile."""
+        looks = (system.look for system in self.systems.values())
+        return [look.picture.image for look in looks if look is not None and look.picture is not None]
 
     def resolved(self) -> dict:
         """The preset as plain data with overrides and knobs filled in; loads again to an equal preset."""

@@ -1,8 +1,11 @@
 """Sprites and the film they are drawn into: storage, the order of drawing, and films of smaller sizes for large discs."""
 
+import math
+
 import numpy as np
 
 from gen_art.errors import MemoryRefused
+from gen_art.renderer.picture import NO_TEXELS, finish_pictures, texels
 from gen_art.renderer.splat import BIN, CHUNKS, SLICES, count, drawing, lay, list_bins
 from gen_art.renderer.sprite import FIRST, KIND, LAST, LEVEL, MARKS, ROW, finish
 
@@ -24,22 +27,43 @@ class Sprites:
         self.depths = np.empty(capacity, np.float32)
 
     def clear(self) -> None:
-        self.count, self.layered = 0, False
+        self.count, self.layered, self.texels = 0, False, NO_TEXELS
 
-    def add(self, columns, kind: int, film: "Film", tail: float, taper: float, least: float) -> None:
-        """Append a system's columns but for what has a reach of `least` pixels or less."""
-        base, n = self.count, columns.count
+    def _reserve(self, n: int) -> int:
+        """Room for n more; gives the index of the first."""
+        base = self.count
         if base + n > len(self.rows):
             old = self.rows, self.marks, self.depths
             self._allocate(max(base + n, len(self.rows) * 3 // 2))
             for new, before in zip((self.rows, self.marks, self.depths), old):
                 new[:base] = before[:base]
+        self.count += n
+        return base
+
+    def add(self, columns, kind: int, film: "Film", tail: float, taper: float, least: float) -> None:
+        """Append a system's columns but for what has a reach of `least` pixels or less."""
+        n, base = columns.count, self._reserve(columns.count)
         if n:
             finish(
                 columns.rows, 0, n, self.rows, self.marks, self.depths, base, film.width, film.height, kind, tail, taper,
                 least,
             )  # fmt: skip
-        self.count += n
+
+    def add_pictures(self, columns, picture, film: "Film") -> None:
+        """Append a system's columns as images; `picture` as a look has it."""
+        image, _ = texels(picture.image.place)
+        first = len(self.texels)
+        self.texels = np.concatenate([self.texels, image])
+        side = round(((3 * len(image) + 1) / 4) ** 0.5)
+        n, base = columns.count, self._reserve(columns.count)
+        everywhere = picture.turn == "random"
+        lo, hi = math.radians(picture.spin.lo), math.radians(picture.spin.hi)
+        if n:
+            finish_pictures(
+                columns.rows, n, self.texels, first, side, 0.0 if everywhere else math.radians(picture.turn),
+                math.tau if everywhere else 0.0, lo, hi - lo, self.rows, self.marks, self.depths, base, film.width,
+                film.height,
+            )  # fmt: skip
 
     @property
     def kinds(self) -> frozenset:
@@ -110,16 +134,9 @@ class Film:
             self._listed, self._touched = (np.zeros(total * 5 // 4, np.int32) for _ in range(2))
         list_bins(sprites.marks, order, n, level, chunk, self.across, starts, self._listed, self._touched)
         drawing(kinds)(
-            sprites.rows,
-            sprites.marks,
-            self._listed,
-            self._touched,
-            bounds,
-            self.across,
-            bins,
-            self.buffer,
+            sprites.rows, sprites.texels, sprites.marks, self._listed, self._touched, bounds, self.across, bins, self.buffer,
             self.stride,
-        )
+        )  # fmt: skip
         return touched
 
     def lay(self, coarse: "Film", touched: np.ndarray, over: bool) -> np.ndarray:

@@ -16,7 +16,7 @@ from gen_art.renderer.tables import Shading, numbers
 __all__ = ["LARGEST", "Painter", "check_size", "living", "render_frame"]
 
 LARGEST = 16384
-KINDS = ("point", "disc", "streak", "sphere")
+KINDS = ("point", "disc", "streak", "sphere", "picture")
 
 
 def check_size(size) -> tuple[int, int]:
@@ -119,7 +119,10 @@ class Painter:
                 scatter(columns.rows, columns.count, DISC if largest > 0.0 else POINT, film)
                 if largest <= least:
                     continue
-            sprites.add(columns, kind, film, look.tail, look.taper, least)
+            if look.picture is not None:
+                sprites.add_pictures(columns, look.picture, film)
+            else:
+                sprites.add(columns, kind, film, look.tail, look.taper, least)
         splat(sprites, film)
 
     def _light(self, light, columns: Columns, view) -> None:

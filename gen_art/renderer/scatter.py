@@ -23,9 +23,9 @@ F1, F2, FILM = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2), ti.type
 
 @ti.func
 def _range(n, part):
-    """First and last tile of a part."""
+    """The tiles of a part: the first, and the one after the last."""
     tiles = (n + LANES - 1) // LANES
-    return tiles // parts * part, ti.select(part + 1 < parts, tiles // parts * (part + 1), tiles)
+    return tiles // PARTS * part, ti.select(part + 1 < PARTS, tiles // PARTS * (part + 1), tiles)
 
 
 @ti.kernel
@@ -70,7 +70,7 @@ def _discs(C: F2, n: ti.i32, films: FILM, pixels: ti.i32, stride: ti.i32, width:
             x, y, inverse = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
             sum_x, sum_y = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
             # k, kept from the compiler: it takes a pixel as one vector where it cannot split it into four running offsets
-            steps = ti.Vector([k for k in range(TAPS)])
+            steps = ti.Vector(list(range(TAPS)))
             across, down = ti.Vector([0.0] * (TAPS * LANES)), ti.Vector([0.0] * (TAPS * LANES))
             for j in range(LANES):
                 i = tile * LANES + j

@@ -19,6 +19,7 @@ from gen_art.renderer.sprite import (
     EDGE,
     GREEN,
     HIDDEN,
+    PICTURE,
     POINT,
     REACH,
     RED,
@@ -32,6 +33,7 @@ from gen_art.renderer.sprite import (
 )  # fmt: skip
 from gen_art.renderer.tables import (
     ALBEDO,
+    AREA_OF,
     AXES,
     BLEND,
     COLOR,
@@ -65,6 +67,7 @@ from gen_art.renderer.tables import (
     SIZE,
     SIZE_MODE,
     SIZE_VALUE,
+    SOFT,
     STROBE_HI,
     STROBE_LO,
     TIME,
@@ -79,7 +82,6 @@ __all__ = ["Columns", "shade"]
 LANES = 8
 BLOCK = 2048  # particles a parallel turn
 REFERENCE_ROWS = 720.0  # a "pixel" of a preset is 1/720 of the picture's height
-SOFT = 1.5  # a disc's reach over its radius
 BOKEH = 0.25 / VARIANCE  # reach squared that gives the variance of an even disc of radius 1
 
 F64, U2, I1, L1, F2, F3 = (
@@ -213,8 +215,8 @@ def _shade(
                 size = ti.select(mode == 0, quantity[6 * LANES + j], ti.cast(Q[SIZE_VALUE], ti.f32))
                 size *= value[SIZE * LANES + j]
                 half[j] = size * ti.select(mode == 2, pixel, per[j])
-                reach, dot = half[j] * SOFT, pixel * value[SIZE * LANES + j]
-                a = ti.select(kind == SPHERE, 3.14159265 * half[j] * half[j], AREA * reach * reach)
+                dot = pixel * value[SIZE * LANES + j]
+                a = ti.cast(Q[AREA_OF], ti.f32) * half[j] * half[j]
                 a = ti.select((kind == POINT) & (mode < 2), dot * dot, a)
                 area[j] = ti.select(Q[RAW] > 0.5, width * rows, a)
                 faint = ti.cast(Q[FALLOFF], ti.f32) / ti.max(ahead[j] * ahead[j], 1e-30)
@@ -302,8 +304,11 @@ def _shade(
                     s = 0.0
                 elif kind == SPHERE:
                     s, e = ti.max(half[j], circle), ti.max(ti.min(half[j], circle), SOFTEST)
+                elif kind == PICTURE:
+                    s, e = ti.sqrt(half[j] * half[j] + 1.0 + circle * circle), 0.0
+                    dx[j], dy[j] = quantity[LANES + j], unit(key[0, i0 + j], key[1, i0 + j], 31)
                 shown[j], edge[j] = s, e
-                beyond = (ti.max(shown[j], 1.0) + edge[j]) * 1.5 + ti.max(abs(dx[j]), abs(dy[j]))
+                beyond = (ti.max(s, 1.0) + e) * 1.5 + ti.select(kind == STREAK, ti.max(abs(dx[j]), abs(dy[j])), 0.0)
                 seen = (part[j] > 0.0) & (px[j] > -beyond) & (px[j] < width + beyond)
                 seen = seen & (py[j] > -beyond) & (py[j] < rows + beyond)
                 gives = (cover[j] > 0.0) | (red[j] + green[j] + blue[j] > 0.0) | (Q[LIT] > 0.5)

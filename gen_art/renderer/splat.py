@@ -9,6 +9,7 @@ Where sprites hide each other, the order of drawing is cut into SLICES, and in e
 
 from functools import cache
 
+from gen_art.renderer.picture import read_texel
 from gen_art.renderer.sprite import (
     ACROSS,
     ALPHA,
@@ -24,6 +25,7 @@ from gen_art.renderer.sprite import (
     LEFT,
     LEVEL,
     NORM,
+    PICTURE,
     POINT,
     REACH,
     RED,
@@ -202,14 +204,33 @@ def _streak(P: ti.template(), i, tile: ti.template(), x, y, dx, dy, top, bottom)
                 tile[o + 2] += b * w
 
 
+@ti.func
+def _picture(P: ti.template(), T: ti.template(), i, tile: ti.template(), x, y, top, bottom):
+    """An image, turned: DX and DY are the cosine and sine, SLOPE and ACROSS the level's first texel and side."""
+    norm, inverse, a, b = P[i, NORM], 1.0 / P[i, REACH], P[i, DX], P[i, DY]
+    start, side, texel = ti.cast(P[i, SLOPE], ti.i32), ti.cast(P[i, ACROSS], ti.i32), P[i, ACROSS] * 0.5
+    light = ti.Vector([P[i, RED] * norm, P[i, GREEN] * norm, P[i, BLUE] * norm, P[i, ALPHA] * norm])
+    for row in range(top, bottom):
+        q = (ti.cast(row, ti.f32) + 0.5 - y) * inverse
+        for column in range(TILE):
+            p = (ti.cast(column, ti.f32) + 0.5 - x) * inverse
+            u, v = (1.0 + p * a - q * b) * texel, (1.0 + p * b + q * a) * texel
+            if ti.min(u, v) > -0.5 and ti.max(u, v) < P[i, ACROSS] + 0.5:
+                o = row * LANE + column * 4
+                hidden = ti.min(read_texel(T, start, side, u, v, 3) * light[3], 1.0)
+                for c in ti.static(range(4)):
+                    tile[o + c] = tile[o + c] * (1.0 - hidden) + light[c] * read_texel(T, start, side, u, v, c)
+
+
 @cache
 def drawing(kinds: frozenset):
     """The kernel that draws sprites of these kinds: what a picture does not hold need not be compiled, nor loaded."""
 
     @ti.kernel
     def draw(
-        P: F2, marks: H2, listed: I1, touched: I1, bounds: I1, across: ti.i32, bins: ti.i32, film: F1, stride: ti.i32
-    ):
+        P: F2, T: F2, marks: H2, listed: I1, touched: I1, bounds: I1, across: ti.i32, bins: ti.i32, film: F1,
+        stride: ti.i32,
+    ):  # fmt: skip
         ti.loop_config(block_dim=1)
         for place in range(bins * SIDE * SIDE):  # one tile, not one bin, a turn: the compiler takes a third of the time
             bin, t = place // (SIDE * SIDE), place % (SIDE * SIDE)
@@ -238,6 +259,9 @@ def drawing(kinds: frozenset):
                         if ti.static(SPHERE in kinds):
                             if kind == SPHERE:
                                 _sphere(P, i, tile, x, y, top, bottom)
+                        if ti.static(PICTURE in kinds):
+                            if kind == PICTURE:
+                                _picture(P, T, i, tile, x, y, top, bottom)
                 for row in range(TILE):
                     for j in range(LANE):
                         film[(oy + row) * stride + ox * 4 + j] = tile[row * LANE + j]

@@ -19,7 +19,7 @@ from gen_art.runtime import kernel, ti
 __all__ = ["AREA", "along", "finish", "profile", "profile_integral", "rim", "step"]
 
 # what is drawn
-POINT, DISC, STREAK, SPHERE = range(4)
+POINT, DISC, STREAK, SPHERE, PICTURE = range(5)
 # a particle on the picture, channel by channel: the first eleven; then what drawing a sprite needs, a row each
 X, Y, REACH, EDGE, DX, DY, RED, GREEN, BLUE, ALPHA, DEPTH = range(11)
 COLUMNS = 11

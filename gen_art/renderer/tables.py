@@ -2,6 +2,7 @@
 compiles anything.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +14,10 @@ from gen_art.preset.values import Curve
 from gen_art.registry import suggest
 from gen_art.renderer.camera import View
 from gen_art.renderer.colour import TABLE, blackbody, gradient_table, planck_luminance
+from gen_art.renderer.picture import texels
+from gen_art.renderer.sprite import AREA
 
-__all__ = ["QUANTITIES", "RAMPS", "Shading", "numbers"]
+__all__ = ["QUANTITIES", "RAMPS", "SOFT", "Shading", "numbers"]
 
 QUANTITIES = len(BY)  # what a ramp may go by, in the order of BY; attributes follow, a place for each ramp
 SIZE, INTENSITY, OPACITY, KELVIN, COLOR, ALBEDO = range(6)
@@ -28,8 +31,9 @@ SCALE, ORTHOGRAPHIC, NEAR, FAR, WIDTH, ROWS, TIME, SHUTTER = range(12, 20)
 FOG_START, FOG_RATE, FOG_RED, FOG_GREEN, FOG_BLUE = range(20, 25)
 KIND, SIZE_MODE, SIZE_VALUE, BLEND, CONSERVE, FALLOFF = range(25, 31)
 STROBE_LO, STROBE_HI, DUTY, FILM_TIME, RAW, LIT, WEIGHT, EMITS = range(31, 39)
-LENS, FOCUS = range(39, 41)
-NUMBERS = 41
+LENS, FOCUS, AREA_OF = range(39, 42)
+NUMBERS = 42
+SOFT = 1.5  # a disc's reach over its radius
 
 
 def _domain(ramp: Ramp) -> tuple[float, float]:
@@ -117,7 +121,10 @@ def numbers(
     if view.fog:
         q[FOG_START], q[FOG_RATE] = view.fog[0], 1.0 / view.fog[1]
         q[FOG_RED : FOG_RED + 3] = view.fog[2]
-    q[KIND] = ("point", "disc", "streak", "sphere").index(look.draw)
+    q[KIND] = ("point", "disc", "streak", "sphere", "picture").index(look.draw)
+    q[AREA_OF] = {"sphere": math.pi, "picture": 4.0 * texels(look.picture.image.place)[1] if look.picture else 0.0}.get(
+        look.draw, AREA * SOFT * SOFT
+    )
     if look.pixels is not None:
         q[SIZE_MODE], q[SIZE_VALUE] = 2, 0.5 * look.pixels
     elif look.radius is not None or look.width is not None:

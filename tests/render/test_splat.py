@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from gen_art.preset.look import Look
+from gen_art.renderer import frame
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.frame import Painter, render_frame
+from gen_art.renderer.scatter import FEW
 from gen_art.renderer.sprite import AREA, profile_integral
 from tests.render.particles import scene, state
 
@@ -231,3 +233,47 @@ def test_one_and_two_threads_give_the_same_bytes():
 def test_a_picture_repeats(places):
     digests = {hashlib.sha256(paint({"draw": "disc", "radius": 4.0}, places)).hexdigest() for _ in range(3)}
     assert len(digests) == 1
+
+
+@pytest.mark.parametrize("look", [{"draw": "point"}, {"draw": "disc", "radius": 1.0}, {"draw": "disc", "radius": 2.6}])
+def test_many_small_sprites_take_another_way_to_the_same_picture(look, monkeypatch):
+    """Straight into the film, or listed tile by tile; sprites over the border, out of sight and of several sizes among them."""
+    rng = np.random.default_rng(11)
+    place = np.append(rng.uniform(-1, 1, (FEW + 1001, 3)) * (205, 125, 0), [[np.nan, 0, 0], [1e9, 0, 0]], axis=0)
+    look = {**look, "size": {"by": "random", "curve": [[0, 0.3], [1, 1.3]]}, "emission": {"color": [0.2, 0.5, 1.0]}}
+    scattered = paint(look, place)
+    monkeypatch.setattr(frame, "FEW", 10**9)
+    listed = paint(look, place)
+    assert light(listed)[2] > 0
+    assert light(scattered) == pytest.approx(light(listed), rel=1e-5)
+    assert np.abs(scattered - listed).max() < 1e-5 * listed.max()
+
+
+def test_what_hides_is_sorted_by_the_whole_depth():
+    """Two discs a millionth apart, among others far away, in either order."""
+    look = {"draw": "disc", "blend": "alpha", "radius": 8.0, "opacity": 50.0}
+    look["albedo"] = {"by": "id", "range": "0..1", "gradient": ["red", "blue"]}
+    for first, second in ((0, 1e-5), (1e-5, 0)):
+        middle = paint(look, [[0, 0, first], [0, 0, second], [80, 0, -2000], [80, 0, 9]])[120, 200]
+        assert (middle[0] > middle[2]) == (first > second)
+
+
+def test_a_sphere_hides_all_behind_it_and_gives_its_energy(places):
+    looks = {
+        "ball": Look(draw="sphere", blend="opaque", radius=9.0, albedo="white"),
+        "lamp": Look(draw="disc", radius=2.0),
+    }
+    for depth, hidden in ((-2, True), (2, False)):
+        systems = {"ball": state([[0.3, 0.2, 0]]), "lamp": state([[0, 0, depth]])}
+        picture = np.array(Painter(SIZE, PIXELS, looks).paint(scene(**systems), 0.0))
+        assert picture[120, 200, :3] == pytest.approx([1.0 if hidden else 2.0] * 3, rel=0.2)
+    for radius in (0.7, 3.3, 20.0, 70.0):
+        got = light(
+            paint(
+                {"draw": "sphere", "radius": radius},
+                places,
+                size=(900, 700),
+                camera=Camera(position=(0, 0, 9), height=700.0),
+            )
+        )
+        assert got == pytest.approx([len(places) * np.pi * radius**2] * 3, rel=1e-5)

@@ -1,0 +1,60 @@
+"""Files that a preset names: they lie in its own folder or below, and their bytes are part of a picture's recipe."""
+
+from contextvars import ContextVar
+from pathlib import Path, PurePosixPath
+
+from gen_art.errors import UsageError
+from gen_art.preset.types import parsed
+
+__all__ = ["FOLDER", "ImageFile", "PresetFile"]
+
+FOLDER: ContextVar[Path] = ContextVar("folder", default=Path())  # of the preset that is being read
+LARGEST = 64_000_000  # pixels of a picture that is read
+_IMAGE = {"type": "string", "description": "a picture in the preset's folder or below: spark.png"}
+
+
+class PresetFile(str):
+    """A file's name as the preset has it; `place` is where it lies."""
+
+    place: Path
+
+    def __new__(cls, written: str, place: Path):
+        made = super().__new__(cls, written)
+        made.place = place
+        return made
+
+
+def _inside(value) -> PresetFile:
+    if isinstance(value, PresetFile):
+        return value
+    if not isinstance(value, str) or not value:
+        raise UsageError(f"must be the name of a file, not {value!r}")
+    parts = PurePosixPath(value.replace("\\", "/"))
+    if parts.is_absolute() or ".." in parts.parts or ":" in value:
+        raise UsageError(f"{value}: a preset's files lie in its own folder or below")
+    folder = FOLDER.get()
+    place = folder / parts
+    if not place.resolve().is_relative_to(folder.resolve()):
+        raise UsageError(f"{value}: leads out of the preset's folder")
+    if not place.is_file():
+        raise UsageError(f"{value}: there is no such file in {folder.resolve()}")
+    return PresetFile(value, place)
+
+
+def _image(value) -> PresetFile:
+    from PIL import Image, UnidentifiedImageError
+
+    file = _inside(value)
+    try:
+        with Image.open(file.place) as picture:
+            width, height = picture.size
+    except (UnidentifiedImageError, OSError, ValueError, SyntaxError) as error:
+        raise UsageError(f"{file}: cannot be read as a picture") from error
+    except Image.DecompressionBombError:
+        width = height = 100_000
+    if width * height > LARGEST:
+        raise UsageError(f"{file}: a sprite has at most {LARGEST // 10**6} million pixels; 512x512 is plenty")
+    return file
+
+
+ImageFile = parsed(_image, _IMAGE)

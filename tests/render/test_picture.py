@@ -1,0 +1,141 @@
+"""Sprites that are pictures: their energy, their turn, and files that are refused."""
+
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from PIL import Image
+from pydantic import ValidationError
+
+from gen_art.preset.files import FOLDER
+from gen_art.preset.load import load_preset
+from gen_art.preset.look import Look
+from gen_art.renderer.camera import Camera
+from gen_art.renderer.frame import Painter
+from gen_art.renderer.picture import texels
+from tests.render.particles import scene, state
+
+SIZE = (300, 200)
+PIXELS = Camera(position=(0, 0, 10), height=200.0)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """With an arrow that points right, white on nothing."""
+    arrow = np.zeros((40, 40, 4), np.uint8)
+    y, x = np.mgrid[:40, :40]
+    arrow[np.abs(y - 19.5) < 0.5 * (x < 30) * 6 + (x >= 22) * (39 - x) * 0.9] = 255
+    Image.fromarray(arrow).save(tmp_path / "arrow.png")
+    token = FOLDER.set(tmp_path)
+    yield tmp_path
+    FOLDER.reset(token)
+
+
+def paint(look, position, **more):
+    painter = Painter(SIZE, PIXELS, {"a": Look(**{"draw": "picture", "picture": "arrow.png", **look})})
+    return np.array(painter.paint(scene(1.0, a=state(position, **more)), 0.0))
+
+
+@pytest.mark.parametrize("radius", [0.3, 1.1, 4.0, 17.3, 60.0])
+@pytest.mark.parametrize("turn", [0, 33, "random"])
+def test_a_picture_gives_its_energy_at_any_size_place_and_turn(folder, radius, turn):
+    place = np.random.default_rng(3).uniform(-20, 20, (5, 3)) * (1, 1, 0)
+    got = paint({"radius": radius, "picture": {"image": "arrow.png", "turn": turn}}, place).sum(
+        axis=(0, 1), dtype=float
+    )
+    cover = texels(folder / "arrow.png")[1]
+    assert got[:3] == pytest.approx([5 * 4 * radius**2 * cover] * 3, rel=1e-5)
+
+
+def middle_of_light(picture):
+    light = picture[..., 0].astype(float)
+    rows, columns = np.mgrid[: light.shape[0], : light.shape[1]] + 0.5
+    return np.array([(light * columns).sum(), (light * rows).sum()]) / light.sum() - (150, 100)
+
+
+def test_it_turns_counter_clockwise_and_spins_with_its_age(folder):
+    look = {"radius": 30.0, "picture": {"image": "arrow.png"}}
+    still = middle_of_light(paint(look, [[0, 0, 0]]))
+    length = np.hypot(*still)
+    assert abs(still[0]) > 3 and abs(still[1]) < 0.5
+    turned = middle_of_light(paint({**look, "picture": {"image": "arrow.png", "turn": 90}}, [[0, 0, 0]]))
+    assert turned == pytest.approx([0, -still[0]], abs=0.1), "a quarter turn takes right to up, which is less of a row"
+    spun = middle_of_light(paint({**look, "picture": {"image": "arrow.png", "spin": 180}}, [[0, 0, 0]], birth=0.0))
+    assert spun == pytest.approx(-still, abs=0.1) and length > 3
+
+
+def test_it_keeps_its_form_and_colour(folder):
+    look = {"radius": 20.0, "emission": {"color": [1.0, 0.0, 0.0], "intensity": 2.0}}
+    picture = paint(look, [[0, 0, 0]])
+    assert picture[100, 150] == pytest.approx([2.0, 0, 0, 0], abs=0.1), "the shaft, as bright as said"
+    assert picture[85, 140].max() < 0.02, "beside the shaft"
+
+
+def test_an_opaque_picture_hides_where_it_is_painted(folder):
+    looks = {
+        "lamp": Look(draw="disc", radius=40.0),
+        "arrow": Look(draw="picture", picture="arrow.png", blend="opaque", radius=20.0, albedo="black"),
+    }
+    systems = {"lamp": state([[0, 0, -1]]), "arrow": state([[0, 0, 0]])}
+    picture = np.array(Painter(SIZE, PIXELS, looks).paint(scene(1.0, **systems), 0.0))
+    assert picture[100, 150, 0] < 0.02 and picture[84, 145, 0] > 0.5
+
+
+def test_a_picture_without_transparency_covers_where_it_is_bright(folder):
+    Image.fromarray(np.full((8, 8), 255, np.uint8)).save(folder / "white.png")
+    assert texels(folder / "white.png")[1] == pytest.approx(1.0)
+
+
+def _huge_png(path):
+    """A header that says 20,000 x 20,000."""
+    data = struct.pack(">IIBBBBB", 20_000, 20_000, 8, 0, 0, 0, 0)
+    chunk = struct.pack(">I", len(data)) + b"IHDR" + data + struct.pack(">I", zlib.crc32(b"IHDR" + data))
+    path.write_bytes(
+        b"\x89PNG\r\n\x1a\n" + chunk + struct.pack(">I", 0) + b"IDAT" + struct.pack(">I", zlib.crc32(b"IDAT"))
+    )
+
+
+@pytest.mark.parametrize(
+    "image, says",
+    [
+        ("nowhere.png", "no such file"),
+        ("/etc/passwd", "own folder"),
+        ("../secret.png", "own folder"),
+        ("link.png", "leads out"),
+        ("text.png", "cannot be read as a picture"),
+        ("huge.png", "million pixels"),
+        ("", "name of a file"),
+    ],
+)
+def test_files_that_are_refused(folder, image, says):
+    (folder / "text.png").write_text("no picture")
+    (folder / "link.png").symlink_to("/etc/hosts")
+    _huge_png(folder / "huge.png")
+    with pytest.raises(ValidationError, match=says):
+        Look(draw="picture", picture=image)
+
+
+def test_a_preset_s_picture_is_found_beside_it_and_named_in_its_files(folder, tmp_path, monkeypatch):
+    monkeypatch.chdir("/")
+    text = """version: 1
+clock: {duration: 1, fps: 10, step: 0.1}
+systems:
+  a:
+    emitters: {e: {count: 3, shape: {point: [0, 0, 0]}}}
+    look: {draw: picture, picture: {image: arrow.png, turn: random}, radius: 0.2}
+"""
+    (tmp_path / "arrows.yaml").write_text(text)
+    token = FOLDER.set(FOLDER.get())
+    preset = load_preset(tmp_path / "arrows.yaml")
+    FOLDER.reset(token)
+    assert [f.place for f in preset.files] == [tmp_path / "arrow.png"] and preset.files == ["arrow.png"]
+    again = load_preset(preset, overrides={"clock.fps": 5})
+    assert again.files[0].place == tmp_path / "arrow.png"
+
+
+def test_a_picture_goes_with_its_draw(folder):
+    with pytest.raises(ValidationError, match="go together"):
+        Look(draw="disc", picture="arrow.png")
+    with pytest.raises(ValidationError, match="go together"):
+        Look(draw="picture")
