@@ -6,9 +6,8 @@ from gen_art.errors import UsageError
 from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.film import Film, Sprites, splat
-from gen_art.renderer.light import incoming_light
+from gen_art.renderer.light import add_light
 from gen_art.renderer.shade import Shading, add_sprites, numbers
-from gen_art.renderer.sprite import BLUE, LEVEL, RED
 
 __all__ = ["LARGEST", "Painter", "check_size", "living", "render_frame"]
 
@@ -95,21 +94,19 @@ class Painter:
 
     def _draw(self, sim, names, view, film_time, shutter, weight, film: Film) -> None:
         self._sprites.clear()
+        lit, drawn = {}, {}
         for name in names:
             system = sim.systems[name]
             if self.looks.get(name, self._plain) is None:
                 continue
             shading, raw = self._shading(name, system)
             q = numbers(shading, view, self.size, sim.time, film_time, shutter, raw, weight)
-            first, lit = add_sprites(self._sprites, system, shading, q)
-            light = shading.look.light
-            if light is not None and len(lit):
-                parallel = view.height is not None
-                eye = view.axes[2] if parallel else view.position
-                rows = self._sprites.rows[first : first + len(lit)]
-                light_in = incoming_light(light, lit[:, :3], lit[:, 3], eye, parallel)
-                smaller = np.float32(0.25) ** rows[:, LEVEL : LEVEL + 1]  # energy counts in the pixels of its film
-                rows[:, RED : BLUE + 1] += lit[:, 4:] * light_in * smaller
+            first, auxiliary = add_sprites(self._sprites, system, shading, q)
+            drawn[name] = system, first
+            if shading.look.light is not None and len(auxiliary):
+                lit[name] = shading.look.light, first, auxiliary
+        if lit:
+            add_light(self._sprites.rows, lit, drawn, view, view.scale(self.size[1]))
         splat(self._sprites, film)
 
 

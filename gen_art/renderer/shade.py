@@ -323,6 +323,7 @@ def _shade(
                         A[i, c] = ti.cast(S[c, i], ti.f32)
                         A[i, 4 + c] = white[c] * cover
                     A[i, 3] = depth * AREA * (half / per * SOFT) * (half / per * SOFT)
+                    A[i, 7] = half / per
                 else:
                     rgb += white * cover
                 P[o, X], P[o, Y], P[o, REACH], P[o, DX], P[o, DY] = px, py, shown, dx, dy
@@ -379,12 +380,12 @@ def numbers(
 
 
 def add_sprites(sprites: Sprites, system, shading: Shading, q: np.ndarray) -> tuple[int, np.ndarray]:
-    """Append a system's particles; gives the first row and, for a lit look, (n, 7) of position, extinction cross
-    section and albedo times cover, whose light is still to be added.
+    """Append a system's particles; gives the first row and, for a lit look, (n, 8) of position, extinction cross
+    section, albedo times cover, whose light is still to be added, and radius.
     """
     n = int(system.count)
     first = sprites.reserve(n)
-    auxiliary = np.zeros((n if q[LIT] else 1, 7), np.float32)
+    auxiliary = np.zeros((n if q[LIT] else 1, 8), np.float32)
     if n:
         shade(
             system.floats, system.birth, system.key, system.id, system.source, shading.rows(system.sources), n, first,
