@@ -8,7 +8,7 @@ from gen_art.errors import UsageError
 from gen_art.preset.colour_names import Gradient
 from gen_art.preset.fields import ColourValue, CurveValue, GradientValue, Number, RangeValue, Vector
 from gen_art.preset.files import ImageFile
-from gen_art.preset.types import Model
+from gen_art.preset.types import Model, Words
 from gen_art.preset.values import Curve, Range, number
 
 __all__ = ["BY", "Color", "Emission", "KeyLight", "Look", "Picture", "Ramp", "Trail"]
@@ -104,22 +104,29 @@ class Emission(Model):
 
 
 class KeyLight(Model):
-    """A distant lamp that shines on smoke through the smoke itself, and a soft ambient light.
+    """A distant lamp that shines on smoke through the smoke itself, the sky around it and the glow of other systems.
 
-    direction: the way the light travels. phase: -1 back to 1 forward scattering (Henyey-Greenstein), 0 even.
-    scatter: the part of the lamp's light that has been scattered before and goes four times as deep. depth scales the
-    optical depth the lamp sees. resolution: cells along the longest side of the density grid.
+    direction: the way the lamp's light travels. phase: -1 back to 1 forward scattering (Henyey-Greenstein), 0 even.
+    scatter: the part of the light that has been scattered once before; its depth counts half, and so on for that part
+    of it. ambient: the sky, from all sides; ground: what comes from below (the sky's colour unless given). depth scales
+    the optical depth that this system casts into all light. resolution: cells along the longest side of the density grid.
+    glow: systems whose own light shines on this one; glow_intensity 1 is as bright as they are; glow_softness (world
+    units) widens their light near them. All systems with a light stand in each other's shadow.
     """
 
     direction: Vector = (-1.0, -1.0, -0.5)
     color: ColourValue = "white"
     intensity: Annotated[Number, Field(ge=0)] = 3.0
     ambient: ColourValue = "white"
+    ground: ColourValue | None = None
     ambient_intensity: Annotated[Number, Field(ge=0)] = 0.08
     phase: Annotated[Number, Field(gt=-1, lt=1)] = 0.0
     scatter: Annotated[Number, Field(ge=0, le=1)] = 0.2
     depth: Annotated[Number, Field(ge=0)] = 1.0
     resolution: Annotated[int, Field(ge=8, le=256)] = 96
+    glow: Words = ()
+    glow_intensity: Annotated[Number, Field(ge=0)] = 1.0
+    glow_softness: Annotated[Number, Field(ge=0)] = 0.0
 
     @model_validator(mode="after")
     def _pointing(self):

@@ -5,13 +5,14 @@ Right-handed, y up. The picture's rows run from top to bottom; pixel (row, colum
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.preset.camera import CameraSpec
 from gen_art.renderer.colour import linear
+from gen_art.renderer.shake import shake_noise
 
 __all__ = ["Camera", "View"]
 
@@ -20,7 +21,9 @@ __all__ = ["Camera", "View"]
 class View:
     """A camera at one moment: `position` (3,), rows of `axes` right, up, forward; lengths in world units.
 
-    fov in degrees from bottom to top, or `height` in world units (orthographic) when that is not None.
+    fov in degrees from bottom to top, or `height` in world units (orthographic) when that is not None. lens is its
+    radius and its focus distance, None for a pinhole: a point at depth d blurs into a disc with a radius of
+    scale * radius * abs(1 / focus - 1 / d) pixels.
     """
 
     position: np.ndarray
@@ -31,6 +34,7 @@ class View:
     near: float
     far: float
     fog: tuple[float, float, tuple[float, float, float]] | None
+    lens: tuple[float, float] | None = None
 
     def scale(self, rows: int) -> float:
         """Pixels per world unit (orthographic), or pixels per unit of slope (perspective)."""
@@ -48,9 +52,11 @@ class Camera:
     """Camera(position, target, up, fov) is a perspective camera; with `height`, an orthographic one.
 
     position, target, up : (3,) world units      fov : degrees, bottom to top      height : world units, bottom to top
-    roll : degrees, the picture turns clockwise      near, far : distances of clipping (near: a thousandth of the
-    distance to the target unless given)      shutter : degrees of a frame, 0 to 360
-    path, easing, orbit, fog : as in a preset's `camera:` (see preset/look.py)
+    roll : degrees, the picture turns clockwise      near, far : distances of clipping along the line of sight (near: a
+    thousandth of the distance to the target unless given; an orthographic camera sees behind itself unless given)
+    shutter : degrees of a frame, 0 to 360
+    lens : (radius, focus distance or None for the target's), world units; perspective only
+    spec : path, easing, orbit, shake and fog, as in a preset's `camera:` (see preset/camera.py)
     Raises UsageError for a camera that looks nowhere.
     """
 
@@ -63,6 +69,7 @@ class Camera:
     near: float | None = None
     far: float | None = None
     shutter: float = 180.0
+    lens: tuple[float, float | None] | None = None
     spec: CameraSpec = field(default=CameraSpec(), repr=False)
 
     def __post_init__(self):
@@ -71,18 +78,27 @@ class Camera:
             if len(vector) != 3 or not all(map(math.isfinite, vector)):
                 raise UsageError(f"the camera's {name} must be three finite numbers")
             object.__setattr__(self, name, vector)
-        if self.position == self.target:
+        if not any(self.up):
+            raise UsageError("the camera's up must not be [0, 0, 0]")
+        if self.position == self.target and not self.spec.path:
             raise UsageError("the camera's position and target must differ")
         if not 0.0 < self.fov < 170.0:
             raise UsageError(f"the camera's fov must be between 0 and 170 degrees, not {self.fov:g}")
         if self.height is not None and not self.height > 0.0:
             raise UsageError("the camera's height must be above 0")
+        if self.lens is not None:
+            radius, focus = self.lens
+            if self.height is not None:
+                raise UsageError("an orthographic camera has no lens: leave out lens, or give fov instead of height")
+            if not (0.0 <= radius < math.inf and (focus is None or 0.0 < focus < math.inf)):
+                raise UsageError("the lens is a radius of at least 0 and a focus distance above 0, or None")
 
     @classmethod
     def from_spec(cls, spec: CameraSpec) -> "Camera":
         """The camera a preset describes."""
         plain = ("position", "target", "up", "fov", "height", "roll", "near", "far", "shutter")
-        return cls(**{name: getattr(spec, name) for name in plain}, spec=spec)
+        lens = (spec.lens.radius, spec.lens.focus) if spec.lens else None
+        return cls(**{name: getattr(spec, name) for name in plain}, lens=lens, spec=spec)
 
     @classmethod
     def framing(cls, points, aspect: float = 16 / 9) -> "Camera":
@@ -102,55 +118,116 @@ class Camera:
     def at(self, time: float = 0.0) -> View:
         """The camera at film time `time` (seconds)."""
         state = self._on_path(time)
-        position, target, up = (np.array(getattr(state, n), dtype=np.float64) for n in ("position", "target", "up"))
-        orbit = self.spec.orbit
+        position, target, up = state["position"], state["target"], state["up"]
+        orbit, fog, shake = self.spec.orbit, self.spec.fog, self.spec.shake
         if orbit is not None:
             position = target + _turn(position - target, orbit.axis, math.radians(orbit.start + orbit.rate * time))
         forward = target - position
         distance = float(np.linalg.norm(forward))
         if distance == 0.0:
             raise UsageError(f"the camera reaches its target at {time:g} s and looks nowhere")
-        forward /= distance
-        right = np.cross(forward, up)
-        if np.linalg.norm(right) < 1e-9 * max(np.linalg.norm(up), 1e-30):  # looking along `up`: any other will do
-            right = np.cross(forward, [0.0, 0.0, -1.0] if abs(forward[2]) < 0.9 else [0.0, 1.0, 0.0])
-        right /= np.linalg.norm(right)
-        above = np.cross(right, forward)
-        angle = math.radians(state.roll)
-        right, above = (
-            math.cos(angle) * right + math.sin(angle) * above,
-            math.cos(angle) * above - math.sin(angle) * right,
-        )
-        fog = self.spec.fog
+        axes = _axes(forward / distance, up, state["roll"])
+        if shake is not None:
+            tilt, pan, turn = np.radians([shake.amplitude, shake.amplitude, shake.roll]) * shake_noise(
+                time, shake.frequency, shake.seed
+            )
+            if state["height"] is not None:
+                per = 0.5 * state["height"] / math.tan(0.5 * math.radians(state["fov"]))
+                position = position + per * (math.tan(pan) * axes[0] + math.tan(tilt) * axes[1])
+                pan = tilt = 0.0
+            axes = _shaken(axes, pan, tilt, turn)
+        near = self.near
+        if near is None:
+            near = 1e-3 * distance if state["height"] is None else -math.inf
+        focus = state["focus"] if state["focus"] is not None else distance
         return View(
             position=position,
-            axes=np.stack([right, above, forward]),
+            axes=axes,
             distance=distance,
-            fov=state.fov,
-            height=state.height,
-            near=self.near if self.near is not None else 1e-3 * distance,
+            fov=state["fov"],
+            height=state["height"],
+            near=near,
             far=self.far if self.far is not None else math.inf,
             fog=(fog.start, fog.distance, tuple(linear(fog.color))) if fog else None,
+            lens=(self.lens[0], focus) if self.lens and self.lens[0] > 0.0 else None,
         )
 
-    def _on_path(self, time: float) -> "Camera":
-        if not self.spec.path:
-            return self
-        names = ("position", "target", "up", "fov", "height", "roll")
-        rows, current = [], {n: getattr(self, n) for n in names}
-        for key in self.spec.path:
-            current = {n: current[n] if getattr(key, n) is None else getattr(key, n) for n in names}
-            rows.append(current)
-        times = [key.time for key in self.spec.path]
-        mixed = {}
-        for name in names:
-            if rows[0][name] is None or rows[-1][name] is None:
-                mixed[name] = None
-                continue
-            values = np.array([np.atleast_1d(row[name]) for row in rows], dtype=np.float64)
-            value = _ease(times, values, time, self.spec.easing)
-            mixed[name] = tuple(value.tolist()) if len(value) == 3 else float(value[0])
-        return replace(self, **mixed)
+    def _on_path(self, time: float) -> dict:
+        """What a stop of the path may change, at film time `time`: vectors as arrays, the rest as floats or None.
+
+        A stop without `focus`, among others with one, focuses on its own target.
+        """
+        state = {name: getattr(self, name) for name in _SCALE if name != "focus"} | {
+            "focus": self.lens[1] if self.lens else None
+        }
+        if self.spec.path:
+            rows = [state]
+            for key in self.spec.path:
+                rows.append({n: old if getattr(key, n) is None else getattr(key, n) for n, old in rows[-1].items()})
+            rows = rows[1:]
+            if any(row["focus"] is not None for row in rows):
+                for row in rows:
+                    row["focus"] = row["focus"] or math.dist(row["position"], row["target"])
+            times = [key.time for key in self.spec.path]
+            eases = [key.easing or self.spec.easing for key in self.spec.path]
+            for name, (there, back) in _SCALE.items():
+                column = [row[name] for row in rows]
+                if None not in column:
+                    values = there(np.array(column, dtype=np.float64).reshape(len(rows), -1))
+                    value = back(_ease(times, values, time, eases))
+                    state[name] = value if len(value) == 3 else float(value[0])
+        return state | {name: np.array(state[name], dtype=np.float64) for name in ("position", "target", "up")}
+
+
+def _same(x):
+    return x
+
+
+def _half_tangent(fov):
+    return np.log(np.tan(np.radians(fov) / 2))
+
+
+def _fov(half_tangent):
+    return np.minimum(np.degrees(2 * np.arctan(np.exp(half_tangent))), 169.9)  # a spline may overshoot its stops
+
+
+# in which scale a path mixes each value: zooms by equal factors in equal times
+_SCALE = {
+    "position": (_same, _same),
+    "target": (_same, _same),
+    "up": (_same, _same),
+    "fov": (_half_tangent, _fov),
+    "height": (np.log, np.exp),
+    "roll": (_same, _same),
+    "focus": (np.log, np.exp),
+}
+
+
+def _axes(forward, up, roll: float) -> np.ndarray:
+    """Rows right, up, forward of a camera that looks along `forward` (unit) with `up` above, rolled by degrees."""
+    right = np.cross(forward, up)
+    if np.linalg.norm(right) < 1e-9 * max(np.linalg.norm(up), 1e-30):  # looking along `up`: any other will do
+        right = np.cross(forward, [0.0, 0.0, -1.0] if abs(forward[2]) < 0.9 else [0.0, 1.0, 0.0])
+    right /= np.linalg.norm(right)
+    return _shaken(np.stack([right, np.cross(right, forward), forward]), 0.0, 0.0, math.radians(roll))
+
+
+def _shaken(axes, pan: float, tilt: float, roll: float) -> np.ndarray:
+    """Axes turned right by `pan`, up by `tilt` and, about the line of sight, by `roll` (radians), in this order."""
+    right, above, forward = axes
+    forward, right = (
+        math.cos(pan) * forward + math.sin(pan) * right,
+        math.cos(pan) * right - math.sin(pan) * forward,
+    )
+    forward, above = (
+        math.cos(tilt) * forward + math.sin(tilt) * above,
+        math.cos(tilt) * above - math.sin(tilt) * forward,
+    )
+    right, above = (
+        math.cos(roll) * right + math.sin(roll) * above,
+        math.cos(roll) * above - math.sin(roll) * right,
+    )
+    return np.stack([right, above, forward])
 
 
 def _turn(vector, axis, angle: float) -> np.ndarray:
@@ -160,8 +237,19 @@ def _turn(vector, axis, angle: float) -> np.ndarray:
     return vector * math.cos(angle) + np.cross(k, vector) * math.sin(angle) + k * (k @ vector) * (1.0 - math.cos(angle))
 
 
-def _ease(times, values, time: float, easing: str) -> np.ndarray:
-    """Values (n, c) at `times`, read at `time`; constant outside. `spline` is Catmull-Rom on uneven times."""
+_EASINGS = {
+    "linear": lambda u: u,
+    "smooth": lambda u: u * u * (3.0 - 2.0 * u),
+    "accelerate": lambda u: u * u,
+    "brake": lambda u: u * (2.0 - u),
+    "hold": lambda u: 0.0,
+}
+
+
+def _ease(times, values, time: float, easings) -> np.ndarray:
+    """Values (n, c) at `times`, read at `time`; constant outside. easings[i] is the word for the way from i to i + 1;
+    `spline` is Catmull-Rom on uneven times.
+    """
     if time <= times[0] or len(times) == 1:
         return values[0]
     if time >= times[-1]:
@@ -169,10 +257,8 @@ def _ease(times, values, time: float, easing: str) -> np.ndarray:
     i = int(np.searchsorted(times, time, side="right")) - 1
     span = times[i + 1] - times[i]
     u = (time - times[i]) / span
-    if easing == "linear":
-        return values[i] + (values[i + 1] - values[i]) * u
-    if easing == "smooth":
-        return values[i] + (values[i + 1] - values[i]) * (u * u * (3.0 - 2.0 * u))
+    if easings[i] != "spline":
+        return values[i] + (values[i + 1] - values[i]) * _EASINGS[easings[i]](u)
 
     def slope(k):
         a, b = max(k - 1, 0), min(k + 1, len(times) - 1)

@@ -6,11 +6,11 @@ from gen_art.errors import UsageError
 from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.film import Film, Sprites, splat
-from gen_art.renderer.light import incoming_light
+from gen_art.renderer.light import add_light
 from gen_art.renderer.scatter import FEW, scatter
 from gen_art.renderer.scatter import LARGEST as SCATTERED
 from gen_art.renderer.shade import Columns, shade
-from gen_art.renderer.sprite import BLUE, DISC, HIDDEN, POINT, REACH, RED
+from gen_art.renderer.sprite import DISC, HIDDEN, POINT, REACH
 from gen_art.renderer.tables import Shading, numbers
 
 __all__ = ["LARGEST", "Painter", "check_size", "living", "render_frame"]
@@ -51,7 +51,8 @@ class Painter:
         self.size = check_size(size)
         self.camera, self.looks, self.shutter = camera, looks or {}, shutter
         self.film = Film(self.size)
-        self._sprites, self._columns = Sprites(), Columns()
+        self._sprites = Sprites()
+        self._columns: dict[str, Columns] = {}
         self._trails: dict[str, Film] = {}
         self._shadings: dict[str, Shading] = {}
         self._plain = Look()
@@ -98,39 +99,40 @@ class Painter:
         return self._shadings[name], raw
 
     def _draw(self, sim, names, view, film_time, shutter, weight, film: Film) -> None:
-        looks = {name: self.looks.get(name, self._plain) for name in names}
-        sprites, columns = self._sprites, self._columns
+        drawn: dict[str, tuple] = {}
+        lit: dict[str, tuple] = {}
+        sprites, looks = self._sprites, {}
+        for name in names:
+            if self.looks.get(name, self._plain) is not None:
+                system, columns = sim.systems[name], self._columns.setdefault(name, Columns())
+                shading, raw = self._shading(name, system)
+                look = looks[name] = shading.look
+                q = numbers(shading, view, self.size, sim.time, film_time, shutter, raw, weight)
+                shade(columns, system, shading, q)
+                drawn[name] = system, columns.used
+                if look.light is not None and columns.count:
+                    lit[name] = look.light, columns.used, columns.lit[: columns.count]
+        if lit:
+            add_light(lit, drawn, view, view.scale(self.size[1]))
         sprites.clear()
-        sprites.layered = any(look is not None and look.blend != "add" for look in looks.values())
-        for name in (name for name in names if looks[name] is not None):
-            system = sim.systems[name]
-            shading, raw = self._shading(name, system)
-            look, kind = shading.look, KINDS.index(shading.look.draw)
-            shade(
-                columns, system, shading, numbers(shading, view, self.size, sim.time, film_time, shutter, raw, weight)
-            )
-            if look.light is not None and columns.count:
-                self._light(look.light, columns, view)
-            least = HIDDEN
-            if not sprites.layered and kind in (POINT, DISC) and columns.count > FEW:
-                reach = columns.used[REACH]
-                largest = float(reach.max(initial=HIDDEN))
-                least = SCATTERED if largest > 0.0 else 0.0
-                scatter(columns.rows, columns.count, DISC if largest > 0.0 else POINT, film)
-                if largest <= least:
-                    continue
-            if look.picture is not None:
-                sprites.add_pictures(columns, look.picture, film)
-            else:
-                sprites.add(columns, kind, film, look.tail, look.taper, least)
+        sprites.layered = any(look.blend != "add" for look in looks.values())
+        for name, look in looks.items():
+            self._add(look, self._columns[name], film)
         splat(sprites, film)
 
-    def _light(self, light, columns: Columns, view) -> None:
-        """Add what a lamp leaves on the particles of a lit look."""
-        lit, parallel = columns.lit[: columns.count], view.height is not None
-        eye = view.axes[2] if parallel else view.position
-        light_in = incoming_light(light, lit[:, :3], lit[:, 3], eye, parallel)
-        columns.used[RED : BLUE + 1] += (lit[:, 4:] * light_in).T
+    def _add(self, look: Look, columns: Columns, film: Film) -> None:
+        """Draw a system's small sprites, where they only add light; list the others."""
+        sprites, kind, least = self._sprites, KINDS.index(look.draw), HIDDEN
+        if look.picture is not None:
+            sprites.add_pictures(columns, look.picture, film)
+            return
+        if not sprites.layered and kind in (POINT, DISC) and columns.count > FEW:
+            largest = float(columns.used[REACH].max())
+            least = SCATTERED if largest > 0.0 else 0.0
+            scatter(columns.rows, columns.count, DISC if largest > 0.0 else POINT, film)
+            if largest <= least:
+                return
+        sprites.add(columns, kind, film, look.tail, look.taper, least)
 
 
 def render_frame(sim, size=(1280, 720), camera: Camera | None = None) -> np.ndarray:

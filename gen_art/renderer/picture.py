@@ -1,7 +1,8 @@
 """Sprites that are pictures: an image as a chain of halved ones, and where each particle's lies.
 
-The image is linear and premultiplied, padded to a square and scaled to a side that is a power of two. A sprite reads the level with one to two
-texels a pixel, bilinear; its weights are divided by the sum of the coverage it reads, so it gives its energy exactly.
+The image is linear and premultiplied, padded to a square and scaled to a side that is a power of two. A sprite reads the level
+with one to two texels a pixel, bilinear; its weights are divided by the sum of the coverage it reads, so it gives its energy
+exactly.
 """
 
 import math
@@ -69,7 +70,8 @@ def texels(place) -> tuple[np.ndarray, float]:
     square[top : top + height, left : left + width] = np.concatenate([colour * cover, cover], axis=2)
     side = 1 << round(math.log2(len(square)))
     level = np.stack(
-        [np.asarray(Image.fromarray(square[..., c]).resize((side, side), Image.Resampling.BILINEAR)) for c in range(4)], 2
+        [np.asarray(Image.fromarray(square[..., c]).resize((side, side), Image.Resampling.BILINEAR)) for c in range(4)],
+        2,
     ).astype(np.float64)
     mean = float(level[..., 3].mean())
     if mean == 0.0:

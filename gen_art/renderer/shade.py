@@ -323,7 +323,7 @@ def _shade(
                     i = i0 + j
                     for c in ti.static(range(3)):
                         A[i, c], A[i, 4 + c] = ti.cast(S[c, i], ti.f32), place[c * LANES + j]
-                    A[i, 3] = place[3 * LANES + j]
+                    A[i, 3], A[i, 7] = place[3 * LANES + j], half[j] / per[j]
 
 
 shade_kernel = kernel(_shade)
@@ -336,14 +336,14 @@ class Columns:
 
     def __init__(self):
         self.rows = np.zeros((COLUMNS, 0), np.float32)
-        self.lit = np.zeros((1, 7), np.float32)
+        self.lit = np.zeros((1, 8), np.float32)
         self.count = 0
 
     def reserve(self, n: int, lit: bool) -> None:
         if n > self.rows.shape[1]:
             self.rows = np.empty((COLUMNS, (n + n // 8) // LANES * LANES + LANES), np.float32)
         if lit and n > len(self.lit):
-            self.lit = np.empty((n + n // 8, 7), np.float32)
+            self.lit = np.empty((n + n // 8, 8), np.float32)
         self.count = n
 
     @property
@@ -352,8 +352,8 @@ class Columns:
 
 
 def shade(columns: Columns, system, shading: Shading, q: np.ndarray) -> None:
-    """Fill the columns from a system. For a lit look `columns.lit` (n, 7) holds position, extinction cross section and
-    albedo times cover, whose light is still to be added.
+    """Fill the columns from a system. For a lit look `columns.lit` (n, 8) holds position, extinction cross section,
+    albedo times cover, whose light is still to be added, and radius.
     """
     n = int(system.count)
     columns.reserve(n, q[LIT] > 0.5)

@@ -1,58 +1,266 @@
-"""The lamp in the smoke: Beer and Lambert's law through a slab, ambient light, and the same light in the same order."""
+"""Light in smoke: Beer and Lambert's law, shadow from all sides alike, no more light out than in, the glow of others."""
 
 import numpy as np
 import pytest
 
 from gen_art.preset.look import KeyLight, Look
 from gen_art.renderer.camera import Camera
+from gen_art.renderer.density import DIRECTIONS, WEIGHTS, Smoke
 from gen_art.renderer.frame import Painter
-from gen_art.renderer.light import incoming_light, optical_depth
+from gen_art.renderer.glow import Glow, gathered
+from gen_art.renderer.light import Lit, incoming_light, octaves, phase_function, shine
 from tests.render.particles import scene, state
 
+DARK = {"ambient_intensity": 0.0}
 
-def slab(n=60_000):
-    """A uniform cube of side 2 whose total depth along any axis is 3."""
+
+def slab(n=60_000, depth=3.0):
+    """A uniform cube of side 2 with this optical depth along any of its axes."""
     rng = np.random.default_rng(1)
-    return rng.uniform(-1, 1, (n, 3)).astype(np.float32), np.full(n, 3.0 * 4.0 / n, np.float32)
+    return rng.uniform(-1, 1, (n, 3)).astype(np.float32), np.full(n, depth * 4.0 / n, np.float32)
+
+
+def ball(n=40_000, depth=12.0):
+    """A uniform ball of radius 1 with this optical depth through its middle."""
+    rng = np.random.default_rng(3)
+    x = rng.normal(0, 1, (n, 3))
+    x *= rng.uniform(0, 1, (n, 1)) ** (1 / 3) / np.linalg.norm(x, axis=1, keepdims=True)
+    return x.astype(np.float32), np.full(n, depth / 2 * 4 / 3 * np.pi / n, np.float32)
+
+
+def turned(axis, degrees):
+    k = np.asarray(axis) / np.linalg.norm(axis)
+    cross = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
+    a = np.radians(degrees)
+    return np.eye(3) + np.sin(a) * cross + (1 - np.cos(a)) * cross @ cross
 
 
 @pytest.mark.parametrize("direction", [(0, 0, 1), (0, -1, 0), (1, 0, 0)])
-def test_depth_grows_evenly_through_a_uniform_slab(direction):
+def test_the_lamp_s_light_falls_off_exponentially_through_a_uniform_slab(direction):
     x, section = slab()
-    before, behind = optical_depth(x, section, direction, 32)
+    lamp = KeyLight(direction=direction, intensity=2.0, scatter=0.0, resolution=32, **DARK)
+    got = incoming_light(lamp, x, section, (0, 0, 9))[:, 1]
     along = x @ np.array(direction, np.float32)
-    inside = (np.abs(x) < 0.7).all(axis=1)
-    assert np.abs(before - 1.5 * (along + 1))[inside].mean() < 0.12
-    assert np.abs(before + behind - 3.0)[inside].mean() < 0.15
-
-
-def test_the_lamp_s_light_falls_off_exponentially_without_scatter():
-    x, section = slab()
-    lamp = KeyLight(direction=(0, 0, 1), intensity=2.0, ambient_intensity=0.0, scatter=0.0, resolution=32)
-    got = incoming_light(lamp, x, section, (0, 0, 9))
-    deep = np.abs(x[:, 2] - 0.33) < 0.05
-    assert np.median(got[deep]) == pytest.approx(2.0 * np.exp(-2.0), rel=0.15)
+    inside = np.delete(np.abs(x), int(np.flatnonzero(direction)[0]), axis=1).max(axis=1) < 0.8
+    for place in (-0.6, 0.0, 0.33, 0.8):
+        here = inside & (np.abs(along - place) < 0.05)
+        assert got[here].mean() == pytest.approx(2.0 * np.exp(-1.5 * (place + 1.0)), rel=0.04), place
     assert got.max() <= 2.0
 
 
-def test_forward_scattering_favours_a_camera_that_looks_into_the_lamp():
-    x, section = slab(500)
-    lamp = KeyLight(direction=(0, 0, 1), phase=0.5, resolution=16)
-    towards, away = (incoming_light(lamp, x, section, (0, 0, z)).mean() for z in (30, -30))
-    assert towards > 4 * away
+def test_depth_counts_the_opacity_it_is_told():
+    x, section = slab()
+    thin, thick = (
+        np.log(incoming_light(KeyLight(depth=d, scatter=0, intensity=1, **DARK), x, section, (0, 0, 9))).mean()
+        for d in (0.5, 1.5)
+    )
+    assert thick == pytest.approx(3 * thin, rel=1e-3)
 
 
-def test_no_smoke_no_shadow():
-    lamp = KeyLight(intensity=1.0, ambient_intensity=0.0)
-    assert incoming_light(lamp, np.zeros((3, 3), np.float32), np.zeros(3, np.float32), (0, 0, 9)) == pytest.approx(
-        np.ones((3, 3))
+@pytest.mark.parametrize("g", [-0.7, 0.0, 0.4, 0.9])
+def test_the_phase_function_integrates_to_1_over_the_sphere(g):
+    cosine, weight = np.polynomial.legendre.leggauss(200)
+    p = phase_function(cosine, g)
+    assert 2 * np.pi * (weight * p).sum() == pytest.approx(1.0, rel=1e-6)
+    assert 2 * np.pi * (weight * p * cosine).sum() == pytest.approx(g, abs=1e-6), "and its mean cosine is g"
+
+
+def test_the_phase_function_is_what_a_camera_sees():
+    x, section = np.zeros((1, 3), np.float32), np.zeros(1, np.float32)
+    lamp = KeyLight(direction=(0, 0, 2), phase=0.6, scatter=0.0, intensity=1.0, **DARK)
+    for eye, cosine in (((0, 0, 5), 1.0), ((0, 0, -5), -1.0), ((4, 0, 0), 0.0), ((3, 0, 4), 0.8)):
+        assert incoming_light(lamp, x, section, eye)[0, 0] == pytest.approx(
+            4 * np.pi * phase_function(cosine, 0.6), rel=1e-5
+        )
+    assert incoming_light(lamp, x, section, (0, 0, -1), parallel=True)[0, 0] == pytest.approx(
+        4 * np.pi * phase_function(1.0, 0.6), rel=1e-5
     )
 
 
+def test_no_smoke_no_shadow():
+    lamp = KeyLight(intensity=1.0, ambient_intensity=0.5, scatter=0.7)
+    got = incoming_light(lamp, np.zeros((3, 3), np.float32), np.zeros(3, np.float32), (0, 0, 9))
+    assert got == pytest.approx(np.full((3, 3), 1.5))
+
+
+@pytest.mark.parametrize("scatter", [0.0, 0.5, 1.0])
+def test_a_slab_gives_off_no_more_light_than_falls_on_it(scatter):
+    """What leaves a slab (mean depth d, isotropic scatterers of albedo 1, a lamp of irradiance 1 along its normal) is the
+    light its particles scatter times the chance to get out, (E2(t) + E2(d - t)) / 2, and the lamp's own exp(-d).
+    """
+    s, weight = np.polynomial.legendre.leggauss(40)
+    mu = 0.5 + 0.5 * s
+    for depth in (0.3, 3.0, 20.0):
+        x, section = slab(40_000, depth)
+        lamp = KeyLight(direction=(0, 0, 1), scatter=scatter, intensity=1.0, resolution=48, **DARK)
+        middle = (np.abs(x[:, :2]) < 0.8).all(axis=1)
+        light = incoming_light(lamp, x, section, (0, 0, 9))[middle, 0]
+        t = (x[middle, 2] + 1.0) * depth / 2
+        out = sum(0.5 * w * (np.exp(-t / m) + np.exp((t - depth) / m)) for m, w in zip(mu, weight)) / 2
+        scattered = (section[middle] * light * out).sum() / 2.56
+        assert light.max() <= 1.0
+        assert scattered + np.exp(-depth) <= 1.0
+        if scatter == 0.0 and depth < 5:
+            assert (section[middle] * light).sum() / 2.56 == pytest.approx(1.0 - np.exp(-depth), rel=0.05)
+
+
+def test_scattered_light_goes_deeper():
+    x, section = slab(20_000, 10.0)
+    deep = x[:, 2] > 0.8
+    light = [
+        incoming_light(KeyLight(direction=(0, 0, 1), scatter=s, **DARK), x, section, (0, 0, 9))[deep].mean()
+        for s in (0.0, 0.3, 0.6)
+    ]
+    assert light[2] > 2 * light[1] > 20 * light[0]
+    assert octaves(0.5).sum() == pytest.approx(1.0)
+    assert octaves(0.5)[1] == pytest.approx(0.5 * octaves(0.5)[0])
+
+
+def test_fourteen_directions_are_a_rule_of_degree_5():
+    way = DIRECTIONS / np.linalg.norm(DIRECTIONS, axis=1, keepdims=True)
+    for powers, mean in (((2, 0, 0), 1 / 3), ((4, 0, 0), 1 / 5), ((2, 2, 0), 1 / 15), ((3, 1, 1), 0), ((1, 0, 0), 0)):
+        assert (WEIGHTS * np.prod(way ** np.array(powers), axis=1)).sum() == pytest.approx(mean, abs=1e-12)
+
+
+def test_the_depth_along_each_direction_is_the_smoke_s():
+    x, section = ball(80_000)
+    smoke = Smoke.of(x, section, np.zeros(len(x), np.float32), np.eye(3), 40)
+    middle = tuple(np.round(-smoke.corner).astype(int))
+    for way in DIRECTIONS:
+        before, behind = smoke.depth(way)[middle], smoke.depth(-way)[middle]
+        assert before == pytest.approx(6.0, rel=0.08), way
+        assert behind == pytest.approx(6.0, rel=0.08), way
+        step = tuple(np.array(middle) + 8 * way)
+        assert smoke.depth(way)[step] > before > smoke.depth(way)[tuple(np.array(middle) - 8 * way)]
+
+
+def test_the_sky_is_darker_in_the_middle_of_a_ball_than_at_its_skin_from_every_side_alike():
+    x, section = ball()
+    sky = incoming_light(KeyLight(intensity=0.0, ambient_intensity=1.0, scatter=0.0), x, section, (0, 0, 9))[:, 1]
+    r = np.linalg.norm(x, axis=1)
+    core, skin = r < 0.3, r > 0.93
+    assert sky[core].mean() < 0.1 * sky[skin].mean()
+    assert 0.25 < sky[skin].mean() < 0.5, "half the sky is behind the ball"
+    sides = np.array([sky[skin & (x @ (way / np.linalg.norm(way)) > 0.8)].mean() for way in DIRECTIONS])
+    assert np.ptp(sides) < 0.08 * sides.mean()
+
+
+def test_the_sky_and_the_ground_have_their_own_colours():
+    x, section = ball()
+    lamp = KeyLight(direction=(1, -1, 0), intensity=0, ambient=(0, 0, 1), ground=(1, 0, 0), ambient_intensity=1)
+    got = incoming_light(lamp, x, section, (0, 0, 9))
+    top, bottom = got[x[:, 1] > 0.9].mean(axis=0), got[x[:, 1] < -0.9].mean(axis=0)
+    assert top[2] > 2.0 * top[0]
+    assert bottom[0] > 2.0 * bottom[2]
+    assert top[2] == pytest.approx(bottom[0], rel=0.05)
+
+
+@pytest.mark.parametrize(("axis", "degrees"), [((0, 1, 0), 37), ((1, 1, 0), 60), ((1, -2, 3), 45)])
+def test_light_turns_with_the_scene(axis, degrees):
+    x, section = ball()
+    x *= (0.5, 1.0, 0.7)
+    turn = turned(axis, degrees)
+    eye, way = np.array((2.0, 1.0, 9.0)), np.array((-1.0, -0.6, -0.5))
+    lights = [
+        incoming_light(
+            KeyLight(direction=tuple(r @ way), phase=0.3, ambient_intensity=1.0, intensity=1.0),
+            x @ r.T.astype(np.float32), section, r @ eye, radii=np.full(len(x), 0.08, np.float32),
+        )[:, 1]
+        for r in (np.eye(3), turn)
+    ]  # fmt: skip
+    assert np.abs(lights[1] - lights[0]).mean() < 0.05 * lights[0].mean()
+
+
+def test_light_does_not_crawl_with_the_grid():
+    x, section = ball()
+    radii = np.full(len(x), 0.08, np.float32)
+    lamp = KeyLight(resolution=48, ambient_intensity=0.5, intensity=1.0)
+    cell = Smoke.of(x, section, radii, np.eye(3), 48).cell
+    base = incoming_light(lamp, x, section, (0, 0, 9), True, radii)[:, 1]
+    for shift in (cell / 3, 2.4 * cell):
+        moved = incoming_light(lamp, x + np.float32(shift), section, (0, 0, 9), True, radii)[:, 1]
+        assert np.abs(moved - base).mean() < 0.02 * base.mean()
+    finer = incoming_light(
+        lamp.model_copy(update={"resolution": 68}), x, section, (0, 0, 9), True, radii
+    )[:, 1]  # fmt: skip
+    assert np.abs(finer - base).mean() < 0.03 * base.mean(), "a cloud that outgrows its cells does not flicker"
+
+
+def test_large_sprites_cast_wide_shadows():
+    centre = np.zeros((1, 3), np.float32)
+    rim = np.array([[-3, -3, -3], [3, 3, 3]], np.float32)
+    for radius in (0.3, 0.6, 1.0):
+        x, section = np.concatenate([centre, rim]), np.array([4.0, 1e-9, 1e-9], np.float32)
+        smoke = Smoke.of(x, section, np.array([radius] * 3, np.float32), np.eye(3), 48)
+        place = [(smoke.corner[c] + np.arange(smoke.dense.shape[c])) * smoke.cell for c in range(3)]
+        for c in range(3):
+            line = smoke.dense.sum(axis=tuple(k for k in range(3) if k != c))
+            spread = np.sqrt((line * place[c] ** 2).sum() / line.sum() - ((line * place[c]).sum() / line.sum()) ** 2)
+            assert spread == pytest.approx(radius / 2.2, rel=0.15), radius
+        assert smoke.dense.sum() == pytest.approx(4.0, rel=1e-4), "and nothing is lost on the way"
+
+
+def test_smoke_of_one_system_shadows_another():
+    x, section = slab()
+    behind = np.array([[a, b, 2.0] for a in (-0.5, 0, 0.5) for b in (-0.5, 0, 0.5)], np.float32)
+    lamps = [KeyLight(direction=(0, 0, 1), scatter=0, intensity=1.0, **DARK) for _ in range(2)]
+    one = Lit(lamps[0], x, section, np.full(len(x), 0.15, np.float32))
+    two = Lit(lamps[1], behind, np.full(9, 1e-6, np.float32), np.zeros(9, np.float32))
+    assert shine([one, two], (0, 0, 9))[1][:, 0].mean() == pytest.approx(np.exp(-3.0), rel=0.1)
+    assert shine([two], (0, 0, 9))[0] == pytest.approx(np.ones((9, 3)), abs=2e-3)
+
+
+def test_the_glow_of_others_falls_with_the_square_of_the_distance_and_through_the_smoke():
+    rng = np.random.default_rng(5)
+    lights = rng.normal(0, 0.05, (3000, 3))
+    power = np.tile([[2e-3, 1e-3, 0.0]], (3000, 1))
+    x = np.array([[1.0, 0, 0], [2, 0, 0], [0, 4, 0], [0, 0, -4]], np.float32)
+    lamp = KeyLight(intensity=0.0, scatter=0.0, resolution=64, **DARK)
+    thin = Lit(lamp, x, np.full(4, 1e-7, np.float32), np.zeros(4, np.float32))
+    got = shine([thin], (0, 0, 9), False, [Glow(lights, power)])[0]
+    assert got[:, 0] == pytest.approx(6.0 / (4 * np.pi) / np.array([1, 4, 16, 16]), rel=0.12)
+    assert got[:, 1] == pytest.approx(got[:, 0] / 2, rel=1e-5)
+    assert np.all(got[:, 2] == 0.0)
+    screen = rng.uniform(-1, 1, (20_000, 3)).astype(np.float32) * np.float32((0.1, 2, 2)) + np.float32((0.5, 0, 0))
+    wall = Lit(lamp, np.concatenate([x, screen]), np.concatenate([np.full(4, 1e-7), np.full(20_000, 16 / 20_000)]).astype(
+        np.float32), np.zeros(20_004, np.float32))  # fmt: skip
+    through = shine([wall], (0, 0, 9), False, [Glow(lights, power)])[0]
+    assert through[1, 0] == pytest.approx(got[1, 0] * np.exp(-1.0), rel=0.2)
+    assert through[3, 0] > 0.7 * got[3, 0]
+
+
+def test_cells_of_light_keep_their_power_and_their_middle():
+    rng = np.random.default_rng(6)
+    x, power = rng.normal(0, 1, (5000, 3)), rng.uniform(0, 1, (5000, 3))
+    cells = gathered(x, power)
+    assert 40 < len(cells) < 512
+    assert cells[:, 3:6].sum(axis=0) == pytest.approx(power.sum(axis=0))
+    weight = power.sum(axis=1)
+    assert (cells[:, :3] * cells[:, 3:6].sum(axis=1)[:, None]).sum(axis=0) == pytest.approx(
+        (x * weight[:, None]).sum(axis=0)
+    )
+    assert len(gathered(x, 0 * power)) == 0
+
+
+def test_a_fire_shines_on_the_smoke_above_it_at_any_size_of_the_picture():
+    smoke = Look(draw="disc", blend="alpha", radius=0.1, opacity=0.01,
+                 light={"intensity": 0.0, "ambient_intensity": 0.0, "glow": "flame"})  # fmt: skip
+    flame = Look(draw="disc", radius=0.1, emission={"color": [1.0, 0.5, 0.0], "intensity": 2.0})
+    x = np.array([[0, 0.5, 0], [0, 1.0, 0]])
+    seen = []
+    for size in ((64, 64), (256, 256)):
+        things = scene(0.0, plume=state(x), flame=state([[0, -0.5, 0]]))
+        painter = Painter(size, Camera(position=(0, 0, 10), height=4.0), {"plume": smoke, "flame": flame})
+        seen.append(painter.paint(things, 0.0)[: size[1] // 2 - 8 * size[1] // 64].mean(axis=(0, 1)) * 2)
+    assert seen[0][:3] == pytest.approx(seen[1][:3], rel=0.05)
+    assert seen[0][0] > 0
+    assert seen[0][1] == pytest.approx(0.2140 * seen[0][0], rel=1e-3)
+    dark = Painter((64, 64), Camera(position=(0, 0, 10), height=4.0), {"plume": smoke, "flame": None})
+    assert dark.paint(things, 0.0)[..., :3].max() == 0.0
+
+
 def test_a_lit_ball_has_a_bright_side_two_stops_above_its_shadow():
-    rng = np.random.default_rng(3)
-    x = rng.normal(0, 1, (20000, 3))
-    x *= rng.uniform(0, 1, (20000, 1)) ** (1 / 3) / np.linalg.norm(x, axis=1, keepdims=True)
+    x, _ = ball(20_000)
     look = Look(draw="disc", blend="alpha", radius=0.07, opacity=0.2, light={"direction": [1, 0, 0], "intensity": 2.0})
     picture = Painter((200, 200), Camera(position=(0, 0, 10), height=2.6), {"a": look}).paint(
         scene(0.0, a=state(x)), 0.0
