@@ -7,6 +7,7 @@ which is what lets the blending vectorise. Neither the number of threads nor any
 Where sprites hide each other, the order of drawing is cut into SLICES, and in each of them the coarse films come first.
 """
 
+# ruff: noqa: SIM102  (ti.static decides while tracing: it must stand in an `if` of its own)
 from functools import cache
 
 from gen_art.renderer.picture import read_texel
