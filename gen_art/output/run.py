@@ -1,6 +1,11 @@
-"""A preset's simulation and its painter together: the linear picture at any later film time."""
+"""A preset's simulation and its painter together: the linear picture at any later film time.
+
+What a picture needs of the time before it (trails, ribbons, the frames between two) happens at steps of the simulation that
+are laid down by the preset alone, so a frame is the same whichever was asked for first.
+"""
 
 import math
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -13,24 +18,51 @@ __all__ = ["Run"]
 _HALF_LIVES = 16  # of a trail, that it begins before frame 0: what lies further back has faded
 
 
+def _largest_divisor(of: int, wanted: int) -> int:
+    return max(n for n in range(1, max(1, min(wanted, of)) + 1) if of % n == 0)
+
+
 class Run:
     """A simulation of a preset and its painter, from the start to any later film time."""
 
     def __init__(self, preset, size, precision: str, threads: int | None):
         from gen_art.simulation import Simulation
 
-        self.preset, clock = preset, preset.clock
+        self.preset = preset
         self.sim = Simulation(preset, precision=precision, threads=threads)
         self.camera = Camera.from_spec(preset.camera) if preset.camera else None
-        open_ = (self.camera.shutter if self.camera else 180.0) / 360.0 * clock.speed / clock.fps
-        self.painter = Painter(size, self.camera, {n: s.look for n, s in preset.systems.items()}, open_)
-        wanted = max((look.trail.substeps for look in self.painter.trails.values() if look.trail), default=1)
-        per_frame = clock.steps_per_frame
-        self._between = per_frame // max(n for n in range(1, min(wanted, per_frame) + 1) if per_frame % n == 0)
-        longest = max((look.trail.half_life for look in self.painter.trails.values() if look.trail), default=0.0)
-        exposures = math.ceil(_HALF_LIVES * longest * clock.speed / clock.step / self._between)
-        self._first_exposure = max(0, clock.preroll_steps - exposures * self._between)
-        self._done = 0
+        self._shutter = self.camera.shutter if self.camera else 180.0
+        self.painter = Painter(
+            size, self.camera, {n: s.look for n, s in preset.systems.items()}, 0.0,
+            preset.camera.supersample if preset.camera else 1,
+        )  # fmt: skip
+        self._done, self._seen = 0, -1
+        self._trails, self._trail_step = self._plan_trails()
+        self._subframe, self._subframes = self._plan_subframes()
+
+    def _plan_trails(self) -> tuple[range, int]:
+        """Steps at which trails are exposed: on the frames, and evenly between them."""
+        clock, trails = self.preset.clock, [look.trail for look in self.painter.trails.values()]
+        if not trails:
+            return range(0), 1
+        between = clock.steps_per_frame // _largest_divisor(clock.steps_per_frame, max(t.substeps for t in trails))
+        longest = max(t.half_life for t in trails)
+        exposures = math.ceil(_HALF_LIVES * longest * clock.speed / clock.step / between)
+        first = max(clock.preroll_steps % between, clock.preroll_steps - exposures * between)
+        return range(first + between, 2**62, between), between
+
+    def _plan_subframes(self) -> tuple[int, int]:
+        """Steps between two of a frame's subframes, and how many there are; one when the shutter is open less than a step."""
+        clock = self.preset.clock
+        steps = math.floor(self._shutter / 360.0 * clock.steps_per_frame + 1e-9)
+        wanted = self.preset.camera.subframes if self.preset.camera else 1
+        open_ = self._shutter / 360.0 * clock.speed / clock.fps
+        if wanted == 1 or steps == 0:
+            self.painter.shutter = open_
+            return 0, 1
+        number = _largest_divisor(steps, wanted)
+        self.painter.shutter = open_ / number
+        return steps // number, number
 
     def step_of(self, time: float) -> int:
         """The number of steps from the start to film time `time`; UsageError when it falls between steps."""
@@ -44,21 +76,49 @@ class Run:
 
     def film(self, step: int) -> np.ndarray:
         """The linear picture after `step` steps from the start (a view, good until the next)."""
-        clock = self.preset.clock
-        if self.painter.trails:
-            self._advance(min(step, self._first_exposure) - self._done)
-            while self._done < step:
-                n = min(self._until_exposure(), step - self._done)
-                self._advance(n)
-                if self._until_exposure() == self._between:
-                    seconds = self._between * clock.step / clock.speed
-                    self.painter.expose_trails(self.sim, self._film_time(), seconds, self._between * clock.step)
-        self._advance(step - self._done)
-        return self.painter.paint(self.sim, self._film_time())
+        pictures: list[np.ndarray] = []
+        stops: dict[int, list[Callable]] = {}
 
-    def _until_exposure(self) -> int:
-        """Steps to the next exposure of the trails: they lie on the frames and evenly between them."""
-        return self._between - (self._done - self.preset.clock.preroll_steps) % self._between
+        def paint():
+            picture = self.painter.paint(self.sim, self._film_time())
+            if not pictures and self._subframes > 1:
+                pictures.append(np.array(picture))
+            elif pictures:
+                pictures[0] += picture
+            else:
+                pictures.append(picture)
+
+        for at, action in self._between(step):
+            stops.setdefault(at, []).append(action)
+        exposed = [step - k * self._subframe for k in range(self._subframes) if step >= k * self._subframe]
+        for at in exposed:
+            stops.setdefault(at, []).append(paint)
+        for at in sorted(stops):
+            self._advance(at - self._done)
+            for action in stops[at]:
+                action()
+        self._seen = step
+        return pictures[0] if len(exposed) == 1 else pictures[0] / np.float32(len(exposed))
+
+    def _between(self, step: int) -> Iterator[tuple[int, Callable]]:
+        """What is to be done after the steps that were seen and up to this one, kind by kind."""
+        clock = self.preset.clock
+
+        def expose():
+            seconds = self._trail_step * clock.step / clock.speed
+            self.painter.expose_trails(self.sim, self._film_time(), seconds, self._trail_step * clock.step)
+
+        for at in _part(self._trails, self._seen, step):
+            yield at, expose
+        for name, history in self.painter.histories.items():
+            every = max(1, round(history.ribbon.length / history.ribbon.points / clock.step))
+            first = max(0, clock.preroll_steps // every - history.ribbon.points) * every
+
+            def remember(name=name, history=history):
+                history.remember(self.sim.systems[name], self.sim.time)
+
+            for at in _part(range(first, 2**62, every), self._seen, step):
+                yield at, remember
 
     def _advance(self, steps: int) -> None:
         if steps > 0:
@@ -72,3 +132,11 @@ class Run:
     @property
     def particles(self) -> int:
         return sum(int(system.count) for system in self.sim.systems.values())
+
+
+def _part(steps: range, after: int, last: int) -> range:
+    """Those of an endless range of steps in after + 1 .. last."""
+    if not steps:
+        return steps
+    skipped = max(0, -(-(after + 1 - steps.start) // steps.step))
+    return range(steps.start + skipped * steps.step, last + 1, steps.step)

@@ -110,7 +110,9 @@ class CameraSpec(Model):
     farther along the line of sight is drawn. path: stops in film time. easing of the way from stop to stop: `linear`,
     `smooth` (rests at each stop), `spline` (passes through them), `accelerate` (leaves from rest), `brake` (comes to
     rest) or `hold` (stays, then cuts). fov and height change by equal factors in equal times.
-    size: the picture's default size [width, height].
+    subframes: moments of the open shutter whose pictures are averaged, evenly on steps of the clock (the largest divisor of
+    the open steps up to it); one is enough where motion is drawn by streaks. supersample: the picture is drawn this many
+    times as wide and high and averaged. size: the picture's default size [width, height].
     """
 
     position: Vector = (0.0, 0.0, 10.0)
@@ -128,6 +130,8 @@ class CameraSpec(Model):
     easing: Easing = "spline"
     shake: Shake | None = None
     lens: Lens | None = None
+    subframes: Annotated[int, Field(ge=1, le=256)] = 1
+    supersample: Annotated[int, Field(ge=1, le=8)] = 1
     size: tuple[Annotated[int, Field(ge=1, le=16384)], Annotated[int, Field(ge=1, le=16384)]] = (1280, 720)
 
     @model_validator(mode="after")

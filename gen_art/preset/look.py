@@ -11,7 +11,7 @@ from gen_art.preset.files import ImageFile
 from gen_art.preset.types import Model, Words
 from gen_art.preset.values import Curve, Range, number
 
-__all__ = ["BY", "Color", "Emission", "KeyLight", "Look", "Picture", "Ramp", "Trail"]
+__all__ = ["BY", "Color", "Emission", "KeyLight", "Look", "Picture", "Ramp", "Ribbon", "Trail"]
 
 BY = ("age", "seconds", "speed", "energy", "charge", "mass", "radius", "id", "random", "distance", "x", "y", "z")
 
@@ -155,6 +155,25 @@ class Trail(Model):
         return value if isinstance(value, (Trail, dict)) else {"half_life": value}
 
 
+class Ribbon(Model):
+    """Each particle draws its path of the last `length` simulated seconds through `points` remembered positions.
+
+    Needs `draw: streak`, whose width it begins with. taper, tail: width and brightness at the old end, relative to the
+    particle's. `intensity` of the emission is a ribbon's brightness along its middle, whatever the particle's speed.
+    """
+
+    length: Annotated[Number, Field(gt=0)]
+    points: Annotated[int, Field(ge=2, le=256)] = 16
+    taper: Annotated[Number, Field(ge=0, le=1)] = 0.0
+    tail: Annotated[Number, Field(ge=0, le=1)] = 0.0
+
+    short_form = {"type": ["number", "string"]}
+
+    @classmethod
+    def from_short(cls, value):
+        return value if isinstance(value, (Ribbon, dict)) else {"length": value}
+
+
 class Picture(Model):
     """A picture for every particle, `radius` from its middle to its sides; white paint on transparent ground takes the
     particle's colour. It lies in the preset's folder.
@@ -204,6 +223,7 @@ class Look(Model):
     light: KeyLight | None = None
     falloff: Literal["none", "inverse_square"] = "none"
     trail: Trail | None = None
+    ribbon: Ribbon | None = None
 
     @model_validator(mode="after")
     def _consistent(self):
@@ -219,4 +239,8 @@ class Look(Model):
             raise UsageError("a light needs blend: alpha")
         if self.trail is not None and self.blend != "add":
             raise UsageError("a trail needs blend: add")
+        if self.ribbon is not None and self.draw != "streak":
+            raise UsageError("a ribbon needs draw: streak")
+        if self.ribbon is not None and self.trail is not None:
+            raise UsageError("give a ribbon or a trail")
         return self

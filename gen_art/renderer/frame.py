@@ -7,10 +7,12 @@ from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.film import Film, Sprites, splat
 from gen_art.renderer.light import add_light
+from gen_art.renderer.reduce import reduced
+from gen_art.renderer.ribbon import History
 from gen_art.renderer.scatter import FEW, scatter
 from gen_art.renderer.scatter import LARGEST as SCATTERED
 from gen_art.renderer.shade import Columns, shade
-from gen_art.renderer.sprite import DISC, HIDDEN, POINT, REACH
+from gen_art.renderer.sprite import DISC, HIDDEN, POINT, REACH, STREAK
 from gen_art.renderer.tables import Shading, numbers
 
 __all__ = ["LARGEST", "Painter", "check_size", "living", "render_frame"]
@@ -19,7 +21,7 @@ LARGEST = 16384
 KINDS = ("point", "disc", "streak", "sphere", "picture")
 
 
-def check_size(size) -> tuple[int, int]:
+def check_size(size, supersample: int = 1) -> tuple[int, int]:
     """(width, height) as whole numbers; UsageError outside 1..16384."""
     try:
         width, height = (int(v) for v in size)
@@ -27,6 +29,10 @@ def check_size(size) -> tuple[int, int]:
     except (TypeError, ValueError):
         whole = False
     if not whole or not (1 <= width <= LARGEST and 1 <= height <= LARGEST):
+        if supersample > 1:
+            raise UsageError(
+                f"with supersample {supersample} the picture would be drawn {size[0]}x{size[1]}; {LARGEST} is the most"
+            )
         raise UsageError(f"a picture's size is two whole numbers from 1 to {LARGEST}, not {size!r}")
     return width, height
 
@@ -43,12 +49,15 @@ class Painter:
 
     looks : name -> Look or None (not drawn); a system without an entry gets white points of light 1
     size : (width, height)      shutter : simulated seconds the shutter is open
+    supersample : the picture is drawn this many times as wide and high, and a pixel is the mean of what it was drawn as
     """
 
     def __init__(
-        self, size, camera: Camera | None = None, looks: dict[str, Look | None] | None = None, shutter: float = 0.0
-    ):
-        self.size = check_size(size)
+        self, size, camera: Camera | None = None, looks: dict[str, Look | None] | None = None, shutter: float = 0.0,
+        supersample: int = 1,
+    ):  # fmt: skip
+        self._times = supersample
+        self.size = check_size(tuple(side * supersample for side in check_size(size)), supersample)
         self.camera, self.looks, self.shutter = camera, looks or {}, shutter
         self.film = Film(self.size)
         self._sprites = Sprites()
@@ -56,6 +65,7 @@ class Painter:
         self._trails: dict[str, Film] = {}
         self._shadings: dict[str, Shading] = {}
         self._plain = Look()
+        self.histories = {n: History(k.ribbon) for n, k in self.looks.items() if k is not None and k.ribbon is not None}
 
     @property
     def trails(self) -> dict[str, Look]:
@@ -71,7 +81,7 @@ class Painter:
         for trail in self._trails.values():
             self.film.buffer += trail.buffer
         self._draw(sim, list(sim.systems), camera.at(film_time), film_time, self.shutter, 1.0, self.film)
-        return self.film.pixels
+        return self.film.pixels if self._times == 1 else reduced(self.film, self._times)
 
     def expose_trails(self, sim, film_time: float, exposure: float, shutter: float) -> None:
         """Let the trails fade by `exposure` film seconds, then draw their systems once more.
@@ -107,6 +117,8 @@ class Painter:
                 system, columns = sim.systems[name], self._columns.setdefault(name, Columns())
                 shading, raw = self._shading(name, system)
                 look = looks[name] = shading.look
+                if look.ribbon is not None:
+                    continue
                 q = numbers(shading, view, self.size, sim.time, film_time, shutter, raw, weight)
                 shade(columns, system, shading, q)
                 drawn[name] = system, columns.used
@@ -117,8 +129,29 @@ class Painter:
         sprites.clear()
         sprites.layered = any(look.blend != "add" for look in looks.values())
         for name, look in looks.items():
-            self._add(look, self._columns[name], film)
+            if look.ribbon is not None:
+                self._add_ribbons(sim, name, view, film_time, weight, film)
+            else:
+                self._add(look, self._columns[name], film)
         splat(sprites, film)
+
+    def _add_ribbons(self, sim, name: str, view, film_time: float, weight: float, film: Film) -> None:
+        """List every segment of a system's ribbons; without a past there is none."""
+        shading, columns = self._shadings[name], self._columns[name]
+        for segment in self.histories[name].segments(sim.systems[name], sim.time):
+            q = numbers(
+                shading,
+                view,
+                self.size,
+                segment.time,
+                film_time,
+                segment.lapse,
+                False,
+                weight * segment.light,
+                segment.width,
+            )
+            shade(columns, segment.system, shading, q)
+            self._sprites.add(columns, STREAK, film, segment.tail, segment.taper, HIDDEN)
 
     def _add(self, look: Look, columns: Columns, film: Film) -> None:
         """Draw a system's small sprites, where they only add light; list the others."""

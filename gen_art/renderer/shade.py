@@ -61,6 +61,7 @@ from gen_art.renderer.tables import (
     QUANTITIES,
     RAMPS,
     RAW,
+    RIBBON,
     ROWS,
     SCALE,
     SHUTTER,
@@ -218,10 +219,13 @@ def _shade(
                 dot = pixel * value[SIZE * LANES + j]
                 a = ti.cast(Q[AREA_OF], ti.f32) * half[j] * half[j]
                 a = ti.select((kind == POINT) & (mode < 2), dot * dot, a)
+                swept = ti.sqrt(dx[j] * dx[j] + dy[j] * dy[j]) * ti.sqrt(ti.cast(Q[AREA_OF], ti.f32)) * half[j]
+                a = ti.select(Q[RIBBON] > 0.5, swept, a)
                 area[j] = ti.select(Q[RAW] > 0.5, width * rows, a)
                 faint = ti.cast(Q[FALLOFF], ti.f32) / ti.max(ahead[j] * ahead[j], 1e-30)
                 faint = ti.select((Q[FALLOFF] > 0.0) & (not parallel), faint, 1.0)
-                light[j] = value[INTENSITY * LANES + j] * ti.cast(Q[WEIGHT], ti.f32) * part[j] * faint
+                light[j] = value[INTENSITY * LANES + j] * ti.cast(Q[WEIGHT], ti.f32) * faint
+                light[j] *= ti.select((Q[RIBBON] > 0.5) & (part[j] > 0.0), 1.0, part[j])
                 shrink = ti.cast(Q[CONSERVE], ti.f32) * per[j] / ti.max(half[j], 1e-30)
                 through[j] = value[OPACITY * LANES + j] * ti.select(Q[CONSERVE] > 0.0, shrink * shrink, 1.0)
             if Q[STROBE_HI] > 0.0:

@@ -31,8 +31,8 @@ SCALE, ORTHOGRAPHIC, NEAR, FAR, WIDTH, ROWS, TIME, SHUTTER = range(12, 20)
 FOG_START, FOG_RATE, FOG_RED, FOG_GREEN, FOG_BLUE = range(20, 25)
 KIND, SIZE_MODE, SIZE_VALUE, BLEND, CONSERVE, FALLOFF = range(25, 31)
 STROBE_LO, STROBE_HI, DUTY, FILM_TIME, RAW, LIT, WEIGHT, EMITS = range(31, 39)
-LENS, FOCUS, AREA_OF = range(39, 42)
-NUMBERS = 42
+LENS, FOCUS, AREA_OF, RIBBON = range(39, 43)
+NUMBERS = 43
 SOFT = 1.5  # a disc's reach over its radius
 
 
@@ -106,9 +106,17 @@ class Shading:
 
 
 def numbers(
-    shading: Shading, view: View, size, time: float, film_time: float, shutter: float, raw: bool, weight: float = 1.0
+    shading: Shading,
+    view: View,
+    size,
+    time: float,
+    film_time: float,
+    shutter: float,
+    raw: bool,
+    weight: float = 1.0,
+    width: float = 1.0,
 ) -> np.ndarray:
-    """The kernel's run-time numbers (float64). `weight` scales the light, `raw` makes every particle's light 1."""
+    """The kernel's run-time numbers (float64). `weight` scales the light, `width` sizes; `raw` makes every particle's light 1."""
     look = shading.look
     q = np.zeros(NUMBERS)
     q[POSITION : POSITION + 3] = view.position
@@ -117,7 +125,7 @@ def numbers(
     q[NEAR], q[FAR] = (-np.inf if view.height else view.near), view.far
     q[WIDTH], q[ROWS] = size
     q[TIME], q[FILM_TIME] = time, film_time
-    q[SHUTTER] = shutter if look.length is None else look.length
+    q[SHUTTER] = shutter if look.length is None or look.ribbon is not None else look.length
     if view.fog:
         q[FOG_START], q[FOG_RATE] = view.fog[0], 1.0 / view.fog[1]
         q[FOG_RED : FOG_RED + 3] = view.fog[2]
@@ -129,6 +137,8 @@ def numbers(
         q[SIZE_MODE], q[SIZE_VALUE] = 2, 0.5 * look.pixels
     elif look.radius is not None or look.width is not None:
         q[SIZE_MODE], q[SIZE_VALUE] = 1, look.radius if look.radius is not None else 0.5 * look.width
+    q[SIZE_VALUE] *= width
+    q[RIBBON] = look.ribbon is not None
     q[BLEND] = ("add", "alpha", "opaque").index(look.blend)
     q[CONSERVE] = look.reference or 0.0
     q[FALLOFF] = view.distance**2 if look.falloff == "inverse_square" else 0.0

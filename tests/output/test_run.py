@@ -1,0 +1,139 @@
+"""What a frame needs of the time before it: subframes, ribbons, supersampling; always the same, whatever was asked for first."""
+
+import numpy as np
+import pytest
+
+from gen_art.errors import UsageError
+from gen_art.output.run import Run
+from gen_art.preset.load import load_preset
+
+SIZE = (160, 90)
+
+
+def orbits(
+    look: dict, *, subframes=1, shutter=180.0, supersample=1, step="1/800", stiffness=(2 * np.pi) ** 2, **more
+):
+    """Five bodies that swing about the origin once a second, the k-th at radius 0.4 + 0.3 k."""
+    return load_preset(
+        {
+            "name": "orbits", "version": 1,
+            "clock": {"duration": 1, "fps": 10, "step": step, "preroll": 0.1},
+            "systems": {
+                "bodies": {
+                    "forces": {"spring": {"center": [0, 0, 0], "stiffness": stiffness}},
+                    "particle": {"mass": 1.0},
+                    "integrator": "leapfrog",
+                    "emitters": {
+                        f"e{k}": {"count": 1, "shape": {"point": [0.4 + 0.3 * k, 0, 0]},
+                                  "velocity": {"constant": [0, 2 * np.pi * (0.4 + 0.3 * k), 0]}}
+                        for k in range(5)
+                    },
+                    "look": look,
+                }
+            },
+            "camera": {"height": 4, "shutter": shutter, "subframes": subframes, "supersample": supersample},
+            **more,
+        }
+    )  # fmt: skip
+
+
+def frame(preset, k: int = 3, size=SIZE) -> np.ndarray:
+    clock = preset.clock
+    return np.array(Run(preset, size, "f32", None).film(clock.preroll_steps + k * clock.steps_per_frame))
+
+
+STREAK = {"draw": "streak", "width": 0.1, "emission": {"intensity": 1}}
+DISC = {"draw": "disc", "radius": 0.05, "emission": {"intensity": 1}}
+
+
+def test_streaks_and_subframes_agree_in_the_limit():
+    """Of bodies that fly straight on, 23 to 150 pixels while the shutter is open."""
+    large, fine = (640, 360), {"shutter": 90, "step": "1/3200", "stiffness": 0.0}
+    streaks = frame(orbits(STREAK, **fine), size=large)[..., 0]
+    errors = []
+    for n in (1, 8, 80):
+        many = frame(orbits(DISC, subframes=n, **fine), size=large)[..., 0]
+        assert many.sum() == pytest.approx(streaks.sum(), rel=1e-4), "the light is the same"
+        errors.append(np.abs(many - streaks).sum() / streaks.sum())
+    assert errors[0] > 1.0 > 0.4 > errors[1] > errors[2] and errors[2] < 0.06, errors
+
+
+def test_subframes_of_streaks_follow_the_curve():
+    """One streak is straight; four of them lie on the circle."""
+    y, x = np.mgrid[:360, :640] + 0.5
+    radius, thin = np.hypot(x - 320, 180 - y) * 4 / 360, {**STREAK, "width": 0.02}
+
+    def off(preset):
+        picture = frame(preset, size=(640, 360))[..., 0]
+        outermost = radius > 1.45
+        return (picture * np.abs(radius - 1.6))[outermost].sum() / picture[outermost].sum()
+
+    assert off(orbits(thin, shutter=360, subframes=20)) < 0.3 * off(orbits(thin, shutter=360))
+
+
+@pytest.mark.parametrize("look", [STREAK, DISC, {"draw": "point"}, {"draw": "sphere", "radius": 0.08}])
+def test_twice_the_size_averaged_is_the_picture(look):
+    one, two = frame(orbits(look)), frame(orbits(look, supersample=2))
+    assert two.shape == one.shape
+    assert two.sum(dtype=float) == pytest.approx(one.sum(dtype=float), rel=1e-5)
+    larger = frame(orbits(look), size=(320, 180)).reshape(90, 2, 160, 2, 4).mean(axis=(1, 3))
+    assert np.abs(two - larger).max() < 1e-6 * larger.max(), "it is the picture of twice the size, averaged"
+
+
+def test_supersampling_does_not_move_the_picture():
+    look = {"draw": "disc", "radius": 0.25}
+    one, two = (frame(orbits(look, supersample=n), size=(320, 180)) for n in (1, 2))
+    assert np.abs(one - two).sum() < 0.01 * one.sum()
+
+
+def test_too_large_a_drawing_is_refused():
+    with pytest.raises(UsageError, match="16384"):
+        Run(orbits(DISC, supersample=8), (4096, 100), "f32", None)
+
+
+RIBBON = {"draw": "streak", "width": 0.1, "emission": {"intensity": 1}, "ribbon": {"length": 0.25, "points": 20}}
+
+
+def test_a_ribbon_is_the_path_of_the_last_moments():
+    """A quarter of a turn: it lies on the circle, behind the body, narrower and fainter towards its end."""
+    picture = frame(orbits(RIBBON), k=9)[..., 0]
+    y, x = np.mgrid[: SIZE[1], : SIZE[0]] + 0.5
+    radius, angle = np.hypot(x - 80, 45 - y) * 4 / 90, np.degrees(np.arctan2(45 - y, x - 80))
+    head = 360 * (1.0 % 1.0)  # frame 9 is at 0.1 + 0.9 s: a whole turn
+    behind = (head - angle) % 360
+    ring = np.abs(radius - 1.6) < 0.1
+    lit = lambda low, high: picture[ring & (behind > low) & (behind < high)].sum()  # noqa: E731
+    assert lit(5, 20) > 1.5 * lit(40, 55) > 2.5 * lit(75, 90) > 0
+    assert lit(100, 350) < 0.01 * lit(0, 90), "nothing ahead of the body, nor older than the ribbon is long"
+    off_the_rings = np.min([np.abs(radius - 0.4 - 0.3 * k) for k in range(5)], axis=0) > 0.12
+    assert picture[off_the_rings].sum() < 0.01 * picture.sum()
+
+
+def test_a_ribbon_is_as_bright_as_the_look_says_at_any_speed():
+    ribbon = {**RIBBON, "ribbon": {"length": 0.1, "points": 20, "taper": 1, "tail": 1}}
+    picture = frame(orbits(ribbon), k=9, size=(1600, 900))[..., 0]
+    for k in range(5):  # 10 degrees behind each body
+        radius = (0.4 + 0.3 * k) * 900 / 4
+        column, row = 800 + radius * np.cos(np.radians(-10)), 450 - radius * np.sin(np.radians(-10))
+        assert picture[int(row) - 3 : int(row) + 4, int(column) - 3 : int(column) + 4].max() == pytest.approx(
+            1, rel=0.03
+        )
+
+
+@pytest.mark.parametrize(
+    "preset",
+    [
+        orbits(RIBBON),
+        orbits(DISC, subframes=4),
+        orbits({**STREAK, "trail": {"half_life": 0.05, "substeps": 4}}, subframes=2),
+    ],
+    ids=["ribbon", "subframes", "trail"],
+)
+def test_a_frame_is_the_same_whichever_came_before(preset):
+    clock = preset.clock
+    step = lambda k: clock.preroll_steps + k * clock.steps_per_frame  # noqa: E731
+    film = Run(preset, SIZE, "f32", None)
+    pictures = [np.array(film.film(step(k))) for k in range(6)]
+    for k in (0, 5):
+        assert np.array_equal(pictures[k], frame(preset, k))
+    assert pictures[5].any()
