@@ -93,7 +93,8 @@ def run(arguments: list[str]) -> int:
         return status if isinstance(status, int) else 0
     except BaseException as error:
         status = _status(error)
-        for note in getattr(error, "__notes__", ()):
+        first = error.__cause__ if isinstance(error, click.Abort) else error  # click's own word for KeyboardInterrupt
+        for note in getattr(first, "__notes__", ()):
             _say(f"gen-art: {note}")
         return status
     finally:
