@@ -92,7 +92,11 @@ def run(arguments: list[str]) -> int:
         status = cli.main(arguments, prog_name="gen-art", standalone_mode=False)
         return status if isinstance(status, int) else 0
     except BaseException as error:
-        return _status(error)
+        status = _status(error)
+        first = error.__cause__ if isinstance(error, click.Abort) else error  # click's own word for KeyboardInterrupt
+        for note in getattr(first, "__notes__", ()):
+            _say(f"gen-art: {note}")
+        return status
     finally:
         restore()
 

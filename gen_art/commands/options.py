@@ -11,6 +11,7 @@ __all__ = [
     "POSITIVE",
     "SCALE",
     "SIZE",
+    "film_options",
     "load",
     "picture_options",
     "preset_options",
@@ -165,6 +166,24 @@ picture_options = _stack(
     click.option("--overwrite", is_flag=True, help="Replace output that exists."),
     click.option("--transparent", is_flag=True, help="Leave the background out, where the format can."),
     click.option("--dry-run", is_flag=True, help="Check everything, say what would be made, write nothing."),
+)
+
+
+BITS = click.Choice(["8", "10", "16", "32"])
+
+# what a film is encoded as
+film_options = _stack(
+    click.option(
+        "--codec",
+        type=click.Choice(["h264", "h265", "prores", "ffv1", "vp9", "av1"]),
+        help="How a film is encoded; by its ending when left out.",
+    ),
+    click.option(
+        "--profile",
+        type=click.Choice(["preview", "web", "master"]),
+        help="Care of the encoder: web, or preview with --quality draft or preview.",
+    ),
+    click.option("--bits", type=BITS, help="Bits a channel: 8 or 10 in films, 16 in .mkv and .png, 16 or 32 in .exr."),
 )
 
 

@@ -9,19 +9,23 @@ __all__ = ["command"]
 
 @click.command("render")
 @click.argument("preset")
-@click.option("-o", "--output", "out", required=True, metavar="OUT", help="a.mp4 .gif .webp, or frame_####.png.")
+@click.option(
+    "-o", "--output", "out", required=True, metavar="OUT", help="a.mp4 .mov .webm .mkv .gif .webp, or frame_####.png."
+)
 @click.option("--frames", type=options.FRAMES, help="12, 0..89 or 0..99..10 (first..last..step).")
+@options.film_options
 @options.picture_options
 @options.preset_options
 @options.run_options
 def command(
-    preset, out, frames, size, scale, quality, overwrite, transparent, dry_run,
+    preset, out, frames, codec, profile, bits, size, scale, quality, overwrite, transparent, dry_run,
     seed, settings, fps, duration, plugins, precision, threads, progress,
 ):  # fmt: skip
     """Render PRESET to a film or to frames.
 
-    OUT's ending says what is made: .mp4 .gif .webp are films; a pattern such as out/frame_####.png (also .jpg .webp)
-    is a sequence. {preset} and {seed} in OUT are filled in.
+    OUT's ending says what is made: .mp4 (H.264), .mov (ProRes), .webm (VP9), .mkv (FFV1, lossless), .gif and .webp are
+    films; a pattern such as out/frame_####.png (also .jpg .webp .exr) is a sequence. {preset} and {seed} in OUT are
+    filled in. A film grows as NAME.partial.EXT, which plays; it stays when the render is stopped.
     """
     piece, loaded = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     from gen_art.commands.progress import reporter
@@ -29,17 +33,17 @@ def command(
     from gen_art.preset.estimate import refuse_if_too_large
 
     frames = range(piece.clock.frames) if frames is None else frames
-    shape = job.picture_size(piece, size, scale, quality)
+    output = {
+        "size": size, "scale": scale, "quality": quality, "overwrite": overwrite, "transparent": transparent,
+        "frames": frames, "codec": codec, "profile": profile, "bits": int(bits) if bits else None,
+    }  # fmt: skip
+    target, shape = job.check_target(piece, out, **output)
     until = piece.clock.preroll + frames[-1] * piece.clock.speed / piece.clock.fps
-    expected = refuse_if_too_large(piece, precision, shape, until, film=out.endswith(".mp4"))
+    expected = refuse_if_too_large(piece, precision, shape, until, film=target.moving)
     if dry_run:
-        job.check_target(piece, out, size=shape, overwrite=overwrite, transparent=transparent, frames=frames)
         click.echo(f"{out}: {len(frames)} frames of {shape[0]}x{shape[1]}, {expected}")
         return
     with reporter(progress) as report:
-        paths = job.render(
-            piece, out, frames=frames, size=size, scale=scale, quality=quality, precision=precision, threads=threads,
-            overwrite=overwrite, transparent=transparent, progress=report, plugins=loaded,
-        )  # fmt: skip
+        paths = job.render(piece, out, precision=precision, threads=threads, progress=report, plugins=loaded, **output)
     for path in paths:
         click.echo(path)

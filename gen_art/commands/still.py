@@ -9,10 +9,10 @@ __all__ = ["command"]
 
 @click.command("still")
 @click.argument("preset")
-@click.option("-o", "--output", "out", required=True, metavar="OUT", help="The picture: .png .jpg .webp.")
+@click.option("-o", "--output", "out", required=True, metavar="OUT", help="The picture: .png .jpg .webp .exr.")
 @click.option("--time", type=options.NOT_NEGATIVE, required=True, help="Film time, seconds.")
 @click.option(
-    "--bits", type=click.Choice(["8", "16"]), default="8", show_default=True, help="Bits a channel; 16 as .png."
+    "--bits", type=options.BITS, help="Bits a channel: 8, or 16 as .png; 16 (half, default) or 32 (float) as .exr."
 )
 @options.picture_options
 @options.preset_options
@@ -21,22 +21,27 @@ def command(
     preset, out, time, bits, size, scale, quality, overwrite, transparent, dry_run,
     seed, settings, fps, duration, plugins, precision, threads, progress,
 ):  # fmt: skip
-    """Make one picture of PRESET at film time T."""
+    """Make one picture of PRESET at film time T.
+
+    .exr holds the light before it is developed (linear, premultiplied RGBA) with the layers Z and velocity.
+    """
     piece, loaded = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     from gen_art.commands.progress import reporter
     from gen_art.output import job
     from gen_art.preset.estimate import refuse_if_too_large
 
-    shape = job.picture_size(piece, size, scale, quality)
+    output = {
+        "size": size, "scale": scale, "quality": quality, "overwrite": overwrite, "transparent": transparent,
+        "bits": int(bits) if bits else None,
+    }  # fmt: skip
+    _, shape = job.check_target(piece, out, moving=False, **output)
     expected = refuse_if_too_large(piece, precision, shape, piece.clock.preroll + time * piece.clock.speed)
     if dry_run:
-        job.check_target(piece, out, size=shape, overwrite=overwrite, moving=False, transparent=transparent)
         click.echo(f"{out}: {shape[0]}x{shape[1]} at {time:g} s, {expected}")
         return
     with reporter(progress) as report:
         paths = job.still(
-            piece, out, time, size=size, scale=scale, quality=quality, precision=precision, threads=threads,
-            overwrite=overwrite, transparent=transparent, bits=int(bits), progress=report, plugins=loaded,
-        )  # fmt: skip
+            piece, out, time, precision=precision, threads=threads, progress=report, plugins=loaded, **output
+        )
     for path in paths:
         click.echo(path)

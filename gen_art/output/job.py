@@ -1,25 +1,24 @@
 """The jobs: a film or a sequence of frames, one still, and a picture made again from its recipe."""
 
-import contextlib
-import time as clocks
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from gen_art.errors import UsageError
+from gen_art.errors import EncoderError, OutputError, UsageError
+from gen_art.output.behind import behind
 from gen_art.output.recipe import make_recipe, read_recipe, verify
+from gen_art.output.report import Report
 from gen_art.output.run import Run
 from gen_art.output.stills import write_still
-from gen_art.output.target import Target, beside, check_writable, find_target
+from gen_art.output.target import Target, check_size_of, check_writable, find_target
 from gen_art.renderer.develop import develop
 from gen_art.renderer.frame import check_size
 
 __all__ = ["QUALITIES", "check_target", "picture_size", "render", "rerun", "still"]
 
 QUALITIES = {"draft": 0.5, "preview": 1.0, "final": 1.0}  # of the width and height; they also set the encoder's care
-_WAITING = 3  # pictures that may wait for the encoder
 
 
 def picture_size(preset, size=None, scale=None, quality: str = "final", even: bool = False) -> tuple[int, int]:
@@ -39,12 +38,27 @@ def picture_size(preset, size=None, scale=None, quality: str = "final", even: bo
     return check_size(tuple(max(unit, round(side * factor / unit) * unit) for side in (width, height)))
 
 
-def check_target(preset, out, *, size=None, overwrite=False, moving=True, transparent=False, frames=None) -> Target:
-    """Refuse what cannot be written before anything is computed: UsageError for an ending or size, OutputError for a
-    path that exists or cannot be written.
+def check_target(
+    preset, out, *, size=None, scale=None, quality="final", overwrite=False, moving=True, transparent=False, frames=None,
+    codec=None, profile=None, bits=None,
+) -> tuple[Target, tuple[int, int]]:  # fmt: skip
+    """What a job writes, and its size; see `render` for the words.
+
+    Refuses what cannot be written before anything is computed: UsageError for an ending, a codec or a size, OutputError
+    for a path that exists or cannot be written.
     """
-    size = check_size(size) if size else None
-    target = find_target(out, moving=moving, name=preset.name, seed=preset.seed, size=size, transparent=transparent)
+    target = find_target(
+        out, moving=moving, name=preset.name, seed=preset.seed, transparent=transparent, codec=codec, profile=profile,
+        bits=bits,
+    )  # fmt: skip
+    if target.film is not None and profile is None and quality != "final":
+        target = replace(target, film=replace(target.film, profile="preview"))
+    shape = picture_size(preset, size, scale, quality, even=target.halved)
+    check_size_of(target, shape)
+    if target.ending == ".exr":
+        from gen_art.output.exr import check_exr
+
+        check_exr()
     numbers = list(frames) if frames is not None else [0]
     if moving and not target.moving and not target.pattern and len(numbers) > 1:
         raise UsageError(
@@ -52,14 +66,25 @@ def check_target(preset, out, *, size=None, overwrite=False, moving=True, transp
             f"{target.path.stem}_####{target.path.suffix}"
         )
     check_writable([target.frame(k) for k in numbers] if target.pattern else [target.path], overwrite)
-    return target
+    return target, shape
 
 
-def _pictures(run: Run, frames, transparent: bool, bits: int = 8) -> Iterator[tuple[int, np.ndarray]]:
+def _step(run: Run, k: int) -> int:
     clock = run.preset.clock
-    for k in frames:
-        film = run.film(clock.preroll_steps + k * clock.steps_per_frame)
-        yield k, develop(film, run.preset.develop, frame=k, transparent=transparent, bits=bits)
+    return clock.preroll_steps + k * clock.steps_per_frame
+
+
+def _write_picture(submit, run: Run, film: np.ndarray, k: int, target: Target, path: Path, recipe: dict) -> None:
+    """Write the film's light at frame k through `submit`: developed, or as EXR as it is."""
+    spec = run.preset.develop
+    if target.ending == ".exr":
+        from gen_art.output.exr import write_exr
+
+        layers = {name: np.array(values) for name, values in run.layers().items()} if hasattr(run, "layers") else {}
+        submit(write_exr, path, np.array(film), layers, target.bits, recipe, spec.exposure)
+    else:
+        picture = develop(film, spec, frame=k, transparent=recipe["transparent"], bits=target.bits)
+        submit(write_still, path, picture, recipe)
 
 
 def _loaded(plugins):
@@ -94,91 +119,105 @@ def _frames(frames, preset) -> range:
     return chosen
 
 
-def _recipe_job(kind: str, **values) -> dict:
-    return {"kind": kind, **values}
-
-
 def render(
     preset, out, *, frames=None, size=None, scale=None, fps=None, quality="final", precision="f32", threads=None,
-    overwrite=False, transparent=False, progress: Callable[[dict], None] | None = None, plugins=(), max_rate: int = 0,
+    overwrite=False, transparent=False, codec=None, profile=None, bits=None,
+    progress: Callable[[dict], None] | None = None, plugins=(), max_rate: int = 0,
 ) -> list[Path]:  # fmt: skip
-    """Render a preset to a film (.mp4 .gif .webp) or a sequence (frame_####.png); gives the paths written.
+    """Render a preset to a film (.mp4 .mov .webm .mkv .gif .webp) or a sequence (frame_####.png); gives the paths written.
 
     preset : a Preset, a name, a path or a mapping      frames : a range or one number; all of them when None
     size : (width, height), the preset's own when None      scale : a factor on it      fps : overrides the clock's
-    quality : `draft` has half the width and height and a fast encoder, `preview` a faster one, `final` the careful one
+    quality : `draft` has half the width and height; it and `preview` take the profile `preview`
+    codec : h264 h265 prores ffv1 vp9 av1, by the ending when None      profile : preview, web or master, the encoder's care
+    bits : a channel; 8 or 10 where the codec has both, 16 for FFV1, .png and .exr, 32 for .exr
     progress : called with {"event": "frame", "frame", "frames", "particles", "fps", "eta"} after each frame
-    max_rate : bits a second that an .mp4 may take, 0 for what the quality takes
-    Frame k is what `still` makes at film time k / fps. Raises the errors of gen_art.errors.
+    max_rate : bits a second that H.264 and H.265 may take, 0 for what the profile takes
+    Frame k is what `still` makes at film time k / fps. Raises the errors of gen_art.errors; what was finished of a film
+    that fails is kept as NAME.partial.EXT, and the error's message or note names it.
     """
     plugins = _loaded(plugins)
     preset = _preset(preset, fps)
     frames = _frames(frames, preset)
-    moving = Path(str(out)).suffix.lower() in (".mp4",)
-    size = picture_size(preset, size, scale, quality, even=moving)
-    target = check_target(preset, out, size=size, overwrite=overwrite, transparent=transparent, frames=frames)
-    report = _Report(progress, len(frames))
+    target, size = check_target(
+        preset, out, size=size, scale=scale, quality=quality, overwrite=overwrite, transparent=transparent, frames=frames,
+        codec=codec, profile=profile, bits=bits,
+    )  # fmt: skip
+    report = Report(progress, len(frames))
     job = {
-        "size": list(size),
-        "fps": preset.clock.fps,
-        "quality": quality,
-        "precision": precision,
+        "bits": target.bits, "size": list(size), "fps": preset.clock.fps, "quality": quality, "precision": precision,
         "transparent": transparent,
-    }
-    if not target.moving:
-        run = Run(preset, size, precision, threads)
-        paths = [target.frame(k) if target.pattern else target.path for k in frames]
-        recipes = [
-            make_recipe(preset, plugins=plugins, kind="still", time=k / preset.clock.fps, bits=8, **job) for k in frames
-        ]
-        with _behind(2) as submit:
-            for (k, picture), path, recipe in zip(_pictures(run, frames, transparent), paths, recipes):
-                submit(write_still, path, picture, recipe)
-                report(k, run.particles)
-        return paths
+    }  # fmt: skip
+    if target.film is not None:
+        film = target.film
+        recipe = make_recipe(
+            preset, plugins=plugins, kind="film", frames=_span(frames), ending=target.ending, codec=film.codec.name,
+            profile=film.profile, max_rate=max_rate, **job,
+        )  # fmt: skip
+        _render_film(target, size, preset, recipe, precision, threads, frames, report)
+        return [target.path]
+    run = Run(preset, size, precision, threads)
+    paths = [target.frame(k) if target.pattern else target.path for k in frames]
+    recipes = [make_recipe(preset, plugins=plugins, kind="still", time=k / preset.clock.fps, **job) for k in frames]
+    with behind() as submit:
+        for k, path, recipe in zip(frames, paths, recipes):
+            _write_picture(submit, run, run.film(_step(run, k)), k, target, path, recipe)
+            report(k, run.particles)
+    return paths
+
+
+def _render_film(target: Target, size, preset, recipe: dict, precision: str, threads, frames, report: Report) -> None:
     from gen_art.output.video import film_writer  # a still does without the encoders
 
-    recipe = make_recipe(
-        preset, plugins=plugins, kind="film", frames=_span(frames), ending=target.ending, max_rate=max_rate, **job
-    )
-    run = Run(preset, size, precision, threads)
-    with beside(target.path) as temporary:
-        writer = film_writer(temporary, size, preset.clock.fps, recipe, quality, max_rate)
-        try:
-            with _behind(1) as submit:
-                for k, picture in _pictures(run, frames, transparent):
-                    submit(writer.add, picture)
-                    report(k, run.particles)
-            writer.close()
-        except BaseException:
-            with contextlib.suppress(Exception):
-                writer.abort()
+    film = target.film
+    assert film is not None
+    writer = film_writer(target.path, size, preset.clock.fps, recipe, film, recipe["max_rate"])
+    try:
+        run = Run(preset, size, precision, threads)
+        for k in frames:
+            light = run.film(_step(run, k))
+            writer.add(develop(light, preset.develop, frame=k, transparent=film.transparent, bits=film.depth))
+            report(k, run.particles)
+        writer.close()
+    except BaseException as error:
+        kept = writer.abort()
+        if kept is None:
             raise
-    return [target.path]
+        if isinstance(error, (EncoderError, OutputError)):
+            raise type(error)(f"{error}; {kept}") from error
+        error.add_note(str(kept))
+        raise
 
 
 def still(
     preset, out, time: float, *, size=None, scale=None, fps=None, quality="final", precision="f32", threads=None,
-    overwrite=False, transparent=False, bits: int = 8, progress: Callable[[dict], None] | None = None, plugins=(),
+    overwrite=False, transparent=False, bits: int | None = None, progress: Callable[[dict], None] | None = None,
+    plugins=(),
 ) -> list[Path]:  # fmt: skip
-    """One picture (.png .jpg .webp) at film time `time` in seconds; `bits` 16 makes a 16-bit PNG. See `render`."""
+    """One picture (.png .jpg .webp .exr) at film time `time` in seconds. See `render`.
+
+    bits : a channel; 16 makes a 16-bit PNG, 32 a float EXR
+    """
     plugins = _loaded(plugins)
     preset = _preset(preset, fps)
-    size = picture_size(preset, size, scale, quality)
-    target = check_target(preset, out, size=size, overwrite=overwrite, moving=False, transparent=transparent)
-    if bits not in (8, 16) or (bits == 16 and target.ending != ".png"):
-        raise UsageError(f"{target.path.name}: a picture has 8 bits a channel, or 16 as .png; not {bits}")
+    target, size = check_target(
+        preset, out, size=size, scale=scale, quality=quality, overwrite=overwrite, moving=False, transparent=transparent,
+        bits=bits,
+    )  # fmt: skip
     run = Run(preset, size, precision, threads)
     film = run.film(run.step_of(float(time)))
     frame = round(float(time) * preset.clock.fps)
-    picture = develop(film, preset.develop, frame=frame, transparent=transparent, bits=bits)
     recipe = make_recipe(
-        preset, plugins=plugins, kind="still", time=float(time), bits=bits, size=list(size), fps=preset.clock.fps,
+        preset, plugins=plugins, kind="still", time=float(time), bits=target.bits, size=list(size), fps=preset.clock.fps,
         quality=quality, precision=precision, transparent=transparent,
     )  # fmt: skip
-    write_still(target.path, picture, recipe)
-    _Report(progress, 1)(0, run.particles)
+    _write_picture(_at_once, run, film, frame, target, target.path, recipe)
+    Report(progress, 1)(0, run.particles)
     return [target.path]
+
+
+def _at_once(function, *args) -> None:
+    function(*args)
 
 
 def rerun(picture, out, *, threads=None, overwrite=False, progress=None, plugins=()) -> list[Path]:
@@ -195,11 +234,17 @@ def rerun(picture, out, *, threads=None, overwrite=False, progress=None, plugins
         "size": tuple(recipe["size"]), "precision": recipe["precision"], "transparent": recipe["transparent"],
         "threads": threads, "overwrite": overwrite, "progress": progress, "plugins": plugins,
     }  # fmt: skip
+    same = Path(str(out)).suffix.lower() == recipe.get("ending", Path(picture).suffix.lower())
+    bits = recipe.get("bits") if same else None
     if recipe["kind"] == "film":
         first, last, step = recipe["frames"]
         frames = range(first, last + 1, step)
-        return _again(render, recipe, preset, out, frames=frames, max_rate=recipe.get("max_rate", 0), **common)
-    return _again(still, recipe, preset, out, recipe["time"], bits=recipe.get("bits", 8), **common)
+        codec = recipe.get("codec") if same else None
+        return _again(
+            render, recipe, preset, out, frames=frames, bits=bits, codec=None if codec in ("gif", "webp") else codec,
+            profile=recipe.get("profile"), max_rate=recipe.get("max_rate", 0), **common,
+        )  # fmt: skip
+    return _again(still, recipe, preset, out, recipe["time"], bits=bits, **common)
 
 
 def _again(job, recipe: dict, preset, out, *args, **common) -> list[Path]:
@@ -212,47 +257,3 @@ def _span(frames) -> list[int]:
     numbers = list(frames)
     step = numbers[1] - numbers[0] if len(numbers) > 1 else 1
     return [int(numbers[0]), int(numbers[-1]), int(step)]
-
-
-class _Report:
-    """Progress events with the rate so far and the seconds left."""
-
-    def __init__(self, progress, frames: int):
-        self._progress, self._frames, self._done, self._start = progress, frames, 0, clocks.perf_counter()
-
-    def __call__(self, frame: int, particles: int) -> None:
-        self._done += 1
-        if self._progress is None:
-            return
-        rate = self._done / max(clocks.perf_counter() - self._start, 1e-9)
-        self._progress(
-            {
-                "event": "frame",
-                "frame": self._done - 1,
-                "number": int(frame),
-                "frames": self._frames,
-                "particles": particles,
-                "fps": rate,
-                "eta": (self._frames - self._done) / rate,
-            }
-        )
-
-
-@contextlib.contextmanager
-def _behind(workers: int) -> Iterator[Callable]:
-    """Run calls behind the main thread, a few at most waiting; the first error is raised where the next call is made."""
-    with ThreadPoolExecutor(workers, thread_name_prefix="gen-art-output") as pool:
-        waiting: list = []
-
-        def submit(function, *args) -> None:
-            while len(waiting) >= _WAITING:
-                waiting.pop(0).result()
-            waiting.append(pool.submit(function, *args))
-
-        try:
-            yield submit
-            for one in waiting:
-                one.result()
-        finally:
-            for one in waiting:
-                one.cancel()

@@ -59,7 +59,8 @@ def read_recipe(path) -> dict:
     path = Path(path)
     if not path.is_file():
         raise OutputError(f"{path}: {'is a directory' if path.is_dir() else 'there is no such file'}")
-    text = _film_text(path) if path.suffix.lower() == ".mp4" else _picture_text(path)
+    read = {**dict.fromkeys((".mp4", ".mov", ".webm", ".mkv"), _film_text), ".exr": _exr_text}
+    text = read.get(path.suffix.lower(), _picture_text)(path)
     try:
         recipe = json.loads(text) if text else None
     except ValueError:
@@ -95,9 +96,15 @@ def _film_text(path: Path) -> str | None:
 
     try:
         with av.open(str(path)) as film:
-            return film.metadata.get("comment")
+            return film.metadata.get("comment") or film.metadata.get("COMMENT")  # Matroska's tags are capitals
     except (av.FFmpegError, OSError) as error:
         raise UsageError(f"{path}: cannot be read as a film ({error})") from error
+
+
+def _exr_text(path: Path) -> str | None:
+    from gen_art.output.exr import read_text
+
+    return read_text(path)
 
 
 def verify(recipe: dict, plugins) -> None:

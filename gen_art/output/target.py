@@ -3,28 +3,48 @@
 import contextlib
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from gen_art.errors import OutputError, UsageError
+from gen_art.output.formats import ENDINGS, Format, check_film_size, find_format
 from gen_art.registry import suggest
 
-__all__ = ["FILMS", "STILLS", "Target", "beside", "find_target"]
+__all__ = ["FILMS", "STILLS", "Target", "beside", "check_size_of", "check_writable", "find_target"]
 
-STILLS = (".png", ".jpg", ".jpeg", ".webp")
-FILMS = (".mp4", ".gif", ".webp")
-_LATER = (".mov", ".webm", ".exr")
-_TRANSPARENT = (".png", ".webp")
+FILMS = ENDINGS
+STILLS: Mapping[str, tuple[int, ...]] = {  # ending -> bits a channel, the default first
+    ".png": (8, 16),
+    ".jpg": (8,),
+    ".jpeg": (8,),
+    ".webp": (8,),
+    ".exr": (16, 32),
+}
+_TRANSPARENT = (".png", ".webp", ".exr")
 
 
 @dataclass(frozen=True)
 class Target:
-    """A file, or a pattern with a run of # for the frame's number."""
+    """A file, or a pattern with a run of # for the frame's number.
+
+    film : what the film is, None for pictures      bits : a channel of a picture or film
+    """
 
     path: Path
-    moving: bool
     pattern: bool
+    film: Format | None
+    bits: int
+
+    @property
+    def moving(self) -> bool:
+        """Whether it is a film."""
+        return self.film is not None
+
+    @property
+    def halved(self) -> bool:
+        """Whether its width and height must be even."""
+        return self.film is not None and self.film.halved
 
     @property
     def ending(self) -> str:
@@ -36,10 +56,14 @@ class Target:
         return self.path.with_name(name)
 
 
-def find_target(out, *, moving: bool, name: str = "", seed: int = 0, size=None, transparent: bool = False) -> Target:
+def find_target(
+    out, *, moving: bool, name: str = "", seed: int = 0, transparent: bool = False, codec: str | None = None,
+    profile: str | None = None, bits: int | None = None,
+) -> Target:  # fmt: skip
     """What `out` asks for. {preset} and {seed} are filled in.
 
-    Raises UsageError for an ending that is unknown or cannot hold what is asked, and for an odd size where colour is halved.
+    moving : whether it may be a film or a pattern      codec, profile, bits : see gen_art.output.formats
+    Raises UsageError for an ending that is unknown or cannot hold what is asked.
     """
     text = str(out)
     if text in ("", "-"):
@@ -47,33 +71,33 @@ def find_target(out, *, moving: bool, name: str = "", seed: int = 0, size=None, 
     path = Path(text.replace("{preset}", name).replace("{seed}", str(seed)))
     pattern = moving and "#" in path.name
     ending = path.suffix.lower()
-    known = STILLS if pattern or not moving else tuple(dict.fromkeys(FILMS + STILLS))
+    known = tuple(STILLS) if pattern or not moving else tuple(dict.fromkeys((*FILMS, *STILLS)))
     if ending not in known:
-        if ending in _LATER:
-            raise UsageError(f"{path.name}: '{ending}' is not available yet; there are {' '.join(known)}")
         what = (
             f"'{ending}' is no ending of a {'film or picture' if moving else 'picture'}" if ending else "has no ending"
         )
         raise UsageError(f"{path.name}: {what}{suggest(ending, known) if ending else ''}; there are {' '.join(known)}")
-    is_film = moving and not pattern and ending in FILMS
+    if moving and not pattern and ending in FILMS:
+        film = find_format(path, codec=codec, profile=profile or "web", bits=bits, transparent=transparent)
+        return Target(path, False, film, film.bits)
+    if codec is not None or profile is not None:
+        raise UsageError(f"{path.name}: a codec and a profile are for films; {' '.join(FILMS)} are films")
+    depths = STILLS[ending]
+    if bits is not None and bits not in depths:
+        deep = " and ".join(f"{e} {' or '.join(map(str, d))}" for e, d in STILLS.items() if len(d) > 1)
+        raise UsageError(f"{path.name}: a picture has 8 bits a channel, {deep}; not {bits}")
     if transparent and ending not in _TRANSPARENT:
-        raise UsageError(f"{path.name}: '{ending}' cannot be transparent; {' and '.join(_TRANSPARENT)} can")
-    if size is not None and is_film and ending == ".mp4":
-        check_even(size)
-    if size is not None and ending == ".webp" and max(size) > 16383:
-        raise UsageError(f"{path.name}: a WebP picture is at most 16383 pixels wide and high, not {size[0]}x{size[1]}")
-    return Target(path, is_film, pattern)
+        raise UsageError(f"{path.name}: '{ending}' cannot be transparent; {' '.join(_TRANSPARENT)} can")
+    return Target(path, pattern, None, bits or depths[0])
 
 
-def check_even(size) -> None:
-    """UsageError, with the nearest sizes, unless both sides are even (yuv420p halves colour)."""
-    width, height = size
-    if width % 2 or height % 2:
-        low = max(2, width - width % 2), max(2, height - height % 2)
-        high = width + width % 2, height + height % 2
+def check_size_of(target: Target, size) -> None:
+    """UsageError for a size the target's format cannot have."""
+    if target.film is not None:
+        check_film_size(target.film, size)
+    elif target.ending == ".webp" and max(size) > 16383:
         raise UsageError(
-            f"H.264 in yuv420p needs an even width and height, not {width}x{height}; "
-            f"the nearest are {low[0]}x{low[1]} and {high[0]}x{high[1]}"
+            f"{target.path.name}: a WebP picture is at most 16383 pixels wide and high, not {size[0]}x{size[1]}"
         )
 
 

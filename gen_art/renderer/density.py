@@ -91,18 +91,31 @@ def _coarser(grid: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(grid)
 
 
+def _within(depth: np.ndarray) -> np.ndarray:
+    """-log((1 - e^-d) / d): the depth that lets through what a uniform layer of depth d lets through to its own smoke, on
+    the mean. Half of d where it is thin; less where it is dense, so that the skin of dense smoke is not dark.
+    """
+    result = 0.5 * depth
+    dense = depth > 0.1
+    d = depth[dense]
+    result[dense] = np.log(d / -np.expm1(-d))
+    return result
+
+
 def _sweep(dense: np.ndarray, direction, length: float) -> np.ndarray:
-    """Sums along `direction` (three of -1, 0, 1) up to each node, half of its own value with it, times `length`."""
+    """Sums of `dense` times `length` along `direction` (three of -1, 0, 1) before each node, and what of its own layer
+    shadows it.
+    """
     flip = tuple(slice(None, None, -1) if d < 0 else slice(None) for d in direction)
-    a = dense[flip]
+    own = dense[flip] * np.float32(length)
     if np.count_nonzero(direction) == 1:
-        total = np.cumsum(a, axis=int(np.flatnonzero(direction)[0]), dtype=np.float32)
+        total = np.cumsum(own, axis=int(np.flatnonzero(direction)[0]), dtype=np.float32)
     else:
-        total = a.copy()
-        for i in range(1, len(a)):
+        total = own.copy()
+        for i in range(1, len(own)):
             total[i, 1:, 1:] += total[i - 1, :-1, :-1]
-    total -= 0.5 * a
-    return (total * np.float32(length))[flip]
+    total -= own - _within(own)
+    return total[flip]
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from gen_art.errors import OutputError, UsageError
 from gen_art.output.recipe import read_recipe
 from gen_art.output.stills import write_still
 from gen_art.output.target import beside
-from gen_art.output.video import film_writer, probe
 
 RECIPE = {"format": 1, "preset": {"name": "ä"}, "numbers": [1.5, 2]}
 
@@ -35,51 +34,6 @@ def test_png_of_16_bits(tmp_path, channels):
     data = path.read_bytes()
     assert data[24] == 16, "bit depth of the header"
     assert np.array_equal(np.asarray(Image.open(path)), deep >> 8), "another reader takes the upper eight"
-
-
-def test_colours_survive_the_film(tmp_path, picture):
-    path = tmp_path / "a.mp4"
-    writer = film_writer(path, (80, 48), 25, RECIPE)
-    for _ in range(5):
-        writer.add(picture)
-    writer.close()
-    import av
-
-    with av.open(str(path)) as film:
-        decoded = next(film.decode(video=0)).to_ndarray(format="rgb24")
-    assert np.abs(decoded[4:-4, 4:-4].astype(int) - picture[4:-4, 4:-4]).mean() < 3
-    assert read_recipe(path) == RECIPE
-
-
-@pytest.mark.parametrize("fps", [24, 25, 29.97, 30, 60, 12.5])
-def test_frame_rates(tmp_path, fps):
-    path = tmp_path / "a.mp4"
-    writer = film_writer(path, (32, 32), fps)
-    for k in range(6):
-        writer.add(np.full((32, 32, 3), 40 * k, np.uint8))
-    writer.close()
-    assert probe(path).fps == pytest.approx(fps) and probe(path).frames == 6
-
-
-def test_gif_and_webp_play_all_frames_in_time(tmp_path):
-    for name in ("a.gif", "a.webp"):
-        writer = film_writer(tmp_path / name, (40, 30), 30, RECIPE)
-        for k in range(12):
-            writer.add(np.full((30, 40, 3), 20 * k, np.uint8))
-        writer.close()
-        with Image.open(tmp_path / name) as film:
-            durations = []
-            for k in range(film.n_frames):
-                film.seek(k)
-                film.load()
-                durations.append(film.info["duration"])
-        assert len(durations) == 12 and abs(sum(durations) - 400) <= 10
-        assert read_recipe(tmp_path / name) == RECIPE
-
-
-def test_odd_sizes_name_the_nearest(tmp_path):
-    with pytest.raises(UsageError, match="640x360 and 642x360"):
-        film_writer(tmp_path / "a.mp4", (641, 360), 30)
 
 
 def test_a_failure_leaves_nothing_and_keeps_what_was_there(tmp_path):

@@ -12,8 +12,8 @@ from PIL import Image
 
 from gen_art.errors import OutputError, UsageError
 from gen_art.output import job
+from gen_art.output.probe import probe
 from gen_art.output.recipe import read_recipe
-from gen_art.output.video import probe
 from tests.output.piece import piece
 
 
@@ -121,7 +121,7 @@ def test_transparent_pictures_have_holes(tmp_path):
         ("a.mp4", {"transparent": True}, UsageError, "cannot be transparent"),
         ("a.mp5", {}, UsageError, "did you mean '.mp4'"),
         ("a", {}, UsageError, "has no ending"),
-        ("a.exr", {}, UsageError, "not available yet"),
+        ("a.exr", {}, UsageError, r"a_####\.exr"),
         ("a.png", {}, UsageError, "a_####.png"),
         ("-", {}, UsageError, "path"),
         ("a.mp4", {"size": (0, 10)}, UsageError, "1 to 16384"),

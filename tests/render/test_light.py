@@ -100,8 +100,8 @@ def test_a_slab_gives_off_no_more_light_than_falls_on_it(scatter):
         scattered = (section[middle] * light * out).sum() / 2.56
         assert light.max() <= 1.0
         assert scattered + np.exp(-depth) <= 1.0
-        if scatter == 0.0 and depth < 5:
-            assert (section[middle] * light).sum() / 2.56 == pytest.approx(1.0 - np.exp(-depth), rel=0.05)
+        if scatter == 0.0:
+            assert (section[middle] * light).sum() / 2.56 == pytest.approx(1.0 - np.exp(-depth), rel=0.1)
 
 
 def test_scattered_light_goes_deeper():

@@ -1,0 +1,187 @@
+"""What a film's ending and codec mean: a table of codecs, and the choice that `render` makes from it.
+
+Nothing here needs the encoders: a wrong word is refused before they are imported.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import PurePath
+
+from gen_art.errors import UsageError
+from gen_art.registry import suggest
+
+__all__ = ["CODECS", "ENDINGS", "PROFILES", "Codec", "Format", "find_format"]
+
+PROFILES = ("preview", "web", "master")
+_DEFAULTS = {".mp4": "h264", ".mov": "prores", ".webm": "vp9", ".mkv": "ffv1", ".gif": "gif", ".webp": "webp"}
+ENDINGS = tuple(_DEFAULTS)
+MUXERS = {".mp4": "mp4", ".mov": "mov", ".webm": "webm", ".mkv": "matroska"}
+_EVEN_WIDTH = 128  # eight macroblocks
+
+
+@dataclass(frozen=True)
+class Codec:
+    """One way to encode a film.
+
+    encoder : FFmpeg's name of it; for `gif` and `webp` the lossless one of the film they are made from
+    pixels : bits a channel -> pixel format, the default first      alpha : the same for transparent films
+    options : what every profile sets      profiles : profile -> what it adds
+    threads : of one encoder, fixed apart from --threads: its bytes may depend on them
+    uneven : what widths that are no multiple of 128 set: x264's macroblock tree (its AVX-512 code) reads past the end of
+        such rows, and its bytes differ from run to run
+    seconds : of film in one segment      largest : the largest width and height
+    """
+
+    name: str
+    title: str
+    encoder: str
+    endings: tuple[str, ...]
+    pixels: Mapping[int, str]
+    profiles: Mapping[str, Mapping[str, str]]
+    alpha: Mapping[int, str] = field(default_factory=dict)
+    options: Mapping[str, str] = field(default_factory=dict)
+    uneven: Mapping[str, str] = field(default_factory=dict)
+    tag: str = ""
+    threads: int = 4
+    seconds: float = 2.0
+    largest: int = 16384
+
+
+_X265 = "log-level=none:open-gop=0:pools=4:frame-threads=2:info=0"
+_LOSSLESS = {"level": "3", "g": "1", "slices": "4", "slicecrc": "1", "context": "0"}
+_SAME: Mapping[str, Mapping[str, str]] = {profile: {} for profile in PROFILES}
+
+CODECS: dict[str, Codec] = {
+    codec.name: codec
+    for codec in (
+        Codec(
+            "h264", "H.264", "libx264", (".mp4", ".mov"), {8: "yuv420p", 10: "yuv420p10le"},
+            {"preview": {"preset": "veryfast", "crf": "23"}, "web": {"preset": "medium", "crf": "17"},
+             "master": {"preset": "slow", "crf": "10"}}, options={"tune": "film"}, uneven={"mbtree": "0"},
+        ),
+        Codec(
+            "h265", "H.265", "libx265", (".mp4", ".mov"), {8: "yuv420p", 10: "yuv420p10le"},
+            {"preview": {"preset": "ultrafast", "crf": "25"}, "web": {"preset": "fast", "crf": "19"},
+             "master": {"preset": "slow", "crf": "12"}}, options={"x265-params": _X265}, tag="hvc1",
+        ),
+        Codec(
+            "prores", "ProRes 4444", "prores_ks", (".mov",), {10: "yuv444p10le"},
+            {"preview": {"profile": "4444", "bits_per_mb": "1000"}, "web": {"profile": "4444"},
+             "master": {"profile": "4444xq"}}, alpha={10: "yuva444p10le"},
+            options={"vendor": "apl0", "alpha_bits": "16"}, seconds=0.5,
+        ),
+        Codec(
+            "ffv1", "FFV1", "ffv1", (".mkv",), {8: "bgr0", 16: "gbrp16le"},
+            {"preview": {"coder": "rice"}, "web": {"coder": "range_def"}, "master": {"coder": "range_def"}},
+            alpha={8: "bgra", 16: "gbrap16le"}, options=_LOSSLESS, seconds=0.5,
+        ),
+        Codec(
+            "vp9", "VP9", "libvpx-vp9", (".webm", ".mkv"), {8: "yuv420p"},
+            {"preview": {"crf": "34", "deadline": "realtime", "cpu-used": "7"},
+             "web": {"crf": "22", "deadline": "good", "cpu-used": "4"},
+             "master": {"crf": "10", "deadline": "good", "cpu-used": "2"}},
+            alpha={8: "yuva420p"}, options={"b": "0", "row-mt": "1", "tile-columns": "1", "auto-alt-ref": "0"},
+        ),
+        Codec(
+            "av1", "AV1", "libsvtav1", (".mp4", ".webm", ".mkv"), {8: "yuv420p", 10: "yuv420p10le"},
+            {"preview": {"preset": "11", "crf": "36"}, "web": {"preset": "8", "crf": "25"},
+             "master": {"preset": "5", "crf": "14"}}, options={"svtav1-params": "lp=2"},
+        ),
+        Codec("gif", "GIF", "ffv1", (".gif",), {8: "bgr0"}, _SAME, options={**_LOSSLESS, "coder": "rice"}, seconds=0.5),
+        Codec(
+            "webp", "WebP", "ffv1", (".webp",), {8: "bgr0"}, _SAME, alpha={8: "bgra"},
+            options={**_LOSSLESS, "coder": "rice"}, seconds=0.5, largest=16383,
+        ),
+    )
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Format:
+    """A codec with everything chosen: what one film is."""
+
+    codec: Codec
+    profile: str
+    bits: int
+    ending: str
+    transparent: bool = False
+
+    @property
+    def pixels(self) -> str:
+        """FFmpeg's name of the pixel format."""
+        return (self.codec.alpha if self.transparent else self.codec.pixels)[self.bits]
+
+    @property
+    def halved(self) -> bool:
+        """Whether colour has half the width and height (4:2:0)."""
+        return "420" in self.pixels
+
+    @property
+    def rgb(self) -> bool:
+        """Whether the film holds RGB itself, not luma and colour differences."""
+        return "yuv" not in self.pixels
+
+    def options(self, size) -> dict[str, str]:
+        """The encoder's options for films of `size` (width, height)."""
+        uneven = self.codec.uneven if size[0] % _EVEN_WIDTH else {}
+        return {**self.codec.options, **self.codec.profiles[self.profile], **uneven}
+
+    @property
+    def depth(self) -> int:
+        """Bits of the pictures the film is made from: 8, or 16 for anything deeper."""
+        return 8 if self.bits == 8 else 16
+
+
+def find_format(
+    out, *, codec: str | None = None, profile: str | None = None, bits: int | None = None, transparent: bool = False,
+    size=None,
+) -> Format:  # fmt: skip
+    """The format of the film `out`, by its ending unless `codec` names another that goes with it.
+
+    Raises UsageError, naming what there is, for an unknown codec, profile or ending, for what does not go together, and
+    for a size the format cannot have.
+    """
+    name = PurePath(str(out)).name
+    ending = PurePath(name).suffix.lower()
+    if ending not in ENDINGS:
+        raise UsageError(f"{name}: '{ending}' is no ending of a film{suggest(ending, ENDINGS)}; {_list(ENDINGS)}")
+    named = [k for k in CODECS if CODECS[k].endings[0] not in (".gif", ".webp")]
+    if codec is not None and codec not in named:
+        raise UsageError(f"no codec '{codec}'{suggest(codec, named)}; there are {', '.join(named)}")
+    chosen = CODECS[codec or _DEFAULTS[ending]]
+    if ending not in chosen.endings:
+        fitting = [k for k in named if ending in CODECS[k].endings]
+        takes = f"{ending} takes {' or '.join(fitting)}" if fitting else f"{ending} takes no --codec"
+        raise UsageError(f"{name}: {chosen.title} goes into {' or '.join(chosen.endings)}; {takes}")
+    profile = profile or "web"
+    if profile not in PROFILES:
+        raise UsageError(f"no profile '{profile}'{suggest(profile, PROFILES)}; there are {', '.join(PROFILES)}")
+    if transparent and not chosen.alpha:
+        able = [f"{k} ({' '.join(c.endings)})" for k, c in CODECS.items() if c.alpha]
+        raise UsageError(f"{name}: {chosen.title} cannot be transparent; {', '.join(able)} can")
+    depths = chosen.alpha if transparent else chosen.pixels
+    if bits is not None and bits not in depths:
+        raise UsageError(f"{name}: {chosen.title} has {' or '.join(map(str, depths))} bits a channel, not {bits}")
+    found = Format(chosen, profile, bits or next(iter(depths)), ending, transparent)
+    if size is not None:
+        check_film_size(found, size)
+    return found
+
+
+def _list(words) -> str:
+    return f"there are {' '.join(words)}"
+
+
+def check_film_size(found: Format, size) -> None:
+    """UsageError for a size the format cannot have; where colour is halved, with the nearest even sizes."""
+    width, height = size
+    title, largest = found.codec.title, found.codec.largest
+    if max(size) > largest:
+        raise UsageError(f"{title} is at most {largest} pixels wide and high, not {width}x{height}")
+    if found.halved and (width % 2 or height % 2):
+        low = max(2, width - width % 2), max(2, height - height % 2)
+        high = width + width % 2, height + height % 2
+        near = " and ".join(dict.fromkeys(f"{w}x{h}" for w, h in (low, high)))
+        raise UsageError(
+            f"{title} in {found.pixels} needs an even width and height, not {width}x{height}; the nearest are {near}"
+        )

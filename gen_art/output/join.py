@@ -1,0 +1,38 @@
+"""The growing film of segments made into the final one: packets are copied, not encoded again."""
+
+from fractions import Fraction
+from pathlib import Path
+
+import av
+
+from gen_art.output.formats import MUXERS
+from gen_art.output.segments import open_film
+
+__all__ = ["join"]
+
+_FINAL = {"movflags": "+faststart+use_metadata_tags"}
+
+
+def join(growing: Path, path: Path, ending: str, recipe: str | None, fps: Fraction) -> None:
+    """Copy the film at `growing` to `path`, from time 0 on; MP4 and MOV with the index in front."""
+    muxer = MUXERS[ending]
+    with av.open(str(growing)) as source:
+        stream = source.streams.video[0]
+        target = open_film(str(path), muxer, recipe, _FINAL if muxer in ("mp4", "mov") else {})
+        try:
+            copy = target.add_stream_from_template(stream, opaque=True)
+            copy.time_base = stream.time_base
+            copy.codec_context.framerate = fps
+            if muxer in ("mp4", "mov"):
+                copy.codec_context.codec_tag = stream.codec_context.codec_tag
+            first = None
+            for packet in source.demux(stream):
+                if packet.pts is None or packet.dts is None:
+                    continue
+                first = packet.pts if first is None else first
+                packet.pts -= first
+                packet.dts -= first
+                packet.stream = copy
+                target.mux(packet)
+        finally:
+            target.close()

@@ -1,0 +1,29 @@
+"""Progress of a job, as events."""
+
+import time
+
+__all__ = ["Report"]
+
+
+class Report:
+    """Progress events with the rate so far and the seconds left."""
+
+    def __init__(self, progress, frames: int):
+        self._progress, self._frames, self._done, self._start = progress, frames, 0, time.perf_counter()
+
+    def __call__(self, frame: int, particles: int) -> None:
+        self._done += 1
+        if self._progress is None:
+            return
+        rate = self._done / max(time.perf_counter() - self._start, 1e-9)
+        self._progress(
+            {
+                "event": "frame",
+                "frame": self._done - 1,
+                "number": int(frame),
+                "frames": self._frames,
+                "particles": particles,
+                "fps": rate,
+                "eta": (self._frames - self._done) / rate,
+            }
+        )
