@@ -12,6 +12,7 @@ import numpy as np
 from gen_art.errors import UsageError
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.frame import Painter
+from gen_art.renderer.layers import draw_layers
 
 __all__ = ["Run"]
 
@@ -36,6 +37,10 @@ class Run:
             size, self.camera, {n: s.look for n, s in preset.systems.items()}, 0.0,
             preset.camera.supersample if preset.camera else 1,
         )  # fmt: skip
+        self._precision = precision
+        self._shows_acceleration = any(
+            system.look is not None and system.look.goes_by("acceleration") for system in preset.systems.values()
+        )
         self._done, self._seen = 0, -1
         self._trails, self._trail_step = self._plan_trails()
         self._subframe, self._subframes = self._plan_subframes()
@@ -100,6 +105,11 @@ class Run:
         self._seen = step
         return pictures[0] if len(exposed) == 1 else pictures[0] / np.float32(len(exposed))
 
+    def layers(self) -> dict[str, np.ndarray]:
+        """Depth and motion of the picture made last: see gen_art.renderer.layers."""
+        clock = self.preset.clock
+        return draw_layers(self.painter, self.sim, self._film_time(), 1.0 / clock.fps, clock.speed / clock.fps)
+
     def _between(self, step: int) -> Iterator[tuple[int, Callable]]:
         """What is to be done after the steps that were seen and up to this one, kind by kind."""
         clock = self.preset.clock
@@ -122,8 +132,19 @@ class Run:
 
     def _advance(self, steps: int) -> None:
         if steps > 0:
+            if self._shows_acceleration:
+                if steps > 1:
+                    self.sim.step(steps - 1)
+                self.painter.remember_velocities(self.sim)
+                steps, self._done = 1, self._done + steps - 1
             self.sim.step(steps)
             self._done += steps
+        elif self._shows_acceleration and self._done == 0:  # nothing lies behind: the first step counts
+            from gen_art.simulation import Simulation
+
+            ahead = Simulation(self.preset, precision=self._precision)
+            ahead.step(1)
+            self.painter.remember_velocities(ahead)
 
     def _film_time(self) -> float:
         clock = self.preset.clock

@@ -35,7 +35,10 @@ class DevelopSpec(Model):
     exposure: Annotated[Number, Field(ge=-60, le=60)] = 0.0
     bloom: Bloom = Bloom()
     vignette: Annotated[Number, Field(ge=0, le=8)] = 0.0
-    tone: Literal["agx", "aces", "reinhard", "neutral", "none"] = "agx"
+    tone: Literal["agx", "aces", "reinhard", "neutral", "log", "none"] = "agx"
+    white: Annotated[Number, Field(gt=0, le=1e6)] = 8.0
+    density: Annotated[Number, Field(gt=0, le=1e9)] = 100.0
+    vibrancy: Annotated[Number, Field(ge=0, le=1)] = 1.0
     contrast: Annotated[Number, Field(gt=0, le=4)] = 1.0
     saturation: Annotated[Number, Field(ge=0, le=4)] = 1.0
     background: Literal["night"] | GradientValue = Gradient(((0.0, "black"),))

@@ -13,7 +13,10 @@ from gen_art.preset.values import Curve, Range, number
 
 __all__ = ["BY", "Color", "Emission", "KeyLight", "Look", "Picture", "Ramp", "Ribbon", "Trail"]
 
-BY = ("age", "seconds", "speed", "energy", "charge", "mass", "radius", "id", "random", "distance", "x", "y", "z")
+BY = (
+    "age", "seconds", "speed", "energy", "charge", "mass", "radius", "id", "random", "distance", "x", "y", "z",
+    "acceleration",
+)  # fmt: skip
 
 
 class Ramp(Model):
@@ -21,8 +24,8 @@ class Ramp(Model):
 
     by: `age` is the fraction of the lifetime, 0 at birth and 1 at death; `seconds` the age in simulated seconds; `speed`
     m/s; `energy` the kinetic energy in J; `random` a number in 0..1 that is the particle's own; `distance` from the
-    origin in m; `x`, `y`, `z`; or a declared attribute such as `temperature`. `range: lo..hi` maps the quantity to
-    0..1 before the curve is read.
+    origin in m; `x`, `y`, `z`; `acceleration` m/s^2, over the last time step; or a declared attribute such as `temperature`.
+    `range: lo..hi` maps the quantity to 0..1 before the curve is read.
     """
 
     by: str = "age"
@@ -224,6 +227,13 @@ class Look(Model):
     falloff: Literal["none", "inverse_square"] = "none"
     trail: Trail | None = None
     ribbon: Ribbon | None = None
+
+    def goes_by(self, quantity: str) -> bool:
+        """Whether any number or colour follows this quantity."""
+        light = self.emission
+        ramps = [self.size, self.opacity, self.albedo]
+        ramps += [r for r in (light.intensity, light.blackbody, light.color) if r is not None] if light else []
+        return any(ramp.by == quantity for ramp in ramps)
 
     @model_validator(mode="after")
     def _consistent(self):

@@ -1,164 +1,272 @@
-"""From the film's linear light to a picture: exposure, bloom, vignette, background, tone map, grain, sRGB, dither."""
+"""From the film's linear light to a picture: exposure, bloom, vignette, tone map, background, grain, sRGB, dither.
+
+The film is read twice: once by the first step of bloom, once by the kernel here, which works on tiles of WIDE pixels whose values lie in
+local vectors: loops over them vectorise (no tables, no branches inside).
+"""
 
 from functools import lru_cache
 
 import numpy as np
 
+from gen_art.elementary import log, power
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import Gradient
 from gen_art.preset.develop import DevelopSpec
-from gen_art.renderer.bloom import stray_light
-from gen_art.renderer.colour import LUMINANCE, gradient_table
-from gen_art.renderer.tone import HIGH, LOW, STEPS, STEPS_LOG, curve_table, encode_table, matrices
+from gen_art.renderer.bloom import PAD, TILE, blend_weights, chain
+from gen_art.renderer.colour import gradient_table
+from gen_art.renderer.tone import GREY, matrices, rational
 from gen_art.runtime import kernel, ti
 
 __all__ = ["develop"]
 
 _NIGHT = Gradient(((0.0, (0.004, 0.006, 0.016)), (0.6, (0.012, 0.018, 0.042)), (1.0, (0.035, 0.042, 0.075))))
-_RED, _GREEN, _BLUE = (float(c) for c in LUMINANCE)
-_FIRST = (127 + LOW) << STEPS_LOG  # the bits of 2^LOW, shifted as an index
-_LAST = (HIGH - LOW) * STEPS
+WIDE = 32  # pixels of a tile, kept by their phase: first 0, 4, 8 ..., then 1, 5, 9 ...
+GROUPS = WIDE // 4
+NEAR = GROUPS + 4  # coarse pixels whose light reaches a tile
 
 # run-time numbers
-EXPOSURE, BLOOM, VIGNETTE, SATURATION, GRAIN, DITHER, NEUTRAL, TRANSPARENT, TOP = range(9)
-BEFORE, AFTER = 9, 18
-NUMBERS = 27
+EXPOSURE, OWN, STRAY, VIGNETTE, GRAIN, DITHER, WHOLE, TRANSPARENT, TOP, CONTRAST, DENSITY, VIBRANCY, WHITE = range(13)
+LOW, HIGH, ABOVE, BELOW = 13, 14, 15, 19
+BEFORE, AFTER, BLEND = 23, 32, 41
+NUMBERS = 61
 
-F1, F2, U1 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i32, 1)
+# sRGB's power branch, 1.055 x^(1/2.4) - 0.055 for x from 0.0031308 to 1, as a polynomial in x^(1/4): within 6e-7
+_ENCODE = (-0.0584588696, 0.123848545, 1.45941324, -1.14786978, 1.19242368, -0.878906668, 0.382772692, -0.0732228323)
+
+F1, F2 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2)
 
 
 @ti.func
-def _read(table: ti.template(), x):
-    """The table's curve at x >= 0."""
-    low = ti.static(2.0**LOW)
-    y = ti.min(ti.max(x, low), ti.static(2.0**HIGH * 0.999))
-    bits = ti.bit_cast(y, ti.i32)
-    k = (bits >> (23 - STEPS_LOG)) - _FIRST
-    f = ti.cast(bits & ((1 << (23 - STEPS_LOG)) - 1), ti.f32) * ti.static(1.0 / (1 << (23 - STEPS_LOG)))
-    value = table[k] + (table[k + 1] - table[k]) * f
-    return ti.select(x < low, value * (ti.max(x, 0.0) * ti.static(2.0**-LOW)), value)
+def _within(x, low, high):
+    """x held in a range; what is no number becomes `low`."""
+    y = ti.select(x > low, x, low)
+    return ti.select(y < high, y, high)
+
+
+@ti.func
+def _encoded(x):
+    """sRGB-encoded light, 0..1."""
+    y = _within(x, 0.0, 1.0)
+    s = ti.sqrt(ti.sqrt(y))
+    e = s * 0.0 + _ENCODE[7]
+    for k in ti.static(range(6, -1, -1)):
+        e = e * s + _ENCODE[k]
+    return ti.select(y > 0.0031308, e, y * 12.92)
+
+
+@ti.func
+def _place(k):
+    """Which of a tile's pixels lies at k."""
+    return ((k & (GROUPS - 1)) << 2) + (k >> 3)
 
 
 @ti.func
 def _hash(a):
-    h = ti.cast(a, ti.u32)
-    h = (h ^ (h >> ti.u32(16))) * ti.u32(0x7FEB352D)
+    h = (a ^ (a >> ti.u32(16))) * ti.u32(0x7FEB352D)
     h = (h ^ (h >> ti.u32(15))) * ti.u32(0x846CA68B)
     return h ^ (h >> ti.u32(16))
 
 
-@ti.func
-def _turn(Q: ti.template(), at, v):
-    return ti.Vector([Q[at + 3 * r] * v[0] + Q[at + 3 * r + 1] * v[1] + Q[at + 3 * r + 2] * v[2] for r in range(3)])
-
-
-@ti.func
-def _pbr_neutral(v):
-    least = ti.min(v[0], ti.min(v[1], v[2]))
-    c = v - ti.select(least < 0.08, least - 6.25 * least * least, 0.04)
-    peak = ti.max(c[0], ti.max(c[1], c[2]))
-    if peak > 0.76:
-        top = 1.0 - 0.0576 / (peak - 0.52)
-        g = 1.0 - 1.0 / (0.15 * (peak - top) + 1.0)
-        c = c * (top / peak) * (1.0 - g) + top * g
-    return c
-
-
 @ti.kernel
 def _develop(
-    film: F1, halo: F1, width: ti.i32, height: ti.i32, frame: ti.i32, sky: F2, curve: F1, encode: F1, Q: F1,
+    film: F1, stride: ti.i32, width: ti.i32, height: ti.i32, seen: ti.i32, coarse: F1, across: ti.i32, key: ti.i32, sky: F2, Q: F1,
     channels: ti.i32, out: ti.types.ndarray(ndim=1),
 ):  # fmt: skip
+    """width : a multiple of 4, at least WIDE, of which `seen` pixels are the picture; stride and across in floats"""
     ti.loop_config(block_dim=4)
     for i in range(height):
         dy = (ti.cast(i, ti.f32) + 0.5) / ti.cast(height, ti.f32) * 2.0 - 1.0
-        for j in range(width):
-            o = (i * width + j) * 4
-            dx = (ti.cast(j, ti.f32) + 0.5) / ti.cast(width, ti.f32) * 2.0 - 1.0
-            light = ti.Vector([film[o], film[o + 1], film[o + 2]])
-            if Q[BLOOM] > 0.0:
-                light = light * (1.0 - Q[BLOOM]) + ti.Vector([halo[o], halo[o + 1], halo[o + 2]]) * Q[BLOOM]
-            edge = 1.0 + Q[VIGNETTE] * 0.5 * (dx * dx + dy * dy)
-            light = light * (Q[EXPOSURE] / (edge * edge))
-            cover = ti.min(ti.max(film[o + 3], 0.0), 1.0)
-            v = ti.Vector([0.0, 0.0, 0.0])
-            if Q[NEUTRAL] > 0.5:
-                v = _pbr_neutral(light)
+        across_one = 2.0 / ti.cast(seen, ti.f32)
+        for t in range((width + WIDE - 1) // WIDE):
+            at = ti.min(t * WIDE, width - WIDE)
+            R, G, B = ti.Vector([0.0] * WIDE), ti.Vector([0.0] * WIDE), ti.Vector([0.0] * WIDE)
+            A, E = ti.Vector([0.0] * WIDE), ti.Vector([1.0] * WIDE)
+            if Q[STRAY] > 0.0:
+                C = ti.Vector([0.0] * (4 * NEAR))  # the coarse rows around, blended
+                o = (i >> 2) * across + at
+                b = BLEND + 5 * (i & 3)
+                for k in range(4 * NEAR):
+                    v = 0.0
+                    for e in ti.static(range(5)):
+                        v += coarse[o + e * across + k] * Q[b + e]
+                    C[k] = v
+                CR, CG, CB = ti.Vector([0.0] * NEAR), ti.Vector([0.0] * NEAR), ti.Vector([0.0] * NEAR)
+                for k in range(NEAR):
+                    CR[k], CG[k], CB[k] = C[4 * k], C[4 * k + 1], C[4 * k + 2]
+                for p in ti.static(range(4)):
+                    for q in range(GROUPS):
+                        r, g, l = 0.0, 0.0, 0.0
+                        for e in ti.static(range(p // 2, p // 2 + 4)):
+                            w = Q[BLEND + 5 * p + e] * Q[STRAY]
+                            r += CR[q + e] * w
+                            g += CG[q + e] * w
+                            l += CB[q + e] * w
+                        R[GROUPS * p + q], G[GROUPS * p + q], B[GROUPS * p + q] = r, g, l
+            if Q[VIGNETTE] > 0.0:
+                for k in range(WIDE):
+                    dx = (ti.cast(at + _place(k), ti.f32) + 0.5) * across_one - 1.0
+                    edge = 1.0 + Q[VIGNETTE] * 0.5 * (dx * dx + dy * dy)
+                    E[k] = 1.0 / (edge * edge)
+            F = ti.Vector([0.0] * (4 * WIDE))
+            o = i * stride + at * 4
+            for k in range(4 * WIDE):
+                F[k] = film[o + k]
+            for p in ti.static(range(4)):
+                for q in range(GROUPS):
+                    k = GROUPS * p + q
+                    R[k] += F[16 * q + 4 * p] * Q[OWN]
+                    G[k] += F[16 * q + 4 * p + 1] * Q[OWN]
+                    B[k] += F[16 * q + 4 * p + 2] * Q[OWN]
+                    A[k] = _within(F[16 * q + 4 * p + 3], 0.0, 1.0)
+            for k in range(WIDE):
+                shine = E[k] * Q[EXPOSURE]
+                r, g, l = R[k] * shine, G[k] * shine, B[k] * shine
+                R[k] = Q[BEFORE] * r + Q[BEFORE + 1] * g + Q[BEFORE + 2] * l
+                G[k] = Q[BEFORE + 3] * r + Q[BEFORE + 4] * g + Q[BEFORE + 5] * l
+                B[k] = Q[BEFORE + 6] * r + Q[BEFORE + 7] * g + Q[BEFORE + 8] * l
+            if Q[CONTRAST] != 1.0:
+                for j in range(WIDE):
+                    R[j] = GREY * power(R[j] * (1.0 / GREY), Q[CONTRAST])
+                    G[j] = GREY * power(G[j] * (1.0 / GREY), Q[CONTRAST])
+                    B[j] = GREY * power(B[j] * (1.0 / GREY), Q[CONTRAST])
+            if Q[WHOLE] == 1.0:
+                for j in range(WIDE):  # Khronos PBR Neutral
+                    r, g, l = R[j], G[j], B[j]
+                    least = ti.min(r, ti.min(g, l))
+                    toe = ti.select(least < 0.08, least - 6.25 * least * least, 0.04)
+                    peak = ti.max(r, ti.max(g, l)) - toe
+                    high = ti.select(peak > 0.76, peak, 0.76)
+                    top = 1.0 - 0.0576 / (high - 0.52)
+                    keep = 1.0 / (0.15 * (high - top) + 1.0)
+                    scale = top / high * keep
+                    white = top * (1.0 - keep)
+                    R[j] = (r - toe) * scale + white
+                    G[j] = (g - toe) * scale + white
+                    B[j] = (l - toe) * scale + white
+            elif Q[WHOLE] == 2.0:
+                whole = 1.0 / log(1.0 + Q[DENSITY] * Q[WHITE])
+                for j in range(WIDE):  # log density
+                    r, g, l = _within(R[j], 0.0, 1e12), _within(G[j], 0.0, 1e12), _within(B[j], 0.0, 1e12)
+                    peak = ti.max(r, ti.max(g, ti.max(l, 1e-20)))
+                    scale = log(1.0 + Q[DENSITY] * peak) * whole * Q[VIBRANCY] / peak
+                    rest = whole * (1.0 - Q[VIBRANCY])
+                    R[j] = r * scale + log(1.0 + Q[DENSITY] * r) * rest
+                    G[j] = g * scale + log(1.0 + Q[DENSITY] * g) * rest
+                    B[j] = l * scale + log(1.0 + Q[DENSITY] * l) * rest
             else:
-                v = _turn(Q, BEFORE, light)
-                v = ti.Vector([_read(curve, v[0]), _read(curve, v[1]), _read(curve, v[2])])
-                v = _turn(Q, AFTER, v)
-            grey = _RED * v[0] + _GREEN * v[1] + _BLUE * v[2]
-            v = grey + (v - grey) * Q[SATURATION]
-            if Q[TRANSPARENT] < 0.5:  # the background is seen as it is written, dimmed by what shines over it
-                back = ti.Vector([sky[i, 0], sky[i, 1], sky[i, 2]]) * ((1.0 - cover) / (edge * edge))
-                v += back * (1.0 - ti.min(ti.max(v, 0.0), 1.0))
+                for j in range(WIDE):  # N / D of each channel, by one division
+                    n, d = ti.Vector([0.0] * 3), ti.Vector([0.0] * 3)
+                    for c, V in ti.static(((0, R), (1, G), (2, B))):
+                        x = _within(V[j], Q[LOW], Q[HIGH])
+                        n[c] = ((Q[ABOVE + 3] * x + Q[ABOVE + 2]) * x + Q[ABOVE + 1]) * x + Q[ABOVE]
+                        d[c] = ((Q[BELOW + 3] * x + Q[BELOW + 2]) * x + Q[BELOW + 1]) * x + Q[BELOW]
+                    rg = d[0] * d[1]
+                    one = 1.0 / (rg * d[2])
+                    R[j] = n[0] * d[1] * d[2] * one
+                    G[j] = n[1] * d[0] * d[2] * one
+                    B[j] = n[2] * rg * one
+            for j in range(WIDE):
+                r, g, l = R[j], G[j], B[j]
+                # the background is seen as it is written, dimmed by what shines over it
+                back = (1.0 - A[j]) * E[j] * (1.0 - Q[TRANSPARENT])
+                for c, V in ti.static(((0, R), (1, G), (2, B))):
+                    v = Q[AFTER + 3 * c] * r + Q[AFTER + 3 * c + 1] * g + Q[AFTER + 3 * c + 2] * l
+                    V[j] = v + sky[i, c] * back * (1.0 - _within(v, 0.0, 1.0))
             if Q[TRANSPARENT] > 0.5:
-                cover = ti.min(ti.max(cover, ti.max(v[0], ti.max(v[1], v[2]))), 1.0)
-                v = v / ti.max(cover, 1e-6)
-            seed = _hash(i * 16384 + j + frame * 268435399)
-            rough = 0.0
-            if Q[GRAIN] > 0.0:  # the mean of four: nearly normal, standard deviation 1
-                for k in range(4):
-                    rough += ti.cast(_hash(seed + ti.u32(k + 17)) >> ti.u32(8), ti.f32) * (1.0 / 16777216.0) - 0.5
-                rough *= 1.7320508 * Q[GRAIN]
-            for c in ti.static(range(3)):
-                e = _read(encode, v[c])
-                e = ti.min(ti.max(e + rough * 4.0 * e * (1.0 - e), 0.0), 1.0) * Q[TOP]
-                noise = ti.cast(_hash(seed + ti.u32(c)) >> ti.u32(8), ti.f32) * (1.0 / 16777216.0) - 0.5
-                amount = Q[DITHER] * ti.min(1.0, ti.min(e, Q[TOP] - e) * 2.0)  # black stays black, white white
-                out[(i * width + j) * channels + c] = ti.cast(ti.floor(e + 0.5 + noise * amount), ti.i32)
-            if channels == 4:
-                out[(i * width + j) * 4 + 3] = ti.cast(ti.floor(cover * Q[TOP] + 0.5), ti.i32)
+                for j in range(WIDE):
+                    A[j] = _within(ti.max(A[j], ti.max(R[j], ti.max(G[j], B[j]))), 1e-6, 1.0)
+                    R[j], G[j], B[j] = R[j] / A[j], G[j] / A[j], B[j] / A[j]
+            N = ti.Vector([ti.u32(0)] * WIDE)
+            for j in range(WIDE):
+                N[j] = _hash(ti.cast(i * 16384 + at + _place(j), ti.u32) ^ _hash(ti.cast(key, ti.u32)))
+            if Q[GRAIN] > 0.0:
+                for j in range(WIDE):  # four bytes' mean: nearly normal, standard deviation 1
+                    h = _hash(N[j])
+                    four = (h & ti.u32(255)) + ((h >> ti.u32(8)) & ti.u32(255)) + ((h >> ti.u32(16)) & ti.u32(255)) + (h >> ti.u32(24))
+                    E[j] = (ti.cast(ti.cast(four, ti.i32), ti.f32) - 510.0) * (Q[GRAIN] * 4.0 / 147.8)
+            for j in range(WIDE):
+                for c, V in ti.static(((0, R), (1, G), (2, B))):
+                    e = _encoded(V[j])
+                    if Q[GRAIN] > 0.0:
+                        e = _within(e + E[j] * e * (1.0 - e), 0.0, 1.0)
+                    noise = ti.cast(ti.cast((N[j] >> ti.u32(10 * c)) & ti.u32(1023), ti.i32), ti.f32) * (1.0 / 1024.0) - 0.49951171875
+                    V[j] = e * Q[TOP] + (0.5 + noise * Q[DITHER])
+                A[j] = A[j] * Q[TOP] + 0.5
+            for j in range(ti.min(WIDE, seen - at)):
+                o = (i * seen + at + j) * channels
+                k = ((j & 3) << 3) + (j >> 2)
+                out[o] = ti.cast(R[k], ti.i32)
+                out[o + 1] = ti.cast(G[k], ti.i32)
+                out[o + 2] = ti.cast(B[k], ti.i32)
+                if channels == 4:
+                    out[o + 3] = ti.cast(A[k], ti.i32)
 
 
-@lru_cache(8)
-def _tables(tone: str, contrast: float) -> tuple[np.ndarray, np.ndarray]:
-    return curve_table(tone, contrast), encode_table()
-
-
-def _sky(spec: DevelopSpec, height: int) -> np.ndarray:
-    gradient = _NIGHT if spec.background == "night" else spec.background
-    return np.ascontiguousarray(gradient_table(gradient, max(height, 2))[:height].astype(np.float32))
-
-
+develop_kernel = kernel(_develop)
+_NOTHING = np.zeros(TILE, np.float32)
 _PLAIN = DevelopSpec()
 
 
-def develop(film: np.ndarray, spec: DevelopSpec = _PLAIN, frame: int = 0, transparent: bool = False, bits: int = 8):
+@lru_cache(8)
+def _numbers(spec: DevelopSpec, bits: int, transparent: bool) -> np.ndarray:
+    q = np.zeros(NUMBERS, np.float32)
+    q[VIGNETTE], q[GRAIN], q[DITHER] = 2.0 ** (spec.vignette / 2) - 1.0, spec.grain, spec.dither and bits == 8
+    q[WHOLE] = {"neutral": 1.0, "log": 2.0}.get(spec.tone, 0.0)
+    q[TRANSPARENT], q[TOP], q[CONTRAST] = transparent, 2.0**bits - 1.0, spec.contrast
+    q[DENSITY], q[VIBRANCY], q[WHITE] = spec.density, spec.vibrancy, spec.white
+    q[LOW : BELOW + 4] = rational(spec.tone, spec.white)
+    before, after = matrices(spec.tone, spec.saturation)
+    q[BEFORE : BEFORE + 9], q[AFTER : AFTER + 9] = before.reshape(-1), after.reshape(-1)
+    q[BLEND:] = blend_weights().reshape(-1)
+    return q
+
+
+@lru_cache(4)
+def _sky(background, height: int) -> np.ndarray:
+    gradient = _NIGHT if background == "night" else background
+    return np.ascontiguousarray(gradient_table(gradient, max(height, 2))[:height].astype(np.float32))
+
+
+def _flat(film: np.ndarray) -> tuple[np.ndarray, int]:
+    """The film as flat float32 and the floats from row to row, without a copy where rows of RGBA follow each other."""
+    film = np.asarray(film, dtype=np.float32)
+    height, width, _ = film.shape
+    row = film.strides[0] // 4
+    if film.strides[1:] != (16, 4) or film.strides[0] % 16 or row < 4 * width:
+        film, row = np.ascontiguousarray(film), 4 * width
+    length = (height - 1) * row + 4 * width
+    return np.lib.stride_tricks.as_strided(film, (length,), (4,), writeable=False), row
+
+
+def develop(
+    film: np.ndarray, spec: DevelopSpec = _PLAIN, frame: int = 0, transparent: bool = False, bits: int = 8,
+    exposure: float | None = None, out: np.ndarray | None = None,
+) -> np.ndarray:  # fmt: skip
     """A picture (height, width, 3 or, transparent, 4) of uint8 or uint16, sRGB, from linear premultiplied RGBA.
 
     film : (height, width, 4) float32      frame : seeds dither and grain      bits : 8 or 16
+    exposure : stops on top of the spec's own (what a Meter found)      out : a picture to write into
     Transparent pictures have straight alpha: light over nothing is as opaque as it is bright.
     """
     if bits not in (8, 16):
         raise UsageError(f"a picture has 8 or 16 bits a channel, not {bits}")
-    film = np.ascontiguousarray(film, dtype=np.float32)
     height, width = film.shape[:2]
-    halo = stray_light(film, spec.bloom.radius) if spec.bloom.strength else np.zeros((1, 1, 4), np.float32)
-    before, after = matrices(spec.tone)
-    q = np.zeros(NUMBERS, np.float32)
-    q[EXPOSURE], q[BLOOM], q[VIGNETTE] = 2.0**spec.exposure, spec.bloom.strength, 2.0 ** (spec.vignette / 2) - 1.0
-    q[SATURATION], q[GRAIN], q[DITHER] = spec.saturation, spec.grain, spec.dither and bits == 8
-    q[NEUTRAL], q[TRANSPARENT], q[TOP] = spec.tone == "neutral", transparent, 2.0**bits - 1.0
-    q[BEFORE : BEFORE + 9], q[AFTER : AFTER + 9] = before.reshape(-1), after.reshape(-1)
+    if width % 4 or width < WIDE:  # whole tiles of whole groups of four pixels: black beside the picture
+        film = np.pad(np.asarray(film, np.float32), ((0, 0), (0, max(-width % 4, WIDE - width)), (0, 0)))
+    flat, stride = _flat(film)
+    q = _numbers(spec, bits, transparent).copy()
+    q[EXPOSURE], q[OWN] = 2.0 ** (spec.exposure + (exposure or 0.0)), 1.0
+    coarse, across = _NOTHING, 4
+    if spec.bloom.strength:
+        own, coarse = chain(width, height).spread(flat, stride, spec.bloom.radius)
+        q[OWN], q[STRAY], across = 1.0 + spec.bloom.strength * (own - 1.0), spec.bloom.strength, 4 * coarse.shape[1]
+        coarse = coarse.reshape(-1)
     channels = 4 if transparent else 3
-    out = np.zeros(height * width * channels, np.uint8 if bits == 8 else np.uint16)
-    curve, encode = _tables(spec.tone, spec.contrast)
+    depth = np.uint8 if bits == 8 else np.uint16
+    if out is None:
+        out = np.empty((height, width, channels), depth)
     develop_kernel(
-        film.reshape(-1),
-        halo.reshape(-1),
-        width,
-        height,
-        int(frame),
-        _sky(spec, height),
-        curve,
-        encode,
-        q,
-        channels,
-        out,
-    )
-    return out.reshape(height, width, channels)
-
-
-develop_kernel = kernel(_develop)
+        flat, stride, film.shape[1], height, width, coarse, across, int(frame), _sky(spec.background, height), q, channels,
+        out.reshape(-1),
+    )  # fmt: skip
+    return out

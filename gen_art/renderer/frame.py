@@ -56,7 +56,7 @@ class Painter:
         self, size, camera: Camera | None = None, looks: dict[str, Look | None] | None = None, shutter: float = 0.0,
         supersample: int = 1,
     ):  # fmt: skip
-        self._times = supersample
+        self.times = supersample
         self.size = check_size(tuple(side * supersample for side in check_size(size)), supersample)
         self.camera, self.looks, self.shutter = camera, looks or {}, shutter
         self.film = Film(self.size)
@@ -65,6 +65,7 @@ class Painter:
         self._trails: dict[str, Film] = {}
         self._shadings: dict[str, Shading] = {}
         self._plain = Look()
+        self._before: dict[str, tuple] = {}
         self.histories = {n: History(k.ribbon) for n, k in self.looks.items() if k is not None and k.ribbon is not None}
 
     @property
@@ -76,12 +77,19 @@ class Painter:
         """The picture at film time `film_time` (s) of the simulation as it stands: (height, width, 4), a view that
         the next picture overwrites. Trails are laid under it as `expose_trails` left them.
         """
-        camera = self.camera or self._framing(sim)
         self.film.clear()
         for trail in self._trails.values():
             self.film.buffer += trail.buffer
-        self._draw(sim, list(sim.systems), camera.at(film_time), film_time, self.shutter, 1.0, self.film)
-        return self.film.pixels if self._times == 1 else reduced(self.film, self._times)
+        self.draw(sim, film_time, self.film)
+        return self.film.pixels if self.times == 1 else reduced(self.film, self.times)
+
+    def draw(self, sim, film_time: float, film: Film, recolour=None) -> None:
+        """Draw all systems into a film of this painter's size; `recolour`(system, columns) may change what they show."""
+        self._draw(sim, list(sim.systems), self.view(sim, film_time), film_time, self.shutter, 1.0, film, recolour)
+
+    def view(self, sim, film_time: float):
+        """The camera's view at a film time."""
+        return (self.camera or self._framing(sim)).at(film_time)
 
     def expose_trails(self, sim, film_time: float, exposure: float, shutter: float) -> None:
         """Let the trails fade by `exposure` film seconds, then draw their systems once more.
@@ -95,8 +103,8 @@ class Painter:
                 trail = self._trails[name] = Film(self.size)
             fade = 0.5 ** (exposure / look.trail.half_life)
             trail.buffer *= np.float32(fade)
-            camera = self.camera or self._framing(sim)
-            self._draw(sim, [name], camera.at(film_time), film_time, shutter, (1.0 - fade) * look.trail.strength, trail)
+            strength = (1.0 - fade) * look.trail.strength
+            self._draw(sim, [name], self.view(sim, film_time), film_time, shutter, strength, trail)
 
     def _framing(self, sim) -> Camera:
         points = [s.floats[:3, living(s, sim.time)].T for s in sim.systems.values()]
@@ -108,7 +116,7 @@ class Painter:
             self._shadings[name] = Shading.of(self._plain if raw else self.looks[name], dict(system.channels))
         return self._shadings[name], raw
 
-    def _draw(self, sim, names, view, film_time, shutter, weight, film: Film) -> None:
+    def _draw(self, sim, names, view, film_time, shutter, weight, film: Film, recolour=None) -> None:
         drawn: dict[str, tuple] = {}
         lit: dict[str, tuple] = {}
         sprites, looks = self._sprites, {}
@@ -120,18 +128,20 @@ class Painter:
                 if look.ribbon is not None:
                     continue
                 q = numbers(shading, view, self.size, sim.time, film_time, shutter, raw, weight)
-                shade(columns, system, shading, q)
+                shade(columns, system, shading, q, self._acceleration(name, system, sim.time))
                 drawn[name] = system, columns.used
                 if look.light is not None and columns.count:
                     lit[name] = look.light, columns.used, columns.lit[: columns.count]
         if lit:
             add_light(lit, drawn, view, view.scale(self.size[1]))
         sprites.clear()
-        sprites.layered = any(look.blend != "add" for look in looks.values())
+        sprites.layered = any(look.blend != "add" for look in looks.values()) and recolour is None
         for name, look in looks.items():
-            if look.ribbon is not None:
+            if recolour is not None and name in drawn:
+                recolour(*drawn[name])
+            if look.ribbon is not None and recolour is None:
                 self._add_ribbons(sim, name, view, film_time, weight, film)
-            else:
+            elif look.ribbon is None:
                 self._add(look, self._columns[name], film)
         splat(sprites, film)
 
@@ -152,6 +162,24 @@ class Painter:
             )
             shade(columns, segment.system, shading, q)
             self._sprites.add(columns, STREAK, film, segment.tail, segment.taper, HIDDEN)
+
+    def remember_velocities(self, sim) -> None:
+        """Keep the velocities of the systems that show their acceleration: it is taken from these to the next picture."""
+        for name, look in self.looks.items():
+            if look is not None and look.goes_by("acceleration"):
+                system = sim.systems[name]
+                n = int(system.count)
+                self._before[name] = sim.time, np.array(system.id[:n]), np.array(system.floats[3:6, :n], np.float64)
+
+    def _acceleration(self, name: str, system, time: float) -> np.ndarray | None:
+        """(n,) m/s^2 since the velocities that are remembered; 0 for what was not there."""
+        if name not in self._before or self._before[name][0] == time or not len(self._before[name][1]):
+            return None
+        then, ids, velocities = self._before[name]
+        own = system.id[: int(system.count)]
+        slot = np.minimum(np.searchsorted(ids, own), len(ids) - 1)
+        change = system.floats[3:6, : len(own)] - velocities[:, slot]
+        return np.where(ids[slot] == own, np.linalg.norm(change, axis=0) / abs(time - then), 0.0).astype(np.float32)
 
     def _add(self, look: Look, columns: Columns, film: Film) -> None:
         """Draw a system's small sprites, where they only add light; list the others."""

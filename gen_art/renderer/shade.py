@@ -85,8 +85,9 @@ BLOCK = 2048  # particles a parallel turn
 REFERENCE_ROWS = 720.0  # a "pixel" of a preset is 1/720 of the picture's height
 BOKEH = 0.25 / VARIANCE  # reach squared that gives the variance of an even disc of radius 1
 
-F64, U2, I1, L1, F2, F3 = (
-    ti.types.ndarray(d, n) for d, n in ((ti.f64, 1), (ti.u32, 2), (ti.i32, 1), (ti.i64, 1), (ti.f32, 2), (ti.f32, 3))
+F64, U2, I1, L1, F1, F2, F3 = (
+    ti.types.ndarray(d, n)
+    for d, n in ((ti.f64, 1), (ti.u32, 2), (ti.i32, 1), (ti.i64, 1), (ti.f32, 1), (ti.f32, 2), (ti.f32, 3))
 )
 
 
@@ -120,7 +121,7 @@ def _lanes(value):
 
 @ti.kernel
 def _shade(
-    S: ti.types.ndarray(ndim=2), birth: F64, key: U2, id: L1, source: I1, tag_rows: I1, n: ti.i32, C: F2, A: F2,
+    S: ti.types.ndarray(ndim=2), birth: F64, key: U2, id: L1, source: I1, tag_rows: I1, push: F1, n: ti.i32, C: F2, A: F2,
     ramps: F2, curves: F2, colours: F3, Q: F64,
 ):  # fmt: skip
     ti.loop_config(block_dim=1)
@@ -129,6 +130,7 @@ def _shade(
         parallel = Q[ORTHOGRAPHIC] > 0.5
         near, far = ti.cast(Q[NEAR], ti.f32), ti.cast(Q[FAR], ti.f32)
         width, rows = ti.cast(Q[WIDTH], ti.f32), ti.cast(Q[ROWS], ti.f32)
+        pushes = push.shape[0]
         for tile in range(block * BLOCK // LANES, ti.min((block + 1) * BLOCK, n + LANES - 1) // LANES):
             i0 = tile * LANES
             right, above, ahead = _lanes(0.0), _lanes(0.0), _lanes(0.0)
@@ -156,6 +158,7 @@ def _shade(
                 quantity[8 * LANES + j] = unit(key[0, i], key[1, i], 11)
                 quantity[9 * LANES + j] = ti.sqrt(x * x + y * y + z * z)
                 quantity[10 * LANES + j], quantity[11 * LANES + j], quantity[12 * LANES + j] = x, y, z
+                quantity[13 * LANES + j] = push[ti.min(i, pushes - 1)]
                 visible = (i < n) & (age >= 0.0) & (age < life) & (ahead[j] < far)
                 visible = visible & ((ahead[j] >= near) | (kind == STREAK))
                 part[j] = ti.select(visible, 1.0, 0.0)
@@ -333,6 +336,9 @@ def _shade(
 shade_kernel = kernel(_shade)
 
 
+NO_ACCELERATION = np.zeros(1, np.float32)
+
+
 class Columns:
     """One system's particles on the picture: `rows` (11, capacity) float32, of which `count` are in use;
     reused. There is always room for a whole tile at the end.
@@ -355,14 +361,15 @@ class Columns:
         return self.rows[:, : self.count]
 
 
-def shade(columns: Columns, system, shading: Shading, q: np.ndarray) -> None:
+def shade(columns: Columns, system, shading: Shading, q: np.ndarray, acceleration=None) -> None:
     """Fill the columns from a system. For a lit look `columns.lit` (n, 8) holds position, extinction cross section,
-    albedo times cover, whose light is still to be added, and radius.
+    albedo times cover, whose light is still to be added, and radius. acceleration : (n,) m/s^2, 0 unless given
     """
     n = int(system.count)
     columns.reserve(n, q[LIT] > 0.5)
     if n:
         shade_kernel(
-            system.floats, system.birth, system.key, system.id, system.source, shading.rows(system.sources), n,
+            system.floats, system.birth, system.key, system.id, system.source, shading.rows(system.sources),
+            NO_ACCELERATION if acceleration is None else acceleration, n,
             columns.rows, columns.lit, shading.ramps, shading.curves, shading.colours, q,
         )  # fmt: skip

@@ -15,6 +15,7 @@ from gen_art.output import job
 from gen_art.output.probe import probe
 from gen_art.output.recipe import read_recipe
 from tests.output.piece import piece
+from tests.output.test_video import exact
 
 
 def pixels(path) -> np.ndarray:
@@ -69,13 +70,70 @@ def test_rerun_makes_the_same_bytes(sequence, tmp_path):
         assert digest(job.rerun(path, tmp_path / f"again_{name}")[0]) == digest(path), name
 
 
-@pytest.mark.parametrize("ending", ["mp4", "gif", "webp"])
-def test_films_repeat_and_hold_their_recipe(tmp_path, ending):
-    (path,) = job.render(piece(), tmp_path / f"a.{ending}", frames=range(1, 6), quality="preview")
+FILMS = [
+    ("mp4", {}), ("mp4", {"bits": 10}), ("mp4", {"codec": "h265"}), ("mp4", {"codec": "av1", "bits": 10}),
+    ("mp4", {"max_rate": 200_000}), ("mov", {"transparent": True}), ("mov", {"codec": "h265", "bits": 10}),
+    ("mkv", {"bits": 16}), ("mkv", {"transparent": True}), ("webm", {"profile": "master"}), ("webm", {"codec": "av1"}),
+    ("webm", {"transparent": True}), ("gif", {}), ("webp", {"transparent": True}), ("webp", {"profile": "master"}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("ending, asked", FILMS)
+def test_films_repeat_and_hold_their_recipe(tmp_path, ending, asked):
+    (path,) = job.render(piece(), tmp_path / f"a.{ending}", frames=range(1, 6), quality="preview", **asked)
     recipe = read_recipe(path)
     assert recipe["frames"] == [1, 5, 1] and recipe["preset"] == piece().resolved() and recipe["size"] == [96, 54]
     assert digest(job.rerun(path, tmp_path / f"b.{ending}")[0]) == digest(path)
-    assert not list(tmp_path.glob(".*")), "nothing is left behind"
+    assert sorted(p.name for p in tmp_path.iterdir()) == [f"a.{ending}", f"b.{ending}"], "nothing else is left"
+
+
+def test_recipes_say_what_the_encoder_was_asked(tmp_path):
+    (path,) = job.render(piece(), tmp_path / "a.mov", codec="h265", bits=10, frames=range(2))
+    assert {k: read_recipe(path)[k] for k in ("codec", "profile", "bits")} == {
+        "codec": "h265",
+        "profile": "web",
+        "bits": 10,
+    }
+    for quality, profile, found in (
+        ("draft", None, "preview"),
+        ("preview", None, "preview"),
+        ("draft", "master", "master"),
+    ):
+        target, _ = job.check_target(piece(), tmp_path / "b.mp4", quality=quality, profile=profile)
+        assert target.film.profile == found
+    (other,) = job.rerun(path, tmp_path / "b.mkv")
+    assert read_recipe(other)["codec"] == "ffv1", "another ending has its own codec"
+
+
+@pytest.mark.parametrize("bits, transparent", [(8, False), (16, False), (8, True), (16, True)])
+def test_a_lossless_film_s_frames_are_the_stills(tmp_path, bits, transparent):
+    (film,) = job.render(piece(), tmp_path / "a.mkv", bits=bits, transparent=transparent)
+    frames = list(exact(film))
+    assert len(frames) == 10
+    for k in (0, 4, 9):
+        (path,) = job.still(piece(), tmp_path / f"{k}.png", k / 20, bits=bits, transparent=transparent)
+        if bits == 8:
+            assert np.array_equal(frames[k], pixels(path))
+        else:  # Pillow reads the upper eight bits only
+            again = job.still(piece(), tmp_path / f"{k}.mkv.png", k / 20, bits=16, transparent=transparent)[0]
+            assert digest(again) == digest(path) and np.array_equal(frames[k] >> 8, pixels(path))
+            assert len(np.unique(frames[k] & 255)) > 50, "there is something in the lower eight"
+
+
+def test_deep_films_are_developed_deep(tmp_path):
+    """A 10-bit film has more levels than an 8-bit picture has."""
+    import av
+
+    (path,) = job.render(piece(), tmp_path / "a.mov", frames=range(9, 10), profile="master")
+    with av.open(str(path)) as film:
+        luma = next(film.decode(video=0)).planes[0]
+    assert len(np.unique(np.frombuffer(luma, np.uint16))) > 300
+
+
+def test_sequences_take_16_bits(tmp_path):
+    (path,) = job.render(piece(), tmp_path / "a_#.png", frames=4, bits=16)
+    assert path.read_bytes()[24] == 16
+    assert digest(job.still(piece(), tmp_path / "s.png", 0.2, bits=16)[0]) == digest(path)
 
 
 def test_mp4_is_h264_tagged_bt709_limited(tmp_path):
@@ -119,6 +177,15 @@ def test_transparent_pictures_have_holes(tmp_path):
     [
         ("a.mp4", {"size": (97, 54)}, UsageError, "96x54 and 98x54"),
         ("a.mp4", {"transparent": True}, UsageError, "cannot be transparent"),
+        ("a_##.jpg", {"transparent": True}, UsageError, "cannot be transparent"),
+        ("a.mp4", {"codec": "h264x"}, UsageError, "did you mean 'h264'"),
+        ("a.mp4", {"codec": "vp9"}, UsageError, r"VP9 goes into \.webm or \.mkv"),
+        ("a_##.png", {"codec": "h264"}, UsageError, "for films"),
+        ("a_##.png", {"profile": "web"}, UsageError, "for films"),
+        ("a_##.png", {"bits": 10}, UsageError, r"\.png 8 or 16"),
+        ("a_##.exr", {"bits": 8}, UsageError, r"\.exr 16 or 32"),
+        ("a.mp4", {"bits": 16}, UsageError, "8 or 10 bits"),
+        ("a.webm", {"size": (96, 55)}, UsageError, "96x54 and 96x56"),
         ("a.mp5", {}, UsageError, "did you mean '.mp4'"),
         ("a", {}, UsageError, "has no ending"),
         ("a.exr", {}, UsageError, r"a_####\.exr"),
@@ -198,12 +265,14 @@ import sys
 sys.path.insert(0, {root!r})
 from gen_art.output import job
 from tests.output.piece import piece
-job.render(piece(), sys.argv[2], frames=range(4), threads=int(sys.argv[1]))
+for name, more in (("a.mp4", {{}}), ("b.mov", {{}}), ("c.webm", {{"codec": "av1"}}), ("d.mp4", {{"codec": "h265"}}), ("e.gif", {{}})):
+    job.render(piece(clock__duration=3, camera__size=[48, 28]), sys.argv[2] + name, threads=int(sys.argv[1]), **more)
 """
 
 
-def test_one_and_two_threads_write_the_same_film(tmp_path):
+def test_one_two_and_four_threads_write_the_same_films(tmp_path):
     root = str(Path(__file__).parents[2])
-    for n in (1, 2):
-        subprocess.run([sys.executable, "-c", _FILM.format(root=root), str(n), str(tmp_path / f"{n}.mp4")], check=True)
-    assert digest(tmp_path / "1.mp4") == digest(tmp_path / "2.mp4")
+    for n in (1, 2, 4):
+        subprocess.run([sys.executable, "-c", _FILM.format(root=root), str(n), f"{tmp_path}/{n}"], check=True)
+    for name in ("a.mp4", "b.mov", "c.webm", "d.mp4", "e.gif"):
+        assert digest(tmp_path / f"1{name}") == digest(tmp_path / f"2{name}") == digest(tmp_path / f"4{name}"), name

@@ -10,9 +10,7 @@ from gen_art.preset.load import load_preset
 SIZE = (160, 90)
 
 
-def orbits(
-    look: dict, *, subframes=1, shutter=180.0, supersample=1, step="1/800", stiffness=(2 * np.pi) ** 2, **more
-):
+def orbits(look: dict, *, subframes=1, shutter=180.0, supersample=1, step="1/800", stiffness=(2 * np.pi) ** 2, **more):
     """Five bodies that swing about the origin once a second, the k-th at radius 0.4 + 0.3 k."""
     return load_preset(
         {
@@ -137,3 +135,50 @@ def test_a_frame_is_the_same_whichever_came_before(preset):
     for k in (0, 5):
         assert np.array_equal(pictures[k], frame(preset, k))
     assert pictures[5].any()
+
+
+def test_layers_hold_depth_and_motion():
+    """A body that flies past at a known distance and speed, seen by a camera that pans."""
+    preset = load_preset(
+        {
+            "name": "flyby", "version": 1, "clock": {"duration": 1, "fps": 10, "step": 0.05},
+            "systems": {
+                "near": {"emitters": {"a": {"count": 1, "shape": {"point": [0, 0, 2]}, "velocity": {"constant": [3, -1, 0]}}},
+                         "look": {"draw": "disc", "radius": 0.3}},
+                "far": {"emitters": {"a": {"count": 1, "shape": {"point": [-2, 1, -4]}}},
+                        "look": {"draw": "disc", "blend": "alpha", "opacity": 3, "albedo": "black", "radius": 0.5}},
+            },
+            "camera": {"position": [0, 0, 10], "target": [0, 0, 0], "fov": 40},
+        }
+    )  # fmt: skip
+    run = Run(preset, SIZE, "f32", None)
+    run.film(4)  # film time 0.2
+    layers = run.layers()
+    scale = 45 / np.tan(np.radians(20))
+
+    def at(x, y, depth):
+        return int(45 - y * scale / depth), int(80 + x * scale / depth)
+
+    near, far = at(0.6, -0.2, 8), at(-2, 1, 14)
+    assert layers["Z"][near] == pytest.approx(8, rel=1e-4) and layers["Z"][far] == pytest.approx(14, rel=1e-4)
+    assert layers["velocity.x"][near] == pytest.approx(0.3 * scale / 8, rel=1e-3)
+    assert layers["velocity.y"][near] == pytest.approx(0.1 * scale / 8, rel=1e-3), "rows go down"
+    assert layers["velocity.x"][far] == pytest.approx(0, abs=1e-4)
+    assert layers["Z"][0, 0] == 0 and {v.shape for v in layers.values()} == {(90, 160)}
+
+
+def test_colour_by_acceleration():
+    """On a circle it is (2 pi)^2 times the radius, from the first frame on."""
+    look = {**DISC, "emission": {"intensity": {"by": "acceleration", "range": "0..80", "curve": [[0, 0], [1, 8]]}}}
+    preset = orbits(look, clock={"duration": 1, "fps": 10, "step": "1/800"})
+    for k in (0, 2):
+        bright, plain = (
+            frame(p, k, (640, 360))[..., 0]
+            for p in (preset, orbits(DISC, clock={"duration": 1, "fps": 10, "step": "1/800"}))
+        )
+        for body in range(5):
+            radius = 0.4 + 0.3 * body
+            angle = 2 * np.pi * k / 10
+            row, column = int(180 - radius * np.sin(angle) * 90), int(320 + radius * np.cos(angle) * 90)
+            around = slice(row - 8, row + 9), slice(column - 8, column + 9)
+            assert bright[around].sum() / plain[around].sum() == pytest.approx((2 * np.pi) ** 2 * radius / 10, rel=0.02)
