@@ -47,7 +47,7 @@ class Run:
 
     def _plan_trails(self) -> tuple[range, int]:
         """Steps at which trails are exposed: on the frames, and evenly between them."""
-        clock, trails = self.preset.clock, [look.trail for look in self.painter.trails.values()]
+        clock, trails = self.preset.clock, [k.trail for k in self.painter.trails.values() if k.trail is not None]
         if not trails:
             return range(0), 1
         between = clock.steps_per_frame // _largest_divisor(clock.steps_per_frame, max(t.substeps for t in trails))

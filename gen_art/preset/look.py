@@ -231,7 +231,7 @@ class Look(Model):
     def goes_by(self, quantity: str) -> bool:
         """Whether any number or colour follows this quantity."""
         light = self.emission
-        ramps = [self.size, self.opacity, self.albedo]
+        ramps: list[Ramp | Color] = [self.size, self.opacity, self.albedo]
         ramps += [r for r in (light.intensity, light.blackbody, light.color) if r is not None] if light else []
         return any(ramp.by == quantity for ramp in ramps)
 
