@@ -67,54 +67,36 @@ magnetic          Boris: half the kick, a rotation about B that keeps the speed 
 The Runge-Kutta schemes are written as the classical tables: nodes (fractions of dt) and weights; drag is inside their stages.
 """
 
-DOCUMENTED_BY_FIELD = (
-    clock.Clock,
-    schema.Units,
-    schema.System,
-    emitter.Emitter,
-    emitter.Attributes,
-    emitter.FromEvent,
-    emitter.Choice,
-    emitter.Motion,
-    emitter.Orbit,
-    schema.Gallery,
-)
-DOCUMENTED_AS_A_WHOLE = (
-    look.Look,
-    look.Emission,
-    look.Ramp,
-    look.Color,
-    look.KeyLight,
-    look.Trail,
-    camera.CameraSpec,
-    camera.CameraKey,
-    camera.Orbit,
-    camera.Fog,
-    develop.DevelopSpec,
-    develop.Bloom,
-)
-WHERE = {
-    "Clock": "clock:",
-    "Units": "units:",
-    "System": "systems.NAME:",
-    "Emitter": "systems.NAME.emitters.NAME:",
-    "Attributes": "particle: (and, for their own, emitters and choices)",
-    "FromEvent": "from: of an emitter",
-    "Choice": "choose.NAME: of an emitter",
-    "Motion": "motion: of an emitter",
-    "Gallery": "gallery:",
-    "Look": "look: of a system",
-    "Emission": "emission: of a look",
-    "Ramp": "numbers of a look that may follow a quantity",
-    "Color": "colours of a look",
-    "KeyLight": "light: of a look",
-    "Trail": "trail: of a look",
-    "CameraSpec": "camera:",
-    "CameraKey": "path: of the camera, a list of",
-    "Fog": "fog: of the camera",
-    "DevelopSpec": "develop:",
-    "Bloom": "bloom: of develop",
-    "Pulse": "pulse: of an emitter",
+DOCUMENTED_BY_FIELD = {  # class: where it stands
+    clock.Clock: "clock:",
+    schema.Units: "units:",
+    schema.System: "systems.NAME:",
+    emitter.Emitter: "systems.NAME.emitters.NAME:",
+    emitter.Attributes: "particle: (and, for their own, emitters and choices)",
+    emitter.FromEvent: "from: of an emitter",
+    emitter.Choice: "choose.NAME: of an emitter",
+    emitter.Motion: "motion: of an emitter",
+    emitter.Orbit: "orbit: of a motion",
+    schema.Gallery: "gallery:",
+    emitter.Pulse: "pulse: of an emitter",
+    look.Look: "look: of a system",
+    look.Emission: "emission: of a look",
+    look.Ramp: "numbers of a look that may follow a quantity",
+    look.Color: "colours of a look",
+    look.Picture: "picture: of a look",
+    look.KeyLight: "light: of a look",
+    look.Trail: "trail: of a look",
+    look.Ribbon: "ribbon: of a look",
+    camera.CameraSpec: "camera:",
+    camera.CameraKey: "path: of the camera, a list of",
+    camera.Orbit: "orbit: of the camera",
+    camera.Shake: "shake: of the camera",
+    camera.Lens: "lens: of the camera",
+    camera.Fog: "fog: of the camera",
+}
+DOCUMENTED_AS_A_WHOLE = {
+    develop.DevelopSpec: "develop:",
+    develop.Bloom: "bloom: of develop",
 }
 
 
@@ -254,7 +236,7 @@ def told(cls) -> tuple[str, dict[str, str]]:
     return parts[0].strip(), says
 
 
-def model(cls, described: bool) -> str:
+def model(cls, where: str, described: bool) -> str:
     prose, says = (inspect.cleandoc(cls.__doc__), {}) if described else told(cls)
     rows = []
     own = [name for base in cls.__mro__[1:2] if base is emitter.Attributes for name in base.model_fields]
@@ -268,18 +250,12 @@ def model(cls, described: bool) -> str:
         words_of = ": ".join(text for text in (allowed, meaning) if text)
         rows.append((f"`{field.alias or name}`", field_default(field), words_of))
     entries = table(("key", "default", "meaning"), rows)
-    where = WHERE.get(cls.__name__, "")
-    if cls is emitter.Orbit:
-        where = "orbit: of a motion"
-    if cls is camera.Orbit:
-        where = "orbit: of the camera"
     return f"### {where}\n\n{prose}\n\n{entries}\n"
 
 
 def preset_tables() -> str:
-    pulse = getattr(emitter, "Pulse", None)
-    by_field = [*DOCUMENTED_BY_FIELD, *([pulse] if pulse else [])]
-    return "\n".join([*(model(cls, True) for cls in by_field), *(model(cls, False) for cls in DOCUMENTED_AS_A_WHOLE)])
+    by_field = [model(cls, where, True) for cls, where in DOCUMENTED_BY_FIELD.items()]
+    return "\n".join(by_field + [model(cls, where, False) for cls, where in DOCUMENTED_AS_A_WHOLE.items()])
 
 
 def pages() -> dict[Path, str]:

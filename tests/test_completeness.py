@@ -82,6 +82,19 @@ def test_the_pages_are_up_to_date(reference):
         assert path.read_text(encoding="utf-8") == text, f"{path.name} is out of date: run docs/make_reference.py"
 
 
+def test_every_mapping_of_a_preset_has_its_table_and_every_key_its_words(reference):
+    """`Medium` and `Preset` are told in prose; `Particle` is `Attributes` by another name."""
+    from gen_art.preset import camera, clock, develop, emitter, look, schema
+    from gen_art.preset.types import Model
+
+    modules = (camera, clock, develop, emitter, look, schema)
+    found = {c for m in modules for c in vars(m).values() if isinstance(c, type) and issubclass(c, Model) and c is not Model}
+    assert found - {schema.Medium, schema.Preset, emitter.Particle} == set(reference.DOCUMENTED)
+    for cls in reference.DOCUMENTED:
+        for name, field in cls.model_fields.items():
+            assert field.exclude or field.description, f"{cls.__name__}.{name} has no description"
+
+
 def test_a_class_without_a_page_is_noticed(reference):
     assert reference.forces_page() == PAGE
     assert reference.entry("forces", "gravity") in PAGE

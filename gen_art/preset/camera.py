@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from gen_art.errors import UsageError
 from gen_art.preset.fields import ColourValue, Number, Vector
-from gen_art.preset.types import Model
+from gen_art.preset.types import Model, about
 
 __all__ = ["CameraKey", "CameraSpec", "Easing", "Fog", "Lens", "Orbit", "Shake"]
 
@@ -14,29 +14,29 @@ Easing = Literal["linear", "smooth", "spline", "accelerate", "brake", "hold"]
 
 
 class CameraKey(Model):
-    """A stop on the camera's path; what is left out stays as the key before had it.
+    """A stop on the camera's path; what is left out stays as the stop before had it."""
 
-    easing: the word for the way from this stop to the next, where it differs from the camera's own. focus: the lens's
-    focus distance.
-    """
-
-    time: Number
-    position: Vector | None = None
-    target: Vector | None = None
-    up: Vector | None = None
-    fov: Annotated[Number, Field(gt=0, lt=170)] | None = None
-    height: Annotated[Number, Field(gt=0)] | None = None
-    roll: Number | None = None
-    focus: Annotated[Number, Field(gt=0)] | None = None
-    easing: Easing | None = None
+    time: Number = about(..., "film time of the stop", unit="s")
+    position: Vector | None = about(None, "where the camera is")
+    target: Vector | None = about(None, "what it looks at")
+    up: Vector | None = about(None, "the direction that is up in the picture")
+    fov: Annotated[Number, Field(gt=0, lt=170)] | None = about(None, "angle of view from bottom to top", unit="degrees")
+    height: Annotated[Number, Field(gt=0)] | None = about(
+        None, "world units from bottom to top of an orthographic camera"
+    )
+    roll: Number | None = about(None, "turn about the line of sight", unit="degrees")
+    focus: Annotated[Number, Field(gt=0)] | None = about(None, "the lens's focus distance")
+    easing: Easing | None = about(
+        None, "the word for the way from this stop to the next, where it differs from the camera's own"
+    )
 
 
 class Orbit(Model):
-    """The camera turns about the axis through its target: `rate` degrees a film second, from `start` degrees."""
+    """The camera turns about the axis through its target; a number is its `rate`."""
 
-    rate: Number = 10.0
-    start: Number = 0.0
-    axis: Vector = (0.0, 1.0, 0.0)
+    rate: Number = about(10.0, "turn a film second, right-handed about the axis", unit="degrees/s")
+    start: Number = about(0.0, "angle at film time 0", unit="degrees")
+    axis: Vector = about((0.0, 1.0, 0.0), "direction of the axis")
 
     short_form = {"type": ["number", "string"]}
 
@@ -52,11 +52,11 @@ class Orbit(Model):
 
 
 class Fog(Model):
-    """Light dims as exp(-(d - start) / distance) beyond `start` from the camera, towards `color`."""
+    """Light dims as exp(-(d - start) / distance) beyond `start` from the camera, towards `color`; a number is its `distance`."""
 
-    distance: Annotated[Number, Field(gt=0)]
-    start: Annotated[Number, Field(ge=0)] = 0.0
-    color: ColourValue = "black"
+    distance: Annotated[Number, Field(gt=0)] = about(..., "over which light falls to 1/e")
+    start: Annotated[Number, Field(ge=0)] = about(0.0, "clear air in front of the camera")
+    color: ColourValue = about("black", "what everything turns into far away")
 
     short_form = {"type": ["number", "string"]}
 
@@ -66,18 +66,20 @@ class Fog(Model):
 
 
 class Shake(Model):
-    """A hand that holds the camera: it pans and tilts by smooth noise of mean 0.
+    """A hand that holds the camera: it pans and tilts by smooth noise of mean 0; a number is its `amplitude`.
 
-    amplitude: the standard deviation of the pan, and of the tilt, in degrees; the noise stays within 3.4 of them.
-    frequency: Hz; the movement has parts from half of it to twice. roll: the standard deviation of the roll in degrees.
-    seed: another hand. The noise is a function of the film time and the seed alone. An orthographic camera shifts
-    instead, by what the same angle moves the picture of a camera of `fov` degrees.
+    The noise is a function of the film time and the seed alone. An orthographic camera shifts instead, by what the same
+    angle moves the picture of a camera of `fov` degrees.
     """
 
-    amplitude: Annotated[Number, Field(ge=0, le=45)] = 0.3
-    frequency: Annotated[Number, Field(gt=0, le=1000)] = 1.0
-    roll: Annotated[Number, Field(ge=0, le=45)] = 0.0
-    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    amplitude: Annotated[Number, Field(ge=0, le=45)] = about(
+        0.3, "standard deviation of the pan, and of the tilt; it stays within 3.4 of them", unit="degrees"
+    )
+    frequency: Annotated[Number, Field(gt=0, le=1000)] = about(
+        1.0, "the movement has parts from half of it to twice", unit="Hz"
+    )
+    roll: Annotated[Number, Field(ge=0, le=45)] = about(0.0, "standard deviation of the roll", unit="degrees")
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = about(0, "another hand")
 
     short_form = {"type": ["number", "string"]}
 
@@ -87,15 +89,16 @@ class Shake(Model):
 
 
 class Lens(Model):
-    """Depth of field: a thin lens of `radius` (world units) that is sharp at `focus` (world units along the line of
-    sight; the distance to the target unless given).
+    """Depth of field of a thin lens; a number is its `radius`. For a perspective camera.
 
-    A point at depth d is drawn as a disc of radius * |1 / focus - 1 / d| pixels per unit of slope, with all its light.
-    Perspective only.
+    A point at depth d is drawn as a disc that has all its light; its radius in the picture is radius * |1 / focus - 1 / d|
+    as a slope of sight.
     """
 
-    radius: Annotated[Number, Field(ge=0)]
-    focus: Annotated[Number, Field(gt=0)] | None = None
+    radius: Annotated[Number, Field(ge=0)] = about(..., "radius of the lens, in world units")
+    focus: Annotated[Number, Field(gt=0)] | None = about(
+        None, "what is sharp, in world units along the line of sight; the distance to the target when left out"
+    )
 
     short_form = {"type": ["number", "string"]}
 
@@ -105,34 +108,42 @@ class Lens(Model):
 
 
 class CameraSpec(Model):
-    """Where the picture is taken from. Perspective, `fov` degrees from bottom to top; with `height` (world units from
-    bottom to top) orthographic. shutter: degrees of a frame it is open, 180 being half. near, far: nothing nearer or
-    farther along the line of sight is drawn. path: stops in film time. easing of the way from stop to stop: `linear`,
-    `smooth` (rests at each stop), `spline` (passes through them), `accelerate` (leaves from rest), `brake` (comes to
-    rest) or `hold` (stays, then cuts). fov and height change by equal factors in equal times.
-    subframes: moments of the open shutter whose pictures are averaged, evenly on steps of the clock (the largest divisor of
-    the open steps up to it); one is enough where motion is drawn by streaks. supersample: the picture is drawn this many
-    times as wide and high and averaged. size: the picture's default size [width, height].
-    """
+    """Where the picture is taken from: a perspective camera with `fov`, or an orthographic one with `height`."""
 
-    position: Vector = (0.0, 0.0, 10.0)
-    target: Vector = (0.0, 0.0, 0.0)
-    up: Vector = (0.0, 1.0, 0.0)
-    fov: Annotated[Number, Field(gt=0, lt=170)] = 40.0
-    height: Annotated[Number, Field(gt=0)] | None = None
-    roll: Number = 0.0
-    near: Annotated[Number, Field(gt=0)] | None = None
-    far: Annotated[Number, Field(gt=0)] | None = None
-    shutter: Annotated[Number, Field(ge=0, le=360)] = 180.0
-    fog: Fog | None = None
-    orbit: Orbit | None = None
-    path: tuple[CameraKey, ...] = ()
-    easing: Easing = "spline"
-    shake: Shake | None = None
-    lens: Lens | None = None
-    subframes: Annotated[int, Field(ge=1, le=256)] = 1
-    supersample: Annotated[int, Field(ge=1, le=8)] = 1
-    size: tuple[Annotated[int, Field(ge=1, le=16384)], Annotated[int, Field(ge=1, le=16384)]] = (1280, 720)
+    position: Vector = about((0.0, 0.0, 10.0), "where it is")
+    target: Vector = about((0.0, 0.0, 0.0), "what it looks at, the middle of the picture")
+    up: Vector = about((0.0, 1.0, 0.0), "the direction that is up in the picture")
+    fov: Annotated[Number, Field(gt=0, lt=170)] = about(40.0, "angle of view from bottom to top", unit="degrees")
+    height: Annotated[Number, Field(gt=0)] | None = about(
+        None, "world units from bottom to top: makes the camera orthographic"
+    )
+    roll: Number = about(0.0, "turn about the line of sight", unit="degrees")
+    near: Annotated[Number, Field(gt=0)] | None = about(None, "nothing nearer along the line of sight is drawn")
+    far: Annotated[Number, Field(gt=0)] | None = about(None, "nothing farther along the line of sight is drawn")
+    shutter: Annotated[Number, Field(ge=0, le=360)] = about(
+        180.0, "the part of a frame the shutter is open: 180 is half", unit="degrees"
+    )
+    fog: Fog | None = about(None, "haze that grows with distance")
+    orbit: Orbit | None = about(None, "a steady turn about the target")
+    path: tuple[CameraKey, ...] = about((), "stops in film time; fov and height change by equal factors in equal times")
+    easing: Easing = about(
+        "spline",
+        "the way from stop to stop: `smooth` rests at each stop, `spline` passes through them, "
+        "`accelerate` leaves from rest, `brake` comes to rest, `hold` stays and then cuts",
+    )
+    shake: Shake | None = about(None, "a hand that holds the camera")
+    lens: Lens | None = about(None, "depth of field")
+    subframes: Annotated[int, Field(ge=1, le=256)] = about(
+        1,
+        "moments of the open shutter whose pictures are averaged, evenly on steps of the clock (the "
+        "largest divisor of the open steps up to it); one is enough where streaks draw the motion",
+    )
+    supersample: Annotated[int, Field(ge=1, le=8)] = about(
+        1, "the picture is drawn this many times as wide and high, and averaged"
+    )
+    size: tuple[Annotated[int, Field(ge=1, le=16384)], Annotated[int, Field(ge=1, le=16384)]] = about(
+        (1280, 720), "default size of the picture, width and height in pixels"
+    )
 
     @model_validator(mode="after")
     def _consistent(self):
@@ -140,7 +151,8 @@ class CameraSpec(Model):
             raise UsageError(f"the camera's near ({self.near:g}) must be less than its far ({self.far:g})")
         if self.lens is not None and self.height is not None:
             raise UsageError(
-                "an orthographic camera (`height`) has no lens: it stands infinitely far away, where all is equally sharp; "
+                "an orthographic camera (`height`) has no lens: it stands infinitely far away, where all "
+                "is equally sharp;"
                 "leave out `lens`, or give `fov` instead of `height`"
             )
         for before, after in zip(self.path, self.path[1:]):

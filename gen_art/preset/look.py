@@ -8,7 +8,7 @@ from gen_art.errors import UsageError
 from gen_art.preset.colour_names import Gradient
 from gen_art.preset.fields import ColourValue, CurveValue, GradientValue, Number, RangeValue, Vector
 from gen_art.preset.files import ImageFile
-from gen_art.preset.types import Model, Words
+from gen_art.preset.types import Model, Words, about
 from gen_art.preset.values import Curve, Range, number
 
 __all__ = ["BY", "Color", "Emission", "KeyLight", "Look", "Picture", "Ramp", "Ribbon", "Trail"]
@@ -22,15 +22,15 @@ BY = (
 class Ramp(Model):
     """A number that may follow a quantity of the particle: `3`, `[[0, 1], [1, 0]]` (by age) or a mapping.
 
-    by: `age` is the fraction of the lifetime, 0 at birth and 1 at death; `seconds` the age in simulated seconds; `speed`
-    m/s; `energy` the kinetic energy in J; `random` a number in 0..1 that is the particle's own; `distance` from the
-    origin in m; `x`, `y`, `z`; `acceleration` m/s^2, over the last time step; or a declared attribute such as `temperature`.
-    `range: lo..hi` maps the quantity to 0..1 before the curve is read.
+    Quantities: `age` is the fraction of the lifetime, 0 at birth and 1 at death; `seconds` the age in simulated seconds;
+    `speed` m/s; `acceleration` m/s^2, over the last time step; `energy` the kinetic energy in J; `charge` C;
+    `distance` from the origin in m; `x`, `y`, `z`; `random` a number in 0..1 that is the particle's own; or a declared
+    attribute such as `temperature`.
     """
 
-    by: str = "age"
-    range: RangeValue | None = None
-    curve: CurveValue = Curve(((0.0, 1.0),))
+    by: str = about("age", "the quantity")
+    range: RangeValue | None = about(None, "the quantity at 0 and at 1 of the curve")
+    curve: CurveValue = about(Curve(((0.0, 1.0),)), "a number, or points of a curve")
 
     short_form = {"type": ["number", "string", "array"], "description": "a number, or a curve over age"}
 
@@ -48,18 +48,17 @@ class Ramp(Model):
 
 
 class Color(Model):
-    """Colours by a quantity: a colour, a palette, or `{by: age, gradient: [white, crimson]}`; other keys are tags of
-    emitters with gradients of their own: `{by: age, clean: [white, crimson], tail: [gold, teal]}`.
+    """Colours by a quantity: a colour, a palette, or `{by: age, gradient: [white, crimson]}`.
 
-    `range: lo..hi` says which values of the quantity are the two ends (needed for all but age and random).
+    Further keys are tags of emitters, with gradients of their own: `{by: age, clean: [white, crimson], tail: [gold, teal]}`.
     """
 
     model_config = ConfigDict(frozen=True, extra="allow", arbitrary_types_allowed=True)
     __pydantic_extra__: dict[str, GradientValue]
 
-    by: str = "age"
-    range: RangeValue | None = None
-    gradient: GradientValue = Gradient(((0.0, "white"),))
+    by: str = about("age", "the quantity, as for numbers")
+    range: RangeValue | None = about(None, "the quantity at the two ends of the gradient")
+    gradient: GradientValue = about(Gradient(((0.0, "white"),)), "a colour, a palette, or colours in a list")
 
     short_form = {"type": ["string", "array"], "description": "a colour, a palette or a gradient"}
 
@@ -82,20 +81,24 @@ class Color(Model):
 
 
 class Emission(Model):
-    """Light a particle gives off. For discs and streaks `intensity` is the brightness at the middle of the sprite;
-    a point has the area of one pixel of a picture 720 rows high.
+    """Light a particle gives off.
 
-    blackbody: kelvin, or a curve of kelvin over age (or over `by: seconds`). planck: how much of Planck's fall of
-    brightness towards lower temperatures to keep, relative to the hottest (0 none, 1 all). strobe: lo..hi in Hz, a
-    rate and phase drawn per particle; it is lit for `duty` of each period.
+    For discs and streaks `intensity` is the brightness at the middle of the sprite; a point has the area of one pixel of a
+    picture 720 rows high.
     """
 
-    color: Color | None = None
-    intensity: Ramp = Ramp()
-    blackbody: Ramp | None = None
-    planck: Annotated[Number, Field(ge=0, le=1)] = 0.3
-    strobe: RangeValue | None = None
-    duty: Annotated[Number, Field(gt=0, le=1)] = 0.35
+    color: Color | None = about(None, "its colour; white when left out")
+    intensity: Ramp = about(Ramp(), "its brightness")
+    blackbody: Ramp | None = about(
+        None, "temperature, or a curve of temperature over age (or over `by: seconds`); gives the colour", unit="K"
+    )
+    planck: Annotated[Number, Field(ge=0, le=1)] = about(
+        0.3,
+        "how much of Planck's fall of brightness towards lower temperatures to keep, relative to the "
+        "hottest: 0 none, 1 all",
+    )
+    strobe: RangeValue | None = about(None, "a rate, with a phase, drawn once a particle", unit="Hz")
+    duty: Annotated[Number, Field(gt=0, le=1)] = about(0.35, "the part of each period of the strobe that is lit")
 
     short_form = {"type": ["string", "array"], "description": "a colour, a palette or a gradient"}
 
@@ -107,29 +110,26 @@ class Emission(Model):
 
 
 class KeyLight(Model):
-    """A distant lamp that shines on smoke through the smoke itself, the sky around it and the glow of other systems.
+    """A distant lamp that shines on smoke through the smoke itself, the sky around it, and the glow of other systems."""
 
-    direction: the way the lamp's light travels. phase: -1 back to 1 forward scattering (Henyey-Greenstein), 0 even.
-    scatter: the part of the light that has been scattered once before; its depth counts half, and so on for that part
-    of it. ambient: the sky, from all sides; ground: what comes from below (the sky's colour unless given). depth scales
-    the optical depth that this system casts into all light. resolution: cells along the longest side of the density grid.
-    glow: systems whose own light shines on this one; glow_intensity 1 is as bright as they are; glow_softness (world
-    units) widens their light near them. All systems with a light stand in each other's shadow.
-    """
-
-    direction: Vector = (-1.0, -1.0, -0.5)
-    color: ColourValue = "white"
-    intensity: Annotated[Number, Field(ge=0)] = 3.0
-    ambient: ColourValue = "white"
-    ground: ColourValue | None = None
-    ambient_intensity: Annotated[Number, Field(ge=0)] = 0.08
-    phase: Annotated[Number, Field(gt=-1, lt=1)] = 0.0
-    scatter: Annotated[Number, Field(ge=0, le=1)] = 0.2
-    depth: Annotated[Number, Field(ge=0)] = 1.0
-    resolution: Annotated[int, Field(ge=8, le=256)] = 96
-    glow: Words = ()
-    glow_intensity: Annotated[Number, Field(ge=0)] = 1.0
-    glow_softness: Annotated[Number, Field(ge=0)] = 0.0
+    direction: Vector = about((-1.0, -1.0, -0.5), "the way the lamp's light travels")
+    color: ColourValue = about("white", "the lamp's colour")
+    intensity: Annotated[Number, Field(ge=0)] = about(3.0, "the lamp's brightness")
+    ambient: ColourValue = about("white", "the sky's colour, from all sides")
+    ground: ColourValue | None = about(None, "the colour of what comes from below; the sky's when left out")
+    ambient_intensity: Annotated[Number, Field(ge=0)] = about(0.08, "the sky's brightness")
+    phase: Annotated[Number, Field(gt=-1, lt=1)] = about(
+        0.0, "Henyey-Greenstein's g: -1 back to 1 forward scattering, 0 even"
+    )
+    scatter: Annotated[Number, Field(ge=0, le=1)] = about(
+        0.2,
+        "the part of the light that was scattered once before; it meets half the depth, and so on for that part of it",
+    )
+    depth: Annotated[Number, Field(ge=0)] = about(1.0, "factor on the optical depth this system casts into all light")
+    resolution: Annotated[int, Field(ge=8, le=256)] = about(96, "cells along the longest side of the density grid")
+    glow: Words = about((), "systems whose own light shines on this one")
+    glow_intensity: Annotated[Number, Field(ge=0)] = about(1.0, "1 is as bright as they are")
+    glow_softness: Annotated[Number, Field(ge=0)] = about(0.0, "widens their light near them, in world units")
 
     @model_validator(mode="after")
     def _pointing(self):
@@ -139,17 +139,20 @@ class KeyLight(Model):
 
 
 class Trail(Model):
-    """The film keeps what the system drew and lets it fade: to one half in `half_life` film seconds, whatever the fps.
+    """The film keeps what the system drew and lets it fade, alike at any fps; the particles are drawn over it as ever.
 
-    The particles themselves are drawn over it as ever. strength: the trail's brightness; a particle at rest builds up
-    a trail as bright as itself at 1. substeps: how many times the system is drawn between two frames (the largest
-    divisor of a frame's steps up to it), so that fast curves stay smooth. Trails start 16
-    half-lives before frame 0, or with the simulation.
+    A number is its `half_life`. Trails start 16 half-lives before frame 0, or with the simulation.
     """
 
-    half_life: Annotated[Number, Field(gt=0)]
-    strength: Annotated[Number, Field(ge=0)] = 1.0
-    substeps: Annotated[int, Field(ge=1, le=64)] = 1
+    half_life: Annotated[Number, Field(gt=0)] = about(..., "film time in which it fades to one half", unit="s")
+    strength: Annotated[Number, Field(ge=0)] = about(
+        1.0, "its brightness; at 1 a particle at rest builds up a trail as bright as itself"
+    )
+    substeps: Annotated[int, Field(ge=1, le=64)] = about(
+        1,
+        "how many times the system is drawn from frame to frame (the largest divisor of a frame's steps up "
+        "to it), so that fast curves stay smooth",
+    )
 
     short_form = {"type": ["number", "string"]}
 
@@ -159,16 +162,15 @@ class Trail(Model):
 
 
 class Ribbon(Model):
-    """Each particle draws its path of the last `length` simulated seconds through `points` remembered positions.
+    """Each particle draws the path it came along. Needs `draw: streak`, whose width it begins with; a number is its `length`.
 
-    Needs `draw: streak`, whose width it begins with. taper, tail: width and brightness at the old end, relative to the
-    particle's. `intensity` of the emission is a ribbon's brightness along its middle, whatever the particle's speed.
+    The emission's `intensity` is its brightness along the middle, whatever the particle's speed.
     """
 
-    length: Annotated[Number, Field(gt=0)]
-    points: Annotated[int, Field(ge=2, le=256)] = 16
-    taper: Annotated[Number, Field(ge=0, le=1)] = 0.0
-    tail: Annotated[Number, Field(ge=0, le=1)] = 0.0
+    length: Annotated[Number, Field(gt=0)] = about(..., "how far back it goes, in simulated time", unit="s")
+    points: Annotated[int, Field(ge=2, le=256)] = about(16, "positions that are remembered")
+    taper: Annotated[Number, Field(ge=0, le=1)] = about(0.0, "width at the old end, relative to the particle's")
+    tail: Annotated[Number, Field(ge=0, le=1)] = about(0.0, "brightness at the old end, relative to the particle's")
 
     short_form = {"type": ["number", "string"]}
 
@@ -178,15 +180,11 @@ class Ribbon(Model):
 
 
 class Picture(Model):
-    """A picture for every particle, `radius` from its middle to its sides; white paint on transparent ground takes the
-    particle's colour. It lies in the preset's folder.
+    """A picture for every particle, `radius` from its middle to its sides; white paint takes the particle's colour."""
 
-    turn: degrees, counter-clockwise; `random` turns each its own way. spin: degrees a simulated second, or lo..hi.
-    """
-
-    image: Annotated[str, ImageFile]
-    turn: Literal["random"] | Number = 0.0
-    spin: RangeValue = Range(0.0, 0.0)
+    image: Annotated[str, ImageFile] = about(..., "the file, in the preset's folder, with a transparent ground")
+    turn: Literal["random"] | Number = about(0.0, "counter-clockwise; `random` turns each its own way", unit="degrees")
+    spin: RangeValue = about(Range(0.0, 0.0), "turn a simulated second, drawn once a particle", unit="degrees/s")
 
     short_form = {"type": "string", "description": "the picture's file"}
 
@@ -196,37 +194,48 @@ class Picture(Model):
 
 
 class Look(Model):
-    """How a system's particles are drawn.
+    """How a system's particles are drawn. The `size` of all kinds scales with the picture's height."""
 
-    draw: `point` (a bilinear dot), `disc` (a soft Gaussian sprite; its radius is 2.2 standard deviations), `streak`
-    (the path of the last `length` seconds, by default the time the shutter is open), `sphere` (an even disc with a sharp
-    rim) or `picture` (an image of its own, see `picture`). radius, width: world units; without them the particle's own
-    radius. pixels: the size in pixels of a picture 720 rows high instead. size multiplies either. blend `add` is light,
-    `alpha` also hides what is behind it, `opaque` hides all of it.
-    opacity: optical depth at a sprite's middle; with `reference` (m) it is that of a sprite of that radius and falls
-    as (reference / r)^2, so that a growing sprite keeps its extinction cross section. tail, taper: a streak's
-    brightness and width at its old end, relative to its head. falloff: `inverse_square` dims points as 1/d^2, with 1
-    at the camera's target.
-    """
-
-    draw: Literal["point", "disc", "streak", "sphere", "picture"] = "point"
-    picture: Picture | None = None
-    blend: Literal["add", "alpha", "opaque"] = "add"
-    radius: Annotated[Number, Field(gt=0)] | None = None
-    width: Annotated[Number, Field(gt=0)] | None = None
-    pixels: Annotated[Number, Field(gt=0, le=4096)] | None = None
-    size: Ramp = Ramp()
-    length: Annotated[Number, Field(ge=0)] | None = None
-    tail: Annotated[Number, Field(ge=0, le=1)] = 1.0
-    taper: Annotated[Number, Field(ge=0, le=1)] = 1.0
-    emission: Emission | None = None
-    opacity: Ramp = Ramp()
-    reference: Annotated[Number, Field(gt=0)] | None = None
-    albedo: Color = Color.model_validate({})
-    light: KeyLight | None = None
-    falloff: Literal["none", "inverse_square"] = "none"
-    trail: Trail | None = None
-    ribbon: Ribbon | None = None
+    draw: Literal["point", "disc", "streak", "sphere", "picture"] = about(
+        "point",
+        "`point` is a bilinear dot, `disc` a soft Gaussian sprite whose radius is 2.2 standard deviations, "
+        "`streak` the way of the last `length` seconds, `sphere` an even disc with a sharp rim, `picture` "
+        "an image",
+    )
+    picture: Picture | None = about(None, "the image of `draw: picture`")
+    blend: Literal["add", "alpha", "opaque"] = about(
+        "add", "`add` is light, `alpha` also hides what is behind it, `opaque` hides all of it"
+    )
+    radius: Annotated[Number, Field(gt=0)] | None = about(
+        None, "of the sprite in world units; the particle's own when left out"
+    )
+    width: Annotated[Number, Field(gt=0)] | None = about(None, "of a streak in world units: two radii")
+    pixels: Annotated[Number, Field(gt=0, le=4096)] | None = about(
+        None, "radius in pixels of a picture 720 rows high instead"
+    )
+    size: Ramp = about(Ramp(), "a factor on radius, width or pixels")
+    length: Annotated[Number, Field(ge=0)] | None = about(
+        None, "of a streak in simulated time; as long as the shutter is open when left out", unit="s"
+    )
+    tail: Annotated[Number, Field(ge=0, le=1)] = about(
+        1.0, "a streak's brightness at its old end, relative to its head"
+    )
+    taper: Annotated[Number, Field(ge=0, le=1)] = about(1.0, "a streak's width at its old end, relative to its head")
+    emission: Emission | None = about(None, "the light it gives off; white, 1 when nothing else is given")
+    opacity: Ramp = about(Ramp(), "optical depth at the middle of a sprite")
+    reference: Annotated[Number, Field(gt=0)] | None = about(
+        None,
+        "the radius of which `opacity` speaks: the depth falls as (reference / r)^2, so that a growing "
+        "sprite keeps its extinction cross section",
+        unit="m",
+    )
+    albedo: Color = about(Color.model_validate({}), "the part of the light that it scatters, by colour")
+    light: KeyLight | None = about(None, "what shines on it")
+    falloff: Literal["none", "inverse_square"] = about(
+        "none", "`inverse_square` dims points as 1/d^2, with 1 at the camera's target"
+    )
+    trail: Trail | None = about(None, "an afterglow on the film")
+    ribbon: Ribbon | None = about(None, "the path it came along")
 
     def goes_by(self, quantity: str) -> bool:
         """Whether any number or colour follows this quantity."""
