@@ -14,7 +14,7 @@ __all__ = ["FEW", "LARGEST", "scatter"]
 
 LARGEST = 4.0  # pixels of reach of a disc that is drawn here
 PARTS = 2
-TAPS = 10  # pixels that such a disc may touch along one side
+TAPS = 10  # pixels that such a disc may touch along one side; `steps` below counts them
 FEW = 32768  # for no more particles a second film is not worth its adding: they are drawn as any other sprites
 
 PIXEL = ti.types.vector(4, ti.f32)
@@ -70,7 +70,7 @@ def _discs(C: F2, n: ti.i32, films: FILM, pixels: ti.i32, stride: ti.i32, width:
             x, y, inverse = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
             sum_x, sum_y = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
             # k, kept from the compiler: it takes a pixel as one vector where it cannot split it into four running offsets
-            steps = ti.Vector(list(range(TAPS)))
+            steps = ti.Vector([0, 1, 2, 3, 4, 5, 6, 7, 8, 9])
             across, down = ti.Vector([0.0] * (TAPS * LANES)), ti.Vector([0.0] * (TAPS * LANES))
             for j in range(LANES):
                 i = tile * LANES + j

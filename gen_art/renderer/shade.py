@@ -84,6 +84,9 @@ LANES = 8
 BLOCK = 2048  # particles a parallel turn
 REFERENCE_ROWS = 720.0  # a "pixel" of a preset is 1/720 of the picture's height
 BOKEH = 0.25 / VARIANCE  # reach squared that gives the variance of an even disc of radius 1
+# half widths of an even disc's rim that keep the second moment: of a sharp disc seen out of focus by 1, of a soft one's reach
+SHARP_RIM, SOFT_RIM = (0.2 / VARIANCE) ** 0.5, 0.8**0.5
+CONE = (1.0 + VARIANCE) / (1.0 + 6.0 * VARIANCE + 0.021)  # and radius squared, of discs of nearly one size: all rim
 
 F64, U2, I1, L1, F1, F2, F3 = (
     ti.types.ndarray(d, n)
@@ -301,16 +304,17 @@ def _shade(
             for j in range(LANES):
                 circle = ti.cast(Q[LENS], ti.f32) * abs(scale / ti.cast(Q[FOCUS], ti.f32) - per[j])
                 reach = half[j] * SOFT
-                soft = ti.sqrt(reach * reach + SMALLEST * SMALLEST)
                 dot = (kind == POINT) & (mode < 2)
+                soft = ti.select(dot, SMALLEST, ti.sqrt(reach * reach + SMALLEST * SMALLEST))
                 s = ti.sqrt(soft * soft + circle * circle * BOKEH)
                 e = -unit(key[0, i0 + j], key[1, i0 + j], 21)  # spreads the size at which it moves to a coarser film
-                if (kind <= DISC) & (Q[LENS] > 0.0):
-                    s, e = ti.max(circle, 0.01), ti.select(dot, SMALLEST, soft)
-                elif dot:
+                if (kind <= DISC) & (circle > soft):  # an even disc; a smaller one only widens the sprite
+                    s, e = circle, SOFT_RIM * soft
+                elif dot & (Q[LENS] == 0.0):
                     s = 0.0
                 elif kind == SPHERE:
-                    s, e = ti.max(half[j], circle), ti.max(ti.min(half[j], circle), SOFTEST)
+                    s = ti.max(ti.max(half[j], circle), ti.sqrt((half[j] * half[j] + circle * circle) * CONE))
+                    e = ti.max(ti.min(SHARP_RIM * ti.min(half[j], circle), s), SOFTEST)
                 elif kind == PICTURE:
                     s, e = ti.sqrt(half[j] * half[j] + 1.0 + circle * circle), 0.0
                     dx[j], dy[j] = quantity[LANES + j], unit(key[0, i0 + j], key[1, i0 + j], 31)

@@ -209,25 +209,32 @@ from gen_art.renderer.camera import Camera
 from gen_art.renderer.frame import Painter
 from gen_art.renderer.develop import develop
 rng = np.random.default_rng(0)
-x, v = rng.normal(0, 1, (20000, 3)), rng.normal(0, 2, (20000, 3))
-looks = dict(
-    points=Look(draw="point"), streaks=Look(draw="streak", width=0.02, emission=dict(blackbody=1800)),
-    smoke=Look(draw="disc", blend="alpha", radius=0.04, size=dict(by="random", curve=[[0, 1], [1, 8]]), opacity=0.2, light={{}}),
+x, v = rng.normal(0, 1, (40000, 3)), rng.normal(0, 2, (40000, 3))
+light = dict(
+    points=Look(draw="point"), soft=Look(draw="disc", pixels=6), streaks=Look(draw="streak", width=0.02, emission=dict(blackbody=1800)),
 )
-film = Painter((320, 200), Camera(position=(0, 0, 6)), looks, 0.05).paint(scene(1.0, **{{k: state(x + i, v) for i, k in enumerate(looks)}}), 0.0)
-print(hashlib.sha256(np.ascontiguousarray(film)).hexdigest(), hashlib.sha256(develop(film)).hexdigest())
+dense = dict(
+    smoke=Look(draw="disc", blend="alpha", radius=0.04, size=dict(by="random", curve=[[0, 1], [1, 8]]), opacity=0.2, light={{}}),
+    balls=Look(draw="sphere", blend="opaque", radius=0.01),
+)
+lens = Camera(position=(0, 0, 6), lens=(0.05, None))
+for looks, camera, times in ((light, lens, 1), (light, Camera(position=(0, 0, 6)), 1), (dict(light, **dense), Camera(position=(0, 0, 6)), 2)):
+    systems = {{k: state(x + i, v) for i, k in enumerate(looks)}}
+    film = Painter((320, 200), camera, looks, 0.05, times).paint(scene(1.0, **systems), 0.0)
+    print(hashlib.sha256(np.ascontiguousarray(film)).hexdigest(), hashlib.sha256(develop(film)).hexdigest())
 """
 
 
-def test_one_and_two_threads_give_the_same_bytes():
+def test_one_two_and_four_threads_give_the_same_bytes():
+    """Small sprites that only add light, with and without a lens; and all kinds together, where some hide others."""
     root = str(Path(__file__).parents[2])
     runs = [
         subprocess.run(
             [sys.executable, "-c", _DIGEST.format(root=root), str(n)], capture_output=True, text=True, check=True
         ).stdout
-        for n in (1, 2)
+        for n in (1, 2, 4)
     ]
-    assert runs[0] == runs[1] and len(runs[0]) > 100
+    assert runs[0] == runs[1] == runs[2] and len(set(runs[0].split())) == 6
 
 
 def test_a_picture_repeats(places):
@@ -277,3 +284,30 @@ def test_a_sphere_hides_all_behind_it_and_gives_its_energy(places):
             )
         )
         assert got == pytest.approx([len(places) * np.pi * radius**2] * 3, rel=1e-5)
+
+
+@pytest.mark.parametrize("look", [
+    {"draw": "point"}, {"draw": "disc", "radius": 0.02}, {"draw": "disc", "radius": 0.2}, {"draw": "streak", "width": 0.1},
+    {"draw": "sphere", "radius": 0.2},
+])  # fmt: skip
+def test_a_lens_keeps_the_light_and_spreads_it_over_its_circle_of_confusion(look):
+    """Radius of a point's circle: R |1/focus - 1/d| as a slope, rows / (2 tan(fov / 2)) pixels a unit of slope."""
+    pixels = 600 / (2 * np.tan(np.radians(20)))
+    for depth in (4.0, 8.0, 10.0, 16.0, 40.0):
+        sharp, soft = (
+            paint(look, [(0.013, 0.021, 10.0 - depth)], [(0.3, 0.1, 0)], size=(800, 600), camera=Camera(position=(0, 0, 10), fov=40, lens=lens))
+            for lens in (None, (0.3, 10.0))
+        )
+        assert light(soft) == pytest.approx(light(sharp), rel=1e-5)
+        spread = _variance(soft) - _variance(sharp)
+        circle = 0.3 * abs(1 / 10.0 - 1 / depth) * pixels
+        assert spread == pytest.approx(circle**2 / 2, rel=0.02, abs=0.4), f"an even disc of {circle:.1f} pixels, {depth} away"
+
+
+def _variance(picture) -> float:
+    """Of the distance from the middle of the light, pixels squared."""
+    weight = picture[..., 0].astype(np.float64)
+    y, x = np.mgrid[: weight.shape[0], : weight.shape[1]]
+    total = weight.sum()
+    mx, my = (x * weight).sum() / total, (y * weight).sum() / total
+    return float((((x - mx) ** 2 + (y - my) ** 2) * weight).sum() / total)
