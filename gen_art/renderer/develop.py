@@ -12,8 +12,9 @@ from gen_art.elementary import log, power
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import Gradient
 from gen_art.preset.develop import DevelopSpec
-from gen_art.renderer.bloom import TILE, blend_weights, chain, flat
+from gen_art.renderer.bloom import chain, flat
 from gen_art.renderer.colour import gradient_table
+from gen_art.renderer.resample import TILE, blend_weights
 from gen_art.renderer.tone import GREY, matrices, rational
 from gen_art.runtime import kernel, ti
 
@@ -252,9 +253,8 @@ def develop(
     light, stride = flat(film, WIDE)
     coarse, across = _NOTHING, 4
     if halo:
-        own, coarse = halo.spread(light, stride, spec.bloom.radius)
-        q[OWN], q[STRAY], across = 1.0 + strength * (own - 1.0), strength, 4 * coarse.shape[1]
-        coarse = coarse.reshape(-1)
+        own, picture = halo.spread(light, stride, spec.bloom.radius)
+        q[OWN], q[STRAY], coarse, across = 1.0 + strength * (own - 1.0), strength, picture.floats, picture.stride
     channels = 4 if transparent else 3
     depth = np.uint8 if bits == 8 else np.uint16
     if out is None:
