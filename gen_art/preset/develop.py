@@ -53,7 +53,8 @@ class AutoExposure(Model):
 class DevelopSpec(Model):
     """From linear light to a picture: exposure in stops, bloom, vignette, background, tone map, grain, dither.
 
-    contrast turns about middle grey, saturation about luminance, both after the tone map's own (1 leaves them).
+    contrast: a power about middle grey, before the tone map; saturation about luminance, after it (1 leaves them).
+    white: what reinhard and log show as white; density, vibrancy: of log (how much of the colour goes with its light).
     background: a colour, a gradient from top to bottom, or `night`. It is seen as written where nothing hides
     it, whatever exposure and tone map are. grain: standard deviation at middle grey. vignette: stops lost in the corners.
     """

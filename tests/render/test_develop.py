@@ -9,7 +9,7 @@ from gen_art.preset.develop import DevelopSpec
 from gen_art.renderer.colour import encode_srgb
 from gen_art.renderer.develop import develop
 
-TONES = ["agx", "aces", "reinhard", "neutral", "none"]
+TONES = ["agx", "aces", "reinhard", "neutral", "log", "none"]
 
 
 def film_of(grey, width=64) -> np.ndarray:

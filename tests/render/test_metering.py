@@ -8,7 +8,6 @@ import sys
 import numpy as np
 import pytest
 
-from gen_art.errors import UsageError
 from gen_art.preset.develop import AutoExposure, DevelopSpec
 from gen_art.renderer.colour import LUMINANCE, to_linear
 from gen_art.renderer.develop import develop
@@ -104,7 +103,7 @@ def test_an_exposed_picture_has_its_key():
     picture = develop(film, spec, bits=16, exposure=stops) / 65535
     assert to_linear(picture).mean() == pytest.approx(0.3, rel=1e-3)
     assert DevelopSpec(auto_exposure={"key": 0.3}).auto_exposure == spec.auto_exposure
-    with pytest.raises(UsageError, match="range lies within"):
+    with pytest.raises(ValueError, match="range lies within"):
         AutoExposure(range="-100..0")
 
 
