@@ -1,13 +1,13 @@
-"""Colours as people write them: names, `#rrggbb` and [r, g, b]; gradients of them; named palettes. All sRGB-encoded.
+"""Colours as people write them: names, `#rrggbb` and [r, g, b]; gradients of them and of named palettes. All sRGB-encoded.
 
-The renderer turns them into linear light (render/colour.py).
+The renderer turns them into linear light (renderer/colour.py).
 """
 
 from dataclasses import dataclass
 
 from gen_art.errors import UsageError
+from gen_art.preset.palettes import PALETTES, hint, palette
 from gen_art.preset.values import number, shown
-from gen_art.registry import suggest
 
 __all__ = ["COLOURS", "PALETTES", "Gradient", "srgb"]
 
@@ -24,21 +24,7 @@ COLOURS = {
     "midnight": "#070b1d", "indigo": "#4038b8", "violet": "#8a4dff", "lavender": "#c7b5ff",
 }  # fmt: skip
 
-PALETTES = {
-    "fire": ["#000000", "#4a0d03", "#b32b06", "#f07414", "#ffc65a", "#fff6dc"],
-    "embers": ["#1a0502", "#7a1a05", "#e2560f", "#ffb347"],
-    "ocean": ["#020a1c", "#0b3a6a", "#1583a8", "#5fd3d0", "#f0fbf3"],
-    "aurora": ["#0a1030", "#11607a", "#1fd6a0", "#b8f58a", "#a86bff"],
-    "nebula": ["#0b0620", "#3a1466", "#a3267f", "#f0725e", "#ffe0b0"],
-    "dusk": ["#0d1b3d", "#44357c", "#a8487f", "#f08a5d", "#ffd9a0"],
-    "plasma": ["#1a0b4f", "#6a14a8", "#c03a83", "#f4864b", "#f7ee55"],
-    "ice": ["#05101f", "#1f4e79", "#6fb1dd", "#d9f1ff", "#ffffff"],
-    "moss": ["#0a120a", "#274427", "#5f8a3c", "#b9cf6b", "#f2f0c0"],
-    "starlight": ["#9bb8ff", "#cfdcff", "#fff8f0", "#ffd9a8", "#ff9d5c"],
-    "dust": ["#120b08", "#3e2a1e", "#7c5a40", "#b99674"],
-    "spectrum": ["#ff3b4a", "#ff9f2e", "#f6ee4a", "#3ce07a", "#36a8ff", "#9a5bff"],
-    "mono": ["#000000", "#ffffff"],
-}
+_FORMS = "; write a name, '#rrggbb' or [r, g, b]"
 
 
 def srgb(value) -> tuple[float, float, float]:
@@ -52,8 +38,9 @@ def srgb(value) -> tuple[float, float, float]:
                 return red, green, blue
             except ValueError:
                 pass
-        hint = suggest(value, [*COLOURS, *PALETTES]) or "; write a name, '#rrggbb' or [r, g, b]"
-        raise UsageError(f"no colour named {shown(value)}{hint}")
+        if palette(value):
+            raise UsageError(f"{shown(value)} is a palette, where one colour is meant")
+        raise UsageError(f"no colour named {shown(value)}{hint(value, COLOURS) or _FORMS}")
     if not isinstance(value, (list, tuple)) or len(value) != 3:
         raise UsageError(f"must be a colour: a name, '#rrggbb' or [r, g, b] from 0 to 1; not {shown(value)}")
     triple = number(value[0]), number(value[1]), number(value[2])
@@ -74,7 +61,7 @@ def _all_numbers(values) -> bool:
 class Gradient:
     """Colours at positions 0..1, interpolated in OKLab: ((position, colour), ...), positions increasing.
 
-    Written as a colour, a palette's name, a list of colours, or a list of [position, colour].
+    Written as a colour, a palette's name (`magma`, `magma reversed`), a list of colours, or a list of [position, colour].
     """
 
     stops: tuple[tuple[float, object], ...]
@@ -93,8 +80,11 @@ class Gradient:
         """A Gradient from any of its written forms; UsageError otherwise."""
         if isinstance(value, Gradient):
             return value
-        if isinstance(value, str) and value.strip().lower() in PALETTES:
-            value = PALETTES[value.strip().lower()]
+        if isinstance(value, str):
+            known = palette(value)
+            if known is None and value.strip()[:1] != "#" and value.strip().lower() not in COLOURS:
+                raise UsageError(f"no colour or palette named {shown(value)}{hint(value, COLOURS) or _FORMS}")
+            value = known or value
         if _is_colour(value):
             return cls(((0.0, _frozen(value)),))
         if not isinstance(value, (list, tuple)) or not value:

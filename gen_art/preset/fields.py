@@ -5,6 +5,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, PlainSerializer, WithJsonSchema
 
 from gen_art.preset.colour_names import Gradient, srgb
+from gen_art.preset.palettes import names
 from gen_art.preset.values import Curve, Range, number, vector
 
 __all__ = ["ColourValue", "CurveValue", "GradientValue", "Number", "RangeValue", "Vector"]
@@ -35,7 +36,14 @@ CurveValue = Annotated[
     _schema(type="array", items={"type": "array", "items": _numbers, "minItems": 2, "maxItems": 2}),
 ]
 GradientValue = Annotated[
-    Gradient, BeforeValidator(Gradient.of), PlainSerializer(Gradient.written), _schema(type=["string", "array"])
+    Gradient,
+    BeforeValidator(Gradient.of),
+    PlainSerializer(Gradient.written),
+    _schema(
+        type=["string", "array"],
+        description="a colour, a palette, a list of colours or of [position, colour]",
+        anyOf=[{"enum": names()}, {"type": "string"}, {"type": "array"}],
+    ),
 ]
 ColourValue = Annotated[
     Any,

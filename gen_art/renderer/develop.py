@@ -1,7 +1,7 @@
 """From the film's linear light to a picture: exposure, bloom, vignette, tone map, background, grain, sRGB, dither.
 
-The film is read twice: once by the first step of bloom, once by the kernel here, which works on tiles of WIDE pixels whose values lie in
-local vectors: loops over them vectorise (no tables, no branches inside).
+The film is read twice: once by the first step of bloom, once by the kernel here, which works on tiles of WIDE pixels whose
+values lie in local vectors: loops over them vectorise (no tables, no branches inside).
 """
 
 from functools import lru_cache
@@ -12,8 +12,9 @@ from gen_art.elementary import log, power
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import Gradient
 from gen_art.preset.develop import DevelopSpec
-from gen_art.renderer.bloom import PAD, TILE, blend_weights, chain
+from gen_art.renderer.bloom import chain, flat
 from gen_art.renderer.colour import gradient_table
+from gen_art.renderer.resample import TILE, blend_weights
 from gen_art.renderer.tone import GREY, matrices, rational
 from gen_art.runtime import kernel, ti
 
@@ -69,8 +70,8 @@ def _hash(a):
 
 @ti.kernel
 def _develop(
-    film: F1, stride: ti.i32, width: ti.i32, height: ti.i32, seen: ti.i32, coarse: F1, across: ti.i32, key: ti.i32, sky: F2, Q: F1,
-    channels: ti.i32, out: ti.types.ndarray(ndim=1),
+    film: F1, stride: ti.i32, width: ti.i32, height: ti.i32, seen: ti.i32, coarse: F1, across: ti.i32, key: ti.i32,
+    sky: F2, Q: F1, channels: ti.i32, out: ti.types.ndarray(ndim=1),
 ):  # fmt: skip
     """width : a multiple of 4, at least WIDE, of which `seen` pixels are the picture; stride and across in floats"""
     ti.loop_config(block_dim=4)
@@ -182,14 +183,16 @@ def _develop(
             if Q[GRAIN] > 0.0:
                 for j in range(WIDE):  # four bytes' mean: nearly normal, standard deviation 1
                     h = _hash(N[j])
-                    four = (h & ti.u32(255)) + ((h >> ti.u32(8)) & ti.u32(255)) + ((h >> ti.u32(16)) & ti.u32(255)) + (h >> ti.u32(24))
+                    two = (h & ti.u32(0xFF00FF)) + ((h >> ti.u32(8)) & ti.u32(0xFF00FF))
+                    four = (two & ti.u32(0xFFFF)) + (two >> ti.u32(16))
                     E[j] = (ti.cast(ti.cast(four, ti.i32), ti.f32) - 510.0) * (Q[GRAIN] * 4.0 / 147.8)
             for j in range(WIDE):
                 for c, V in ti.static(((0, R), (1, G), (2, B))):
                     e = _encoded(V[j])
                     if Q[GRAIN] > 0.0:
                         e = _within(e + E[j] * e * (1.0 - e), 0.0, 1.0)
-                    noise = ti.cast(ti.cast((N[j] >> ti.u32(10 * c)) & ti.u32(1023), ti.i32), ti.f32) * (1.0 / 1024.0) - 0.49951171875
+                    bits = ti.cast((N[j] >> ti.u32(10 * c)) & ti.u32(1023), ti.i32)
+                    noise = ti.cast(bits, ti.f32) * (1.0 / 1024.0) - 0.49951171875
                     V[j] = e * Q[TOP] + (0.5 + noise * Q[DITHER])
                 A[j] = A[j] * Q[TOP] + 0.5
             for j in range(ti.min(WIDE, seen - at)):
@@ -227,17 +230,6 @@ def _sky(background, height: int) -> np.ndarray:
     return np.ascontiguousarray(gradient_table(gradient, max(height, 2))[:height].astype(np.float32))
 
 
-def _flat(film: np.ndarray) -> tuple[np.ndarray, int]:
-    """The film as flat float32 and the floats from row to row, without a copy where rows of RGBA follow each other."""
-    film = np.asarray(film, dtype=np.float32)
-    height, width, _ = film.shape
-    row = film.strides[0] // 4
-    if film.strides[1:] != (16, 4) or film.strides[0] % 16 or row < 4 * width:
-        film, row = np.ascontiguousarray(film), 4 * width
-    length = (height - 1) * row + 4 * width
-    return np.lib.stride_tricks.as_strided(film, (length,), (4,), writeable=False), row
-
-
 def develop(
     film: np.ndarray, spec: DevelopSpec = _PLAIN, frame: int = 0, transparent: bool = False, bits: int = 8,
     exposure: float | None = None, out: np.ndarray | None = None,
@@ -251,22 +243,23 @@ def develop(
     if bits not in (8, 16):
         raise UsageError(f"a picture has 8 or 16 bits a channel, not {bits}")
     height, width = film.shape[:2]
-    if width % 4 or width < WIDE:  # whole tiles of whole groups of four pixels: black beside the picture
-        film = np.pad(np.asarray(film, np.float32), ((0, 0), (0, max(-width % 4, WIDE - width)), (0, 0)))
-    flat, stride = _flat(film)
     q = _numbers(spec, bits, transparent).copy()
     q[EXPOSURE], q[OWN] = 2.0 ** (spec.exposure + (exposure or 0.0)), 1.0
+    strength, halo = spec.bloom.strength, chain(width, height) if spec.bloom.strength else None
+    if halo and halo.scales[0] != 4:
+        film, halo = halo.bloomed(np.asarray(film, np.float32), strength, spec.bloom.radius), None
+    if width % 4:  # whole groups of four pixels: black beside the picture
+        film = np.pad(np.asarray(film, np.float32), ((0, 0), (0, -width % 4), (0, 0)))
+    light, stride = flat(film, WIDE)
     coarse, across = _NOTHING, 4
-    if spec.bloom.strength:
-        own, coarse = chain(width, height).spread(flat, stride, spec.bloom.radius)
-        q[OWN], q[STRAY], across = 1.0 + spec.bloom.strength * (own - 1.0), spec.bloom.strength, 4 * coarse.shape[1]
-        coarse = coarse.reshape(-1)
+    if halo:
+        own, picture = halo.spread(light, stride, spec.bloom.radius)
+        q[OWN], q[STRAY], coarse, across = 1.0 + strength * (own - 1.0), strength, picture.floats, picture.stride
     channels = 4 if transparent else 3
     depth = np.uint8 if bits == 8 else np.uint16
     if out is None:
         out = np.empty((height, width, channels), depth)
-    develop_kernel(
-        flat, stride, film.shape[1], height, width, coarse, across, int(frame), _sky(spec.background, height), q, channels,
-        out.reshape(-1),
-    )  # fmt: skip
+    wide = max(film.shape[1], WIDE)
+    sky = _sky(spec.background, height)
+    develop_kernel(light, stride, wide, height, width, coarse, across, int(frame), sky, q, channels, out.reshape(-1))
     return out

@@ -3,8 +3,8 @@
 Four of them work channel by channel between two matrices: y = N(s) / D(s), two cubics in the light s,
 held within a range. `neutral` and `log` work on the whole colour; the kernel holds their formulas.
 
-- agx: T. Sobotka's AgX: primaries drawn towards white, log2 from -10 to +6.5 stops about middle grey, a sigmoid of slope 2.4 through
-  it. The cubics fit it within 0.005 in the square root of light, about a step of an 8-bit picture.
+- agx: T. Sobotka's AgX: primaries drawn towards white, log2 from -10 to +6.5 stops about middle grey, a sigmoid of slope
+  2.4 through it. The cubics fit it within 0.005 in the square root of light, about a step of an 8-bit picture.
 - aces: S. Hill's fit of the ACES reference and output transforms.
 - reinhard: Reinhard et al. 2002, equation 4: x (1 + x / white^2) / (1 + x).
 - neutral: Khronos PBR Neutral (2024).
@@ -25,12 +25,16 @@ LARGEST = 1e12  # light beyond it is held there: the product of three is still a
 _ACES_IN = [[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]]
 _ACES_OUT = [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07603]]
 
+_ACES_BLACK = 0.5 * (
+    np.sqrt(0.0245786**2 + 4.0 * 0.000090537) - 0.0245786
+)  # the light where N is 0: below it all is black
+
 _CUBICS = {  # (lowest light, highest, numerator, denominator)
     "agx": (
         GREY * 2.0**-10, GREY * 2.0**6.5,
-        (-0.0001137407, 0.6328934, 10.77237, 3.42573), (1.0, 6.221913, 16.81256, 3.03369),
+        (-0.0001115836, 0.6328934, 10.77237, 3.42573), (1.0, 6.221913, 16.81256, 3.03369),
     ),
-    "aces": (0.0, 1e5, (-0.000090537, 0.0245786, 1.0, 0.0), (0.238081, 0.4329510, 0.983729, 0.0)),
+    "aces": (_ACES_BLACK, 1e5, (-0.000090537, 0.0245786, 1.0, 0.0), (0.238081, 0.4329510, 0.983729, 0.0)),
     "reinhard": (0.0, LARGEST, (0.0, 1.0, None, 0.0), (1.0, 1.0, 0.0, 0.0)),
 }  # fmt: skip
 _PLAIN = (0.0, LARGEST, (0.0, 1.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
