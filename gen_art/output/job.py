@@ -74,16 +74,16 @@ def _step(run: Run, k: int) -> int:
     return clock.preroll_steps + k * clock.steps_per_frame
 
 
-def _write_picture(submit, run: Run, film: np.ndarray, k: int, target: Target, path: Path, recipe: dict) -> None:
+def _write_picture(submit, run: Run, film: np.ndarray, exposure: float, k: int, target: Target, path: Path, recipe: dict) -> None:
     """Write the film's light at frame k through `submit`: developed, or as EXR as it is."""
     spec = run.preset.develop
     if target.ending == ".exr":
         from gen_art.output.exr import write_exr
 
-        layers = {name: np.array(values) for name, values in run.layers().items()} if hasattr(run, "layers") else {}
-        submit(write_exr, path, np.array(film), layers, target.bits, recipe, spec.exposure)
+        layers = {name: np.array(values) for name, values in run.layers().items()}
+        submit(write_exr, path, np.array(film), layers, target.bits, recipe, spec.exposure + exposure)
     else:
-        picture = develop(film, spec, frame=k, transparent=recipe["transparent"], bits=target.bits)
+        picture = develop(film, spec, frame=k, transparent=recipe["transparent"], bits=target.bits, exposure=exposure)
         submit(write_still, path, picture, recipe)
 
 
@@ -160,8 +160,9 @@ def render(
     paths = [target.frame(k) if target.pattern else target.path for k in frames]
     recipes = [make_recipe(preset, plugins=plugins, kind="still", time=k / preset.clock.fps, **job) for k in frames]
     with behind() as submit:
-        for k, path, recipe in zip(frames, paths, recipes):
-            _write_picture(submit, run, run.film(_step(run, k)), k, target, path, recipe)
+        films = run.films([_step(run, k) for k in frames])
+        for k, path, recipe, (light, exposure) in zip(frames, paths, recipes, films):
+            _write_picture(submit, run, light, exposure, k, target, path, recipe)
             report(k, run.particles)
     return paths
 
@@ -174,9 +175,11 @@ def _render_film(target: Target, size, preset, recipe: dict, precision: str, thr
     writer = film_writer(target.path, size, preset.clock.fps, recipe, film, recipe["max_rate"])
     try:
         run = Run(preset, size, precision, threads)
-        for k in frames:
-            light = run.film(_step(run, k))
-            writer.add(develop(light, preset.develop, frame=k, transparent=film.transparent, bits=film.depth))
+        for k, (light, exposure) in zip(frames, run.films([_step(run, k) for k in frames])):
+            picture = develop(
+                light, preset.develop, frame=k, transparent=film.transparent, bits=film.depth, exposure=exposure
+            )
+            writer.add(picture)
             report(k, run.particles)
         writer.close()
     except BaseException as error:
@@ -205,13 +208,13 @@ def still(
         bits=bits,
     )  # fmt: skip
     run = Run(preset, size, precision, threads)
-    film = run.film(run.step_of(float(time)))
+    film, exposure = next(run.films([run.step_of(float(time))]))
     frame = round(float(time) * preset.clock.fps)
     recipe = make_recipe(
         preset, plugins=plugins, kind="still", time=float(time), bits=target.bits, size=list(size), fps=preset.clock.fps,
         quality=quality, precision=precision, transparent=transparent,
     )  # fmt: skip
-    _write_picture(_at_once, run, film, frame, target, target.path, recipe)
+    _write_picture(_at_once, run, film, exposure, frame, target, target.path, recipe)
     Report(progress, 1)(0, run.particles)
     return [target.path]
 

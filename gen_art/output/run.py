@@ -5,7 +5,7 @@ are laid down by the preset alone, so a frame is the same whichever was asked fo
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from gen_art.errors import UsageError
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.frame import Painter
 from gen_art.renderer.layers import draw_layers
+from gen_art.renderer.metering import ages, meter, smooth
 
 __all__ = ["Run"]
 
@@ -81,6 +82,32 @@ class Run:
 
     def film(self, step: int) -> np.ndarray:
         """The linear picture after `step` steps from the start (a view, good until the next)."""
+        return next(self.films([step]))[0]
+
+    def films(self, steps: Sequence[int]) -> Iterator[tuple[np.ndarray, float]]:
+        """The linear pictures after so many steps from the start, in order, each a view that is good until the next; and the
+        stops each is to be developed with, beside the preset's own. Automatic exposure meters what lies before, on the way.
+        """
+        auto = self.preset.develop.auto_exposure
+        if auto is None:
+            yield from ((self._picture(step), 0.0) for step in steps)
+            return
+        wanted, levels = set(steps), {}
+        for step in sorted(wanted | {earlier for shown in steps for earlier, _ in self._metered_for(shown)}):
+            picture = self._picture(step)
+            levels[step] = meter(picture)
+            if step in wanted:
+                values, back = zip(*((levels[earlier], age) for earlier, age in self._metered_for(step)))
+                yield picture, smooth(values, back, auto)
+
+    def _metered_for(self, step: int) -> list[tuple[int, float]]:
+        """The pictures whose light a picture's exposure is made of: steps from the start, and seconds before it."""
+        clock = self.preset.clock
+        seconds = ages(self.preset.develop.auto_exposure, clock.fps)
+        found = [(step - round(age * clock.fps) * clock.steps_per_frame, age) for age in seconds]
+        return [(earlier, age) for earlier, age in found if earlier >= clock.preroll_steps or earlier == step]
+
+    def _picture(self, step: int) -> np.ndarray:
         pictures: list[np.ndarray] = []
         stops: dict[int, list[Callable]] = {}
 

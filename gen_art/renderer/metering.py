@@ -79,7 +79,7 @@ def ages(spec: AutoExposure, fps: float) -> list[float]:
         return [0.0]
     frames = LONGEST * spec.half_life * fps
     apart = max(1, round(frames / SAMPLES))
-    return [k * apart / fps for k in range(min(SAMPLES, math.ceil(frames / apart)) + 1)]
+    return [k * apart / fps for k in range(min(SAMPLES, math.ceil(frames / apart - 1e-9)) + 1)]
 
 
 def smooth(values: Sequence[float], ages: Sequence[float], spec: AutoExposure) -> float:

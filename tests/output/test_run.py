@@ -182,3 +182,45 @@ def test_colour_by_acceleration():
             row, column = int(180 - radius * np.sin(angle) * 90), int(320 + radius * np.cos(angle) * 90)
             around = slice(row - 8, row + 9), slice(column - 8, column + 9)
             assert bright[around].sum() / plain[around].sum() == pytest.approx((2 * np.pi) ** 2 * radius / 10, rel=0.02)
+
+
+def flash(dark: float, bright: float, **develop):
+    """A light that changes at film time 0.26 s."""
+    curve = {"by": "seconds", "range": "0..1", "curve": [[0, dark], [0.36, dark], [0.361, bright], [1, bright]]}
+    return orbits({"draw": "disc", "radius": 0.3, "emission": {"intensity": curve}}, develop=develop)
+
+
+def test_automatic_exposure_follows_the_light_and_is_the_same_whichever_frames_are_made():
+    """One half-life of 0.2 s is two frames; a frame is exposed by itself and the six before it."""
+    auto = {"key": 0.18, "half_life": 0.2, "range": "-12..12"}
+
+    def stops(preset, frames):
+        clock = preset.clock
+        steps = [clock.preroll_steps + k * clock.steps_per_frame for k in frames]
+        return [exposure for _, exposure in Run(preset, SIZE, "f32", None).films(steps)]
+
+    everyone = stops(flash(0.1, 8.0, auto_exposure=auto), range(10))
+    steady = stops(flash(0.1, 0.1, auto_exposure=auto), range(10))
+    change, weights = np.log2(80.0), 2.0 ** (-np.arange(7) / 2)
+    assert everyone[:3] == steady[:3]
+    assert everyone[9] == pytest.approx(steady[9] - change, abs=1e-3), "all the way within three half-lives"
+    assert everyone[4] == pytest.approx(steady[4] - change * weights[:2].sum() / weights[:5].sum(), abs=1e-3)
+    preset = flash(0.1, 8.0, auto_exposure=auto)
+    for some in ([9], [3, 7], [4, 5, 6], [0, 9]):
+        assert stops(preset, some) == [everyone[k] for k in some]
+
+
+def test_what_is_written_has_its_exposure(tmp_path):
+    from PIL import Image
+
+    from gen_art.output import job
+
+    def mean(**spec) -> float:
+        preset = flash(8.0, 8.0, tone="none", bloom=0, exposure=-2, **spec)
+        (path,) = job.still(preset, tmp_path / "a.png", 0.9, size=SIZE, overwrite=True)
+        (frame,) = job.render(preset, tmp_path / "b_#.png", frames=9, size=SIZE, overwrite=True)
+        assert np.array_equal(Image.open(path), Image.open(frame))
+        return float(np.asarray(Image.open(path)).mean())
+
+    dark, bright = (mean(auto_exposure={"key": key}) for key in (0.1, 0.4))
+    assert 0 < dark < 0.7 * bright and mean() not in (dark, bright)

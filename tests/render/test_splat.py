@@ -295,13 +295,21 @@ def test_a_lens_keeps_the_light_and_spreads_it_over_its_circle_of_confusion(look
     pixels = 600 / (2 * np.tan(np.radians(20)))
     for depth in (4.0, 8.0, 10.0, 16.0, 40.0):
         sharp, soft = (
-            paint(look, [(0.013, 0.021, 10.0 - depth)], [(0.3, 0.1, 0)], size=(800, 600), camera=Camera(position=(0, 0, 10), fov=40, lens=lens))
+            paint(
+                look,
+                [(0.013, 0.021, 10.0 - depth)],
+                [(0.3, 0.1, 0)],
+                size=(800, 600),
+                camera=Camera(position=(0, 0, 10), fov=40, lens=lens),
+            )
             for lens in (None, (0.3, 10.0))
         )
         assert light(soft) == pytest.approx(light(sharp), rel=1e-5)
         spread = _variance(soft) - _variance(sharp)
         circle = 0.3 * abs(1 / 10.0 - 1 / depth) * pixels
-        assert spread == pytest.approx(circle**2 / 2, rel=0.02, abs=0.4), f"an even disc of {circle:.1f} pixels, {depth} away"
+        assert spread == pytest.approx(circle**2 / 2, rel=0.02, abs=0.4), (
+            f"an even disc of {circle:.1f} pixels, {depth} away"
+        )
 
 
 def _variance(picture) -> float:
