@@ -6,7 +6,6 @@ python docs/make_reference.py --check   says whether they are up to date, and wr
 
 import inspect
 import math
-import re
 import sys
 import typing
 from fractions import Fraction
@@ -67,7 +66,7 @@ magnetic          Boris: half the kick, a rotation about B that keeps the speed 
 The Runge-Kutta schemes are written as the classical tables: nodes (fractions of dt) and weights; drag is inside their stages.
 """
 
-DOCUMENTED_BY_FIELD = {  # class: where it stands
+DOCUMENTED = {  # class: where it stands
     clock.Clock: "clock:",
     schema.Units: "units:",
     schema.System: "systems.NAME:",
@@ -93,10 +92,9 @@ DOCUMENTED_BY_FIELD = {  # class: where it stands
     camera.Shake: "shake: of the camera",
     camera.Lens: "lens: of the camera",
     camera.Fog: "fog: of the camera",
-}
-DOCUMENTED_AS_A_WHOLE = {
     develop.DevelopSpec: "develop:",
     develop.Bloom: "bloom: of develop",
+    develop.AutoExposure: "auto_exposure: of develop",
 }
 
 
@@ -226,36 +224,24 @@ def field_default(field) -> str:
     return cell(value) if not hasattr(type(value), "model_fields") else ""
 
 
-def told(cls) -> tuple[str, dict[str, str]]:
-    """A docstring as the prose before the first `key: ...`, and what it says of each key."""
-    paragraphs = inspect.cleandoc(cls.__doc__).split("\n\n")
-    text = " ".join(" ".join(paragraphs).split())
-    key = "(?:" + "|".join(cls.model_fields) + ")"
-    parts = re.split(rf"(?:(?<=\. )|^)({key}(?:, {key})*): ", text)
-    says = {name: words.strip() for names, words in zip(parts[1::2], parts[2::2]) for name in names.split(", ")}
-    return parts[0].strip(), says
-
-
-def model(cls, where: str, described: bool) -> str:
-    prose, says = (inspect.cleandoc(cls.__doc__), {}) if described else told(cls)
+def model(cls, where: str) -> str:
     rows = []
     own = [name for base in cls.__mro__[1:2] if base is emitter.Attributes for name in base.model_fields]
     for name, field in cls.model_fields.items():
         if field.exclude or name in own:
             continue
-        meaning = field.description or says.get(name, "")
+        meaning = field.description or ""
         allowed = choices(field.annotation)
         if all(word in meaning for word in allowed.split(", ")):
             allowed = ""
         words_of = ": ".join(text for text in (allowed, meaning) if text)
         rows.append((f"`{field.alias or name}`", field_default(field), words_of))
     entries = table(("key", "default", "meaning"), rows)
-    return f"### {where}\n\n{prose}\n\n{entries}\n"
+    return f"### {where}\n\n{inspect.cleandoc(cls.__doc__)}\n\n{entries}\n"
 
 
 def preset_tables() -> str:
-    by_field = [model(cls, where, True) for cls, where in DOCUMENTED_BY_FIELD.items()]
-    return "\n".join(by_field + [model(cls, where, False) for cls, where in DOCUMENTED_AS_A_WHOLE.items()])
+    return "\n".join(model(cls, where) for cls, where in DOCUMENTED.items())
 
 
 def pages() -> dict[Path, str]:

@@ -110,7 +110,7 @@ def test_links_lead_somewhere(page):
             assert (path.parent / link).exists(), f"{page} links to {link}"
 
 
-@pytest.mark.parametrize("page", ["quickstart.md", "presets.md"])
+@pytest.mark.parametrize("page", ["quickstart.md", "presets.md", "looks.md"])
 def test_presets_on_a_page_are_valid(page):
     from gen_art.preset.load import load_preset
     from gen_art.preset.reader import read_text

@@ -7,17 +7,17 @@ from pydantic import Field, model_validator
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import Gradient
 from gen_art.preset.fields import GradientValue, Number, RangeValue
-from gen_art.preset.types import Model
+from gen_art.preset.types import Model, about
 from gen_art.preset.values import Range
 
 __all__ = ["AutoExposure", "Bloom", "DevelopSpec"]
 
 
 class Bloom(Model):
-    """Light that strays in the lens: `strength` of it, spread over halos of all sizes; radius 0 narrow .. 1 wide."""
+    """Light that strays in the lens, spread over halos of all sizes, whose sum it keeps; a number is its `strength`."""
 
-    strength: Annotated[Number, Field(ge=0, le=1)] = 0.05
-    radius: Annotated[Number, Field(ge=0, le=1)] = 0.5
+    strength: Annotated[Number, Field(ge=0, le=1)] = about(0.05, "the part of the light that strays")
+    radius: Annotated[Number, Field(ge=0, le=1)] = about(0.5, "0 narrow .. 1 wide")
 
     short_form = {"type": ["number", "string"]}
 
@@ -27,15 +27,18 @@ class Bloom(Model):
 
 
 class AutoExposure(Model):
-    """The exposure follows the light: what shines is brought to `key` (linear; middle grey is 0.18), in stops within `range`.
+    """The exposure follows the light; a number is its `key`.
 
-    It takes `half_life` film seconds to go half the way to a new exposure (0: at once), and looks back three half-lives.
-    `exposure` is added to it.
+    It is a mean over the last three half-lives of film time, so that a frame has one exposure whichever frames are made.
     """
 
-    key: Annotated[Number, Field(gt=0, le=100)] = 0.18
-    half_life: Annotated[Number, Field(ge=0, le=60)] = 0.5
-    range: RangeValue = Range(-6.0, 6.0)
+    key: Annotated[Number, Field(gt=0, le=100)] = about(
+        0.18, "what shines is brought to this light (linear: middle grey is 0.18)"
+    )
+    half_life: Annotated[Number, Field(ge=0, le=60)] = about(
+        0.5, "film time in which it goes half the way to a new exposure; 0 is at once", unit="s"
+    )
+    range: RangeValue = about(Range(-6.0, 6.0), "the least and the most of it", unit="stops")
 
     short_form = {"type": ["number", "string"], "description": "the key"}
 
@@ -51,24 +54,24 @@ class AutoExposure(Model):
 
 
 class DevelopSpec(Model):
-    """From linear light to a picture: exposure in stops, bloom, vignette, background, tone map, grain, dither.
+    """From linear light to a picture: exposure, bloom, vignette, tone map, background, grain, dither, in this order."""
 
-    contrast: a power about middle grey, before the tone map; saturation about luminance, after it (1 leaves them).
-    white: what reinhard and log show as white; density, vibrancy: of log (how much of the colour goes with its light).
-    background: a colour, a gradient from top to bottom, or `night`. It is seen as written where nothing hides
-    it, whatever exposure and tone map are. grain: standard deviation at middle grey. vignette: stops lost in the corners.
-    """
-
-    exposure: Annotated[Number, Field(ge=-60, le=60)] = 0.0
-    auto_exposure: AutoExposure | None = None
-    bloom: Bloom = Bloom()
-    vignette: Annotated[Number, Field(ge=0, le=8)] = 0.0
-    tone: Literal["agx", "aces", "reinhard", "neutral", "log", "none"] = "agx"
-    white: Annotated[Number, Field(gt=0, le=1e6)] = 8.0
-    density: Annotated[Number, Field(gt=0, le=1e9)] = 100.0
-    vibrancy: Annotated[Number, Field(ge=0, le=1)] = 1.0
-    contrast: Annotated[Number, Field(gt=0, le=4)] = 1.0
-    saturation: Annotated[Number, Field(ge=0, le=4)] = 1.0
-    background: Literal["night"] | GradientValue = Gradient(((0.0, "black"),))
-    grain: Annotated[Number, Field(ge=0, le=0.5)] = 0.0
-    dither: bool = True
+    exposure: Annotated[Number, Field(ge=-60, le=60)] = about(0.0, "light is multiplied by 2 to this", unit="stops")
+    auto_exposure: AutoExposure | None = about(None, "follows the light; `exposure` is added to it")
+    bloom: Bloom = about(Bloom(), "light that strays in the lens")
+    vignette: Annotated[Number, Field(ge=0, le=8)] = about(0.0, "light lost in the corners", unit="stops")
+    tone: Literal["agx", "aces", "reinhard", "neutral", "log", "none"] = about("agx", "the tone map")
+    white: Annotated[Number, Field(gt=0, le=1e6)] = about(8.0, "what reinhard and log show as white")
+    density: Annotated[Number, Field(gt=0, le=1e9)] = about(100.0, "of log: how much it lifts the dark")
+    vibrancy: Annotated[Number, Field(ge=0, le=1)] = about(
+        1.0, "of log: how much of a colour goes with its light, 0 to 1"
+    )
+    contrast: Annotated[Number, Field(gt=0, le=4)] = about(1.0, "a power about middle grey, before the tone map")
+    saturation: Annotated[Number, Field(ge=0, le=4)] = about(1.0, "about luminance, after the tone map")
+    background: Literal["night"] | GradientValue = about(
+        Gradient(((0.0, "black"),)),
+        "a colour, a gradient from top to bottom, or `night`; seen as written where nothing hides it, whatever "
+        "exposure and tone map are",
+    )
+    grain: Annotated[Number, Field(ge=0, le=0.5)] = about(0.0, "its standard deviation at middle grey")
+    dither: bool = about(True, "hashed, in 8 bits: dark gradients show no bands")
