@@ -196,9 +196,10 @@ class Picture(Model):
 class Look(Model):
     """How a system's particles are drawn. The `size` of all kinds scales with the picture's height."""
 
-    draw: Literal["point", "disc", "streak", "sphere", "picture"] = about(
+    draw: Literal["point", "pixel", "disc", "streak", "sphere", "picture"] = about(
         "point",
-        "`point` is a bilinear dot, `disc` a soft Gaussian sprite whose radius is 2.2 standard deviations, "
+        "`point` is a dot placed between pixels, `pixel` light in the one pixel it falls in, `disc` a soft "
+        "Gaussian sprite whose radius is 2.2 standard deviations, "
         "`streak` the way of the last `length` seconds, `sphere` an even disc with a sharp rim, `picture` "
         "an image",
     )
@@ -248,6 +249,8 @@ class Look(Model):
     def _consistent(self):
         if sum(v is not None for v in (self.radius, self.width, self.pixels)) > 1:
             raise UsageError("give one of radius, width and pixels")
+        if self.draw == "pixel" and self.pixels is not None:
+            raise UsageError("draw: pixel has no size: leave out `pixels`, or give draw: disc")
         if (self.draw == "picture") != (self.picture is not None):
             raise UsageError("draw: picture and a picture go together: `draw: picture` and `picture: spark.png`")
         if self.blend == "alpha" and self.draw not in ("disc", "sphere", "picture"):

@@ -91,9 +91,7 @@ class Film:
         self.width, self.height = size
         self.across, self.down = -(-self.width // BIN), -(-self.height // BIN)
         self.stride = 4 * BIN * self.across
-        size = (self.down * BIN + 1) * self.stride  # a spare row: a dot on the last one reaches below it
-        self.both = np.zeros(2 * size, np.float32)  # and a second film for `scatter`: no memory before it is used
-        self.buffer = self.both[:size]
+        self.buffer = np.zeros(self.down * BIN * self.stride, np.float32)
         self._listed, self._touched = np.zeros(0, np.int32), np.zeros(0, np.int32)
         self._half: Film | None = None
 

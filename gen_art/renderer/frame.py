@@ -9,16 +9,15 @@ from gen_art.renderer.film import Film, Sprites, splat
 from gen_art.renderer.light import add_light
 from gen_art.renderer.reduce import reduced
 from gen_art.renderer.ribbon import History
-from gen_art.renderer.scatter import FEW, scatter
+from gen_art.renderer.scatter import FEW, discs, pixels, points, scatter
 from gen_art.renderer.scatter import LARGEST as SCATTERED
 from gen_art.renderer.shade import Columns, shade
-from gen_art.renderer.sprite import DISC, HIDDEN, POINT, REACH, STREAK
+from gen_art.renderer.sprite import DISC, HIDDEN, KINDS, POINT, REACH, STREAK
 from gen_art.renderer.tables import Shading, numbers
 
 __all__ = ["LARGEST", "Painter", "check_size", "living", "render_frame"]
 
 LARGEST = 16384
-KINDS = ("point", "disc", "streak", "sphere", "picture")
 
 
 def check_size(size, supersample: int = 1) -> tuple[int, int]:
@@ -183,14 +182,15 @@ class Painter:
 
     def _add(self, look: Look, columns: Columns, film: Film) -> None:
         """Draw a system's small sprites, where they only add light; list the others."""
-        sprites, kind, least = self._sprites, KINDS.index(look.draw), HIDDEN
+        sprites, kind, least = self._sprites, KINDS[look.draw], HIDDEN
         if look.picture is not None:
             sprites.add_pictures(columns, look.picture, film)
             return
         if not sprites.layered and kind in (POINT, DISC) and columns.count > FEW:
             largest = float(columns.used[REACH].max())
             least = SCATTERED if largest > 0.0 else 0.0
-            scatter(columns.rows, columns.count, DISC if largest > 0.0 else POINT, film)
+            dots = pixels if look.draw == "pixel" else points
+            scatter(columns.rows, columns.count, film, discs if largest > 0.0 else dots)
             if largest <= least:
                 return
         sprites.add(columns, kind, film, look.tail, look.taper, least)

@@ -68,6 +68,7 @@ from gen_art.renderer.tables import (
     SIZE,
     SIZE_MODE,
     SIZE_VALUE,
+    SNAP,
     SOFT,
     STROBE_HI,
     STROBE_LO,
@@ -326,7 +327,9 @@ def _shade(
                 shown[j] = ti.select(seen & gives, shown[j], HIDDEN)
             for j in range(ti.min(LANES, n - i0)):
                 i = i0 + j
-                C[X, i], C[Y, i], C[DX, i], C[DY, i] = px[j], py[j], dx[j], dy[j]
+                C[X, i] = ti.select(Q[SNAP] > 0.5, ti.floor(px[j]) + 0.5, px[j])
+                C[Y, i] = ti.select(Q[SNAP] > 0.5, ti.floor(py[j]) + 0.5, py[j])
+                C[DX, i], C[DY, i] = dx[j], dy[j]
                 C[REACH, i], C[EDGE, i], C[DEPTH, i] = shown[j], edge[j], ahead[j]
                 C[RED, i], C[GREEN, i], C[BLUE, i], C[ALPHA, i] = red[j], green[j], blue[j], cover[j]
             if Q[LIT] > 0.5:

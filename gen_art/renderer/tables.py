@@ -15,7 +15,7 @@ from gen_art.registry import suggest
 from gen_art.renderer.camera import View
 from gen_art.renderer.colour import TABLE, blackbody, gradient_table, planck_luminance
 from gen_art.renderer.picture import texels
-from gen_art.renderer.sprite import AREA
+from gen_art.renderer.sprite import AREA, KINDS
 
 __all__ = ["QUANTITIES", "RAMPS", "SOFT", "Shading", "numbers"]
 
@@ -31,8 +31,8 @@ SCALE, ORTHOGRAPHIC, NEAR, FAR, WIDTH, ROWS, TIME, SHUTTER = range(12, 20)
 FOG_START, FOG_RATE, FOG_RED, FOG_GREEN, FOG_BLUE = range(20, 25)
 KIND, SIZE_MODE, SIZE_VALUE, BLEND, CONSERVE, FALLOFF = range(25, 31)
 STROBE_LO, STROBE_HI, DUTY, FILM_TIME, RAW, LIT, WEIGHT, EMITS = range(31, 39)
-LENS, FOCUS, AREA_OF, RIBBON = range(39, 43)
-NUMBERS = 43
+LENS, FOCUS, AREA_OF, RIBBON, SNAP = range(39, 44)
+NUMBERS = 44
 SOFT = 1.5  # a disc's reach over its radius
 
 
@@ -129,7 +129,7 @@ def numbers(
     if view.fog:
         q[FOG_START], q[FOG_RATE] = view.fog[0], 1.0 / view.fog[1]
         q[FOG_RED : FOG_RED + 3] = view.fog[2]
-    q[KIND] = ("point", "disc", "streak", "sphere", "picture").index(look.draw)
+    q[KIND] = KINDS[look.draw]
     q[AREA_OF] = {"sphere": math.pi, "picture": 4.0 * texels(look.picture.image.place)[1] if look.picture else 0.0}.get(
         look.draw, AREA * SOFT * SOFT
     )
@@ -151,4 +151,5 @@ def numbers(
     lens = getattr(view, "lens", None)
     if lens is not None:
         q[LENS], q[FOCUS] = lens
+    q[SNAP] = look.draw == "pixel" and lens is None
     return q

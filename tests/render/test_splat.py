@@ -71,6 +71,16 @@ def test_the_frame_s_border_cuts_and_nothing_else(look):
     assert light(paint(look, [[-900, 0, 0]], [[4, 0, 0]])) == pytest.approx([0, 0, 0])
 
 
+def test_a_pixel_takes_the_whole_light_of_what_lies_in_it():
+    places = np.random.default_rng(5).uniform(-30, 30, (500, 3)) * (1, 1, 0)
+    got = paint({"draw": "pixel"}, places)
+    column, row = np.floor(places[:, 0]).astype(int) + SIZE[0] // 2, np.floor(-places[:, 1]).astype(int) + SIZE[1] // 2
+    counts = np.zeros(SIZE[::-1])
+    np.add.at(counts, (row, column), 1.0)
+    assert np.allclose(got[..., 0], counts * got[..., 0].sum(dtype=np.float64) / len(places), rtol=1e-6)
+    assert light(got) == pytest.approx(light(paint({"draw": "point"}, places)), rel=1e-5)
+
+
 def test_a_streak_of_no_length_is_a_disc():
     place = [[3.3, -7.7, 0], [20.5, 9.1, 0]]
     disc = paint({"draw": "disc", "radius": 2.5}, place)
@@ -211,7 +221,7 @@ from gen_art.renderer.develop import develop
 rng = np.random.default_rng(0)
 x, v = rng.normal(0, 1, (40000, 3)), rng.normal(0, 2, (40000, 3))
 light = dict(
-    points=Look(draw="point"), soft=Look(draw="disc", pixels=6), streaks=Look(draw="streak", width=0.02, emission=dict(blackbody=1800)),
+    points=Look(draw="point"), dots=Look(draw="pixel"), soft=Look(draw="disc", pixels=6), streaks=Look(draw="streak", width=0.02, emission=dict(blackbody=1800)),
 )
 dense = dict(
     smoke=Look(draw="disc", blend="alpha", radius=0.04, size=dict(by="random", curve=[[0, 1], [1, 8]]), opacity=0.2, light={{}}),
@@ -242,7 +252,7 @@ def test_a_picture_repeats(places):
     assert len(digests) == 1
 
 
-@pytest.mark.parametrize("look", [{"draw": "point"}, {"draw": "disc", "radius": 1.0}, {"draw": "disc", "radius": 2.6}])
+@pytest.mark.parametrize("look", [{"draw": "point"}, {"draw": "pixel"}, {"draw": "disc", "radius": 1.0}, {"draw": "disc", "radius": 2.6}])
 def test_many_small_sprites_take_another_way_to_the_same_picture(look, monkeypatch):
     """Straight into the film, or listed tile by tile; sprites over the border, out of sight and of several sizes among them."""
     rng = np.random.default_rng(11)
