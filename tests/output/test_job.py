@@ -266,7 +266,7 @@ sys.path.insert(0, {root!r})
 from gen_art.output import job
 from tests.output.piece import piece
 for name, more in (("a.mp4", {{}}), ("b.mov", {{}}), ("c.webm", {{"codec": "av1"}}), ("d.mp4", {{"codec": "h265"}}), ("e.gif", {{}})):
-    job.render(piece(clock__duration=3, camera__size=[48, 28]), sys.argv[2] + name, threads=int(sys.argv[1]), **more)
+    job.render(piece(clock__duration=3, camera__size=[48, 32]), sys.argv[2] + name, threads=int(sys.argv[1]), **more)
 """
 
 
