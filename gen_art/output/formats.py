@@ -3,7 +3,7 @@
 Nothing here needs the encoders: a wrong word is refused before they are imported.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePath
 
@@ -16,7 +16,28 @@ PROFILES = ("preview", "web", "master")
 _DEFAULTS = {".mp4": "h264", ".mov": "prores", ".webm": "vp9", ".mkv": "ffv1", ".gif": "gif", ".webp": "webp"}
 ENDINGS = tuple(_DEFAULTS)
 MUXERS = {".mp4": "mp4", ".mov": "mov", ".webm": "webm", ".mkv": "matroska"}
-_EVEN_WIDTH = 128  # eight macroblocks
+_FRAME = 2**28  # (width + 128) (height + 128) of a picture, which FFmpeg does not reach
+_HEVC_MOST = 142_606_336  # pixels, of its highest level
+
+
+def _x264(width: int, height: int) -> dict[str, str]:
+    """Its macroblock tree (in AVX-512 code) reads past the end of rows that are no multiple of eight macroblocks, and its
+    bytes differ from run to run.
+    """
+    return {} if width % 128 == 0 else {"mbtree": "0"}
+
+
+def _x265(width: int, height: int) -> dict[str, str]:
+    """Its tree of coding units writes past the end of rows of less than four blocks of 16 pixels. What it finds for
+    weighted prediction depends on what lay in memory, so there is none.
+    """
+    tree = "" if width > 48 else ":cutree=0"
+    return {"x265-params": "log-level=none:open-gop=0:pools=4:frame-threads=2:info=0:weightp=0" + tree}
+
+
+def _ffv1(width: int, height: int) -> dict[str, str]:
+    """A slice has at most 2^22 pixels."""
+    return {"slices": str(next(n for n in (4, 16, 64, 256) if width * height <= 0.9 * n * 2**22))}
 
 
 @dataclass(frozen=True)
@@ -27,9 +48,9 @@ class Codec:
     pixels : bits a channel -> pixel format, the default first      alpha : the same for transparent films
     options : what every profile sets      profiles : profile -> what it adds
     threads : of one encoder, fixed apart from --threads: its bytes may depend on them
-    uneven : what widths that are no multiple of 128 set: x264's macroblock tree (its AVX-512 code) reads past the end of
-        such rows, and its bytes differ from run to run
-    seconds : of film in one segment      largest : the largest width and height
+    sized : (width, height) -> what a size adds
+    seconds : of film in one segment
+    least : the least width and height (SVT-AV1 hangs below 28)      widest, highest : the largest      most : the most pixels
     """
 
     name: str
@@ -40,15 +61,17 @@ class Codec:
     profiles: Mapping[str, Mapping[str, str]]
     alpha: Mapping[int, str] = field(default_factory=dict)
     options: Mapping[str, str] = field(default_factory=dict)
-    uneven: Mapping[str, str] = field(default_factory=dict)
+    sized: Callable[[int, int], Mapping[str, str]] = lambda width, height: {}
     tag: str = ""
     threads: int = 4
     seconds: float = 2.0
-    largest: int = 16384
+    least: int = 1
+    widest: int = 16384
+    highest: int = 16384
+    most: int = _FRAME
 
 
-_X265 = "log-level=none:open-gop=0:pools=4:frame-threads=2:info=0"
-_LOSSLESS = {"level": "3", "g": "1", "slices": "4", "slicecrc": "1", "context": "0"}
+_LOSSLESS = {"level": "3", "g": "1", "slicecrc": "1", "context": "0"}
 _SAME: Mapping[str, Mapping[str, str]] = {profile: {} for profile in PROFILES}
 
 CODECS: dict[str, Codec] = {
@@ -57,12 +80,13 @@ CODECS: dict[str, Codec] = {
         Codec(
             "h264", "H.264", "libx264", (".mp4", ".mov"), {8: "yuv420p", 10: "yuv420p10le"},
             {"preview": {"preset": "veryfast", "crf": "23"}, "web": {"preset": "medium", "crf": "17"},
-             "master": {"preset": "slow", "crf": "10"}}, options={"tune": "film"}, uneven={"mbtree": "0"},
+             "master": {"preset": "slow", "crf": "10"}}, options={"tune": "film"}, sized=_x264, least=2,
         ),
         Codec(
             "h265", "H.265", "libx265", (".mp4", ".mov"), {8: "yuv420p", 10: "yuv420p10le"},
             {"preview": {"preset": "ultrafast", "crf": "25"}, "web": {"preset": "fast", "crf": "19"},
-             "master": {"preset": "slow", "crf": "12"}}, options={"x265-params": _X265}, tag="hvc1",
+             "master": {"preset": "slow", "crf": "12"}}, sized=_x265, tag="hvc1", least=16,
+            most=_HEVC_MOST,
         ),
         Codec(
             "prores", "ProRes 4444", "prores_ks", (".mov",), {10: "yuv444p10le"},
@@ -73,7 +97,7 @@ CODECS: dict[str, Codec] = {
         Codec(
             "ffv1", "FFV1", "ffv1", (".mkv",), {8: "bgr0", 16: "gbrp16le"},
             {"preview": {"coder": "rice"}, "web": {"coder": "range_def"}, "master": {"coder": "range_def"}},
-            alpha={8: "bgra", 16: "gbrap16le"}, options=_LOSSLESS, seconds=0.5,
+            alpha={8: "bgra", 16: "gbrap16le"}, options=_LOSSLESS, sized=_ffv1, seconds=0.5, least=2,
         ),
         Codec(
             "vp9", "VP9", "libvpx-vp9", (".webm", ".mkv"), {8: "yuv420p"},
@@ -81,16 +105,21 @@ CODECS: dict[str, Codec] = {
              "web": {"crf": "22", "deadline": "good", "cpu-used": "4"},
              "master": {"crf": "10", "deadline": "good", "cpu-used": "2"}},
             alpha={8: "yuva420p"}, options={"b": "0", "row-mt": "1", "tile-columns": "1", "auto-alt-ref": "0"},
+            least=2,
         ),
         Codec(
             "av1", "AV1", "libsvtav1", (".mp4", ".webm", ".mkv"), {8: "yuv420p", 10: "yuv420p10le"},
             {"preview": {"preset": "11", "crf": "36"}, "web": {"preset": "8", "crf": "25"},
-             "master": {"preset": "5", "crf": "14"}}, options={"svtav1-params": "lp=2"},
+             "master": {"preset": "5", "crf": "14"}}, options={"svtav1-params": "lp=2"}, least=32,
+            highest=8704,
         ),
-        Codec("gif", "GIF", "ffv1", (".gif",), {8: "bgr0"}, _SAME, options={**_LOSSLESS, "coder": "rice"}, seconds=0.5),
+        Codec(
+            "gif", "GIF", "ffv1", (".gif",), {8: "bgr0"}, _SAME, options={**_LOSSLESS, "coder": "rice"}, sized=_ffv1,
+            seconds=0.5, least=2,
+        ),
         Codec(
             "webp", "WebP", "ffv1", (".webp",), {8: "bgr0"}, _SAME, alpha={8: "bgra"},
-            options={**_LOSSLESS, "coder": "rice"}, seconds=0.5, largest=16383,
+            options={**_LOSSLESS, "coder": "rice"}, sized=_ffv1, seconds=0.5, least=2, widest=16383, highest=16383,
         ),
     )
 }  # fmt: skip
@@ -123,8 +152,7 @@ class Format:
 
     def options(self, size) -> dict[str, str]:
         """The encoder's options for films of `size` (width, height)."""
-        uneven = self.codec.uneven if size[0] % _EVEN_WIDTH else {}
-        return {**self.codec.options, **self.codec.profiles[self.profile], **uneven}
+        return {**self.codec.options, **self.codec.profiles[self.profile], **self.codec.sized(*size)}
 
     @property
     def depth(self) -> int:
@@ -175,13 +203,19 @@ def _list(words) -> str:
 def check_film_size(found: Format, size) -> None:
     """UsageError for a size the format cannot have; where colour is halved, with the nearest even sizes."""
     width, height = size
-    title, largest = found.codec.title, found.codec.largest
-    if max(size) > largest:
-        raise UsageError(f"{title} is at most {largest} pixels wide and high, not {width}x{height}")
+    codec, asked = found.codec, f"not {width}x{height}"
+    if min(size) < codec.least:
+        raise UsageError(f"{codec.title} is at least {codec.least}x{codec.least} pixels, {asked}")
+    if width > codec.widest or height > codec.highest:
+        raise UsageError(f"{codec.title} is at most {codec.widest}x{codec.highest} pixels, {asked}")
+    if width * height > codec.most:
+        raise UsageError(f"{codec.title} has at most {codec.most} pixels, {asked} (which has {width * height})")
+    if (width + 128) * (height + 128) >= _FRAME:
+        most = (_FRAME - 1) // (width + 128) - 128
+        raise UsageError(f"a film that is {width} pixels wide is at most {most - most % 2} high, {asked}")
     if found.halved and (width % 2 or height % 2):
-        low = max(2, width - width % 2), max(2, height - height % 2)
-        high = width + width % 2, height + height % 2
+        low, high = (width - width % 2, height - height % 2), (width + width % 2, height + height % 2)
         near = " and ".join(dict.fromkeys(f"{w}x{h}" for w, h in (low, high)))
         raise UsageError(
-            f"{title} in {found.pixels} needs an even width and height, not {width}x{height}; the nearest are {near}"
+            f"{codec.title} in {found.pixels} needs an even width and height, {asked}; the nearest are {near}"
         )

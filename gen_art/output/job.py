@@ -13,6 +13,8 @@ from gen_art.output.report import Report
 from gen_art.output.run import Run
 from gen_art.output.stills import write_still
 from gen_art.output.target import Target, check_size_of, check_writable, find_target
+from gen_art.preset.files import FOLDER
+from gen_art.preset.shipped import presets_folder
 from gen_art.renderer.develop import develop
 from gen_art.renderer.frame import check_size
 
@@ -74,7 +76,9 @@ def _step(run: Run, k: int) -> int:
     return clock.preroll_steps + k * clock.steps_per_frame
 
 
-def _write_picture(submit, run: Run, film: np.ndarray, exposure: float, k: int, target: Target, path: Path, recipe: dict) -> None:
+def _write_picture(
+    submit, run: Run, film: np.ndarray, exposure: float, k: int, target: Target, path: Path, recipe: dict
+) -> None:
     """Write the film's light at frame k through `submit`: developed, or as EXR as it is."""
     spec = run.preset.develop
     if target.ending == ".exr":
@@ -223,16 +227,21 @@ def _at_once(function, *args) -> None:
     function(*args)
 
 
-def rerun(picture, out, *, threads=None, overwrite=False, progress=None, plugins=()) -> list[Path]:
+def rerun(picture, out, *, threads=None, overwrite=False, progress=None, plugins=(), folder=None) -> list[Path]:
     """Make a picture or film again from the recipe inside it: the same bytes, when `out` has the same ending.
 
+    folder : where the files lie that its preset names; the current folder, the picture's and the shipped presets' when None
     Raises UsageError when there is no recipe, or when version, plugins or files are not those it was made with.
     Plugins are run only if they are given: a picture names none of its own accord.
     """
     recipe = read_recipe(picture)
     plugins = _loaded(plugins)
-    verify(recipe, plugins)
-    preset = _preset({**recipe["preset"], "name": recipe["name"]})
+    folders = (Path(), Path(picture).parent, presets_folder()) if folder is None else (Path(folder),)
+    token = FOLDER.set(verify(recipe, plugins, folders))
+    try:
+        preset = _preset({**recipe["preset"], "name": recipe["name"]})
+    finally:
+        FOLDER.reset(token)
     common = {
         "size": tuple(recipe["size"]), "precision": recipe["precision"], "transparent": recipe["transparent"],
         "threads": threads, "overwrite": overwrite, "progress": progress, "plugins": plugins,
@@ -252,7 +261,7 @@ def rerun(picture, out, *, threads=None, overwrite=False, progress=None, plugins
 
 def _again(job, recipe: dict, preset, out, *args, **common) -> list[Path]:
     """Run a job whose size is already scaled, with the quality's other effects."""
-    scale = 1.0 / QUALITIES[recipe["quality"]]
+    scale = 1.0 / QUALITIES.get(recipe["quality"], 1.0)
     return job(preset, out, *args, quality=recipe["quality"], scale=scale, **common)
 
 

@@ -48,7 +48,7 @@ def load_preset(
     """
     from gen_art.preset.schema import Preset
 
-    folder = Path()
+    folder = FOLDER.get()
     if isinstance(preset, Preset):
         source, name, data, folder = _nowhere("preset"), preset.name, preset.resolved(), preset.folder
     elif isinstance(preset, Mapping):

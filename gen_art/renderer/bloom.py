@@ -30,6 +30,7 @@ def _scales(height: int) -> tuple[list[int], list[float]]:
         scales.append(2)
 
 
+@lru_cache(8)
 def levels(height: int, radius: float) -> np.ndarray:
     """Weights of the picture itself and of the chain's pictures, sum 1, so that the halos mean the same at any size.
 

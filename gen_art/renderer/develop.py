@@ -21,9 +21,8 @@ from gen_art.runtime import kernel, ti
 __all__ = ["develop"]
 
 _NIGHT = Gradient(((0.0, (0.004, 0.006, 0.016)), (0.6, (0.012, 0.018, 0.042)), (1.0, (0.035, 0.042, 0.075))))
-WIDE = 32  # pixels of a tile, kept by their phase: first 0, 4, 8 ..., then 1, 5, 9 ...
-GROUPS = WIDE // 4
-NEAR = GROUPS + 4  # coarse pixels whose light reaches a tile
+WIDE = 32  # pixels of a tile
+NEAR = WIDE // 4 + 4  # coarse pixels whose light reaches a tile
 
 # run-time numbers
 EXPOSURE, OWN, STRAY, VIGNETTE, GRAIN, DITHER, WHOLE, TRANSPARENT, TOP, CONTRAST, DENSITY, VIBRANCY, WHITE = range(13)
@@ -31,8 +30,8 @@ LOW, HIGH, ABOVE, BELOW = 13, 14, 15, 19
 BEFORE, AFTER, BLEND = 23, 32, 41
 NUMBERS = 61
 
-# sRGB's power branch, 1.055 x^(1/2.4) - 0.055 for x from 0.0031308 to 1, as a polynomial in x^(1/4): within 6e-7
-_ENCODE = (-0.0584588696, 0.123848545, 1.45941324, -1.14786978, 1.19242368, -0.878906668, 0.382772692, -0.0732228323)
+# sRGB's power branch, 1.055 x^(1/2.4) - 0.055 for x from 0.0031308 to 1, as a polynomial in x^(1/4): within 2e-6
+_ENCODE = (-0.0594615168, 0.138698142, 1.36968298, -0.860760117, 0.665713904, -0.323057044, 0.069183654)
 
 F1, F2 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2)
 
@@ -49,16 +48,10 @@ def _encoded(x):
     """sRGB-encoded light, 0..1."""
     y = _within(x, 0.0, 1.0)
     s = ti.sqrt(ti.sqrt(y))
-    e = s * 0.0 + _ENCODE[7]
-    for k in ti.static(range(6, -1, -1)):
+    e = s * _ENCODE[6] + _ENCODE[5]
+    for k in ti.static(range(4, -1, -1)):
         e = e * s + _ENCODE[k]
     return ti.select(y > 0.0031308, e, y * 12.92)
-
-
-@ti.func
-def _place(k):
-    """Which of a tile's pixels lies at k."""
-    return ((k & (GROUPS - 1)) << 2) + (k >> 3)
 
 
 @ti.func
@@ -71,54 +64,53 @@ def _hash(a):
 @ti.kernel
 def _develop(
     film: F1, stride: ti.i32, width: ti.i32, height: ti.i32, seen: ti.i32, coarse: F1, across: ti.i32, key: ti.i32,
-    sky: F2, Q: F1, channels: ti.i32, out: ti.types.ndarray(ndim=1),
+    sky: F2, Q: F1, channels: ti.i32, out: ti.types.ndarray(ti.i32, 1),
 ):  # fmt: skip
-    """width : a multiple of 4, at least WIDE, of which `seen` pixels are the picture; stride and across in floats"""
+    """width : a multiple of 4, at least WIDE, of which `seen` pixels are the picture; stride and across in floats
+
+    out : the picture's bytes, four at a time
+    """
     ti.loop_config(block_dim=4)
     for i in range(height):
+        T = ti.Vector([0.0] * (5 * WIDE))  # how much a tile's pixels take of each coarse one
+        for k in range(5 * WIDE):
+            T[k] = Q[BLEND + 5 * (k & 3) + (k >> 5)]
         dy = (ti.cast(i, ti.f32) + 0.5) / ti.cast(height, ti.f32) * 2.0 - 1.0
         across_one = 2.0 / ti.cast(seen, ti.f32)
         for t in range((width + WIDE - 1) // WIDE):
             at = ti.min(t * WIDE, width - WIDE)
             R, G, B = ti.Vector([0.0] * WIDE), ti.Vector([0.0] * WIDE), ti.Vector([0.0] * WIDE)
             A, E = ti.Vector([0.0] * WIDE), ti.Vector([1.0] * WIDE)
+            # pixel by pixel, to a bound known at run time only: else LLVM makes gathers of it, half the kernel's time
+            for k in range(ti.min(WIDE, width)):
+                o = i * stride + (at + k) * 4
+                R[k], G[k], B[k], A[k] = film[o] * Q[OWN], film[o + 1] * Q[OWN], film[o + 2] * Q[OWN], film[o + 3]
+            for k in range(WIDE):
+                A[k] = _within(A[k], 0.0, 1.0)
             if Q[STRAY] > 0.0:
                 C = ti.Vector([0.0] * (4 * NEAR))  # the coarse rows around, blended
                 o = (i >> 2) * across + at
                 b = BLEND + 5 * (i & 3)
-                for k in range(4 * NEAR):
+                for k in range(ti.min(4 * NEAR, 4 * width)):
                     v = 0.0
                     for e in ti.static(range(5)):
                         v += coarse[o + e * across + k] * Q[b + e]
-                    C[k] = v
-                CR, CG, CB = ti.Vector([0.0] * NEAR), ti.Vector([0.0] * NEAR), ti.Vector([0.0] * NEAR)
-                for k in range(NEAR):
-                    CR[k], CG[k], CB[k] = C[4 * k], C[4 * k + 1], C[4 * k + 2]
-                for p in ti.static(range(4)):
-                    for q in range(GROUPS):
-                        r, g, l = 0.0, 0.0, 0.0
-                        for e in ti.static(range(p // 2, p // 2 + 4)):
-                            w = Q[BLEND + 5 * p + e] * Q[STRAY]
-                            r += CR[q + e] * w
-                            g += CG[q + e] * w
-                            l += CB[q + e] * w
-                        R[GROUPS * p + q], G[GROUPS * p + q], B[GROUPS * p + q] = r, g, l
+                    C[k] = v * Q[STRAY]
+                for c, V in ti.static(((0, R), (1, G), (2, B))):
+                    S = ti.Vector([0.0] * (4 * NEAR))  # each coarse pixel four times
+                    for k in range(NEAR):
+                        for p in ti.static(range(4)):
+                            S[4 * k + p] = C[4 * k + c]
+                    for k in range(WIDE):
+                        v = V[k]
+                        for e in ti.static(range(5)):
+                            v += S[k + 4 * e] * T[e * WIDE + k]
+                        V[k] = v
             if Q[VIGNETTE] > 0.0:
                 for k in range(WIDE):
-                    dx = (ti.cast(at + _place(k), ti.f32) + 0.5) * across_one - 1.0
+                    dx = (ti.cast(at + k, ti.f32) + 0.5) * across_one - 1.0
                     edge = 1.0 + Q[VIGNETTE] * 0.5 * (dx * dx + dy * dy)
                     E[k] = 1.0 / (edge * edge)
-            F = ti.Vector([0.0] * (4 * WIDE))
-            o = i * stride + at * 4
-            for k in range(4 * WIDE):
-                F[k] = film[o + k]
-            for p in ti.static(range(4)):
-                for q in range(GROUPS):
-                    k = GROUPS * p + q
-                    R[k] += F[16 * q + 4 * p] * Q[OWN]
-                    G[k] += F[16 * q + 4 * p + 1] * Q[OWN]
-                    B[k] += F[16 * q + 4 * p + 2] * Q[OWN]
-                    A[k] = _within(F[16 * q + 4 * p + 3], 0.0, 1.0)
             for k in range(WIDE):
                 shine = E[k] * Q[EXPOSURE]
                 r, g, l = R[k] * shine, G[k] * shine, B[k] * shine
@@ -179,30 +171,57 @@ def _develop(
                     R[j], G[j], B[j] = R[j] / A[j], G[j] / A[j], B[j] / A[j]
             N = ti.Vector([ti.u32(0)] * WIDE)
             for j in range(WIDE):
-                N[j] = _hash(ti.cast(i * 16384 + at + _place(j), ti.u32) ^ _hash(ti.cast(key, ti.u32)))
+                N[j] = _hash(ti.cast(i * 16384 + at + j, ti.u32) ^ _hash(ti.cast(key, ti.u32)))
+            for j in range(WIDE):
+                R[j], G[j], B[j] = _encoded(R[j]), _encoded(G[j]), _encoded(B[j])
             if Q[GRAIN] > 0.0:
                 for j in range(WIDE):  # four bytes' mean: nearly normal, standard deviation 1
                     h = _hash(N[j])
                     two = (h & ti.u32(0xFF00FF)) + ((h >> ti.u32(8)) & ti.u32(0xFF00FF))
                     four = (two & ti.u32(0xFFFF)) + (two >> ti.u32(16))
-                    E[j] = (ti.cast(ti.cast(four, ti.i32), ti.f32) - 510.0) * (Q[GRAIN] * 4.0 / 147.8)
+                    g = (ti.cast(ti.cast(four, ti.i32), ti.f32) - 510.0) * (Q[GRAIN] * 4.0 / 147.8)
+                    for V in ti.static((R, G, B)):
+                        V[j] = _within(V[j] + g * V[j] * (1.0 - V[j]), 0.0, 1.0)
+            low = 0.5 - 0.49951171875 * Q[DITHER]
+            noise = Q[DITHER] / 1024.0
             for j in range(WIDE):
                 for c, V in ti.static(((0, R), (1, G), (2, B))):
-                    e = _encoded(V[j])
-                    if Q[GRAIN] > 0.0:
-                        e = _within(e + E[j] * e * (1.0 - e), 0.0, 1.0)
-                    bits = ti.cast((N[j] >> ti.u32(10 * c)) & ti.u32(1023), ti.i32)
-                    noise = ti.cast(bits, ti.f32) * (1.0 / 1024.0) - 0.49951171875
-                    V[j] = e * Q[TOP] + (0.5 + noise * Q[DITHER])
-                A[j] = A[j] * Q[TOP] + 0.5
-            for j in range(ti.min(WIDE, seen - at)):
-                o = (i * seen + at + j) * channels
-                k = ((j & 3) << 3) + (j >> 2)
-                out[o] = ti.cast(R[k], ti.i32)
-                out[o + 1] = ti.cast(G[k], ti.i32)
-                out[o + 2] = ti.cast(B[k], ti.i32)
+                    n = ti.cast(ti.cast((N[j] >> ti.u32(10 * c)) & ti.u32(1023), ti.i32), ti.f32)
+                    V[j] = V[j] * Q[TOP] + (n * noise + low)
+            W = ti.Vector([0] * WIDE)
+            if Q[TOP] < 256.0:
+                for j in range(WIDE):
+                    rgb = ti.cast(R[j], ti.i32) | (ti.cast(G[j], ti.i32) << 8) | (ti.cast(B[j], ti.i32) << 16)
+                    W[j] = rgb | (ti.cast(A[j] * Q[TOP] + 0.5, ti.i32) << 24)
+                o = (i * width + at) >> 2
                 if channels == 4:
-                    out[o + 3] = ti.cast(A[k], ti.i32)
+                    for j in range(WIDE):
+                        out[4 * o + j] = W[j]
+                else:
+                    X = ti.Vector([0] * WIDE)
+                    for j in range(
+                        WIDE - 1
+                    ):  # a word of each pixel's end and the next one's start: three of four are used
+                        X[j] = ((W[j] & 0xFFFFFF) >> ((j & 3) << 3)) | (W[j + 1] << (24 - ((j & 3) << 3)))
+                    for j in range(ti.min(WIDE // 4, width)):
+                        for k in ti.static(range(3)):
+                            out[3 * (o + j) + k] = X[4 * j + k]
+            else:
+                U = ti.Vector([0] * WIDE)
+                for j in range(WIDE):
+                    W[j] = ti.cast(R[j], ti.i32) | (ti.cast(G[j], ti.i32) << 16)
+                    U[j] = ti.cast(B[j], ti.i32) | (ti.cast(A[j] * Q[TOP] + 0.5, ti.i32) << 16)
+                if channels == 4:
+                    for j in range(WIDE):
+                        o = 2 * (i * width + at + j)
+                        out[o], out[o + 1] = W[j], U[j]
+                else:
+                    for j in range(WIDE // 2):
+                        o = 3 * (((i * width + at) >> 1) + j)
+                        a, b = W[2 * j], W[2 * j + 1]
+                        u = U[2 * j] & 0xFFFF
+                        out[o], out[o + 1] = a, u | (b << 16)
+                        out[o + 2] = ((b >> 16) & 0xFFFF) | (U[2 * j + 1] << 16)
 
 
 develop_kernel = kernel(_develop)
@@ -257,9 +276,15 @@ def develop(
         q[OWN], q[STRAY], coarse, across = 1.0 + strength * (own - 1.0), strength, picture.floats, picture.stride
     channels = 4 if transparent else 3
     depth = np.uint8 if bits == 8 else np.uint16
-    if out is None:
-        out = np.empty((height, width, channels), depth)
     wide = max(film.shape[1], WIDE)
+    picture = out
+    if out is None or wide > width or not out.flags.c_contiguous:
+        picture = np.empty((height, wide, channels), depth)
+    words = picture.reshape(-1).view(np.int32)
     sky = _sky(spec.background, height)
-    develop_kernel(light, stride, wide, height, width, coarse, across, int(frame), sky, q, channels, out.reshape(-1))
+    develop_kernel(light, stride, wide, height, width, coarse, across, int(frame), sky, q, channels, words)
+    if out is None:
+        return np.ascontiguousarray(picture[:, :width])
+    if picture is not out:
+        out[:] = picture[:, :width]
     return out

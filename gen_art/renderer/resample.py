@@ -146,9 +146,11 @@ def _resample(
                         for g in ti.static(range(4)):
                             total += source[o[g] + k] * w[g]
                         v[k] = total
-                for k in range(ti.min(TILE, width * 4)):
-                    p = (at + k) >> 2
-                    work[base + ((p & ((1 << shift) - 1)) * room + (p >> shift) + left) * 4 + (k & 3)] = v[k]
+                for k in range(ti.min(TILE // 4, width)):
+                    p = at // 4 + k
+                    slot = base + ((p & ((1 << shift) - 1)) * room + (p >> shift) + left) * 4
+                    for c in ti.static(range(4)):
+                        work[slot + c] = v[4 * k + c]
             for p in range(passes):
                 count = (across - p + passes - 1) // passes * 4
                 for t in range((count + TILE - 1) // TILE):
@@ -162,13 +164,13 @@ def _resample(
                             for g in ti.static(range(4)):
                                 total += work[o[g] + k] * wx[p, 4 * a + g, t * TILE + k]
                             v[k] = total
-                    o = goal_start + r * goal_stride
-                    for k in range(ti.min(TILE, count - t * TILE)):
-                        e = o + (((t * TILE + k) >> 2) * passes + p) * 4 + (k & 3)
-                        if own == 0.0:
-                            goal[e] = v[k]
-                        else:
-                            goal[e] = goal[e] * own + v[k]
+                    for k in range(ti.min(TILE, count - t * TILE) // 4):
+                        e = goal_start + r * goal_stride + ((t * (TILE // 4) + k) * passes + p) * 4
+                        for c in ti.static(range(4)):
+                            if own == 0.0:
+                                goal[e + c] = v[4 * k + c]
+                            else:
+                                goal[e + c] = goal[e + c] * own + v[4 * k + c]
 
 
 resample = kernel(_resample)

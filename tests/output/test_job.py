@@ -260,13 +260,64 @@ def test_recipes_of_other_versions_or_without_their_plugins_are_refused(tmp_path
         job.rerun(tmp_path / "none.png", tmp_path / "out.png")
 
 
+@pytest.fixture
+def pictured(tmp_path):
+    """A preset in a folder of its own, with a sprite."""
+    (tmp_path / "own").mkdir()
+    sprite = np.zeros((8, 8, 4), np.uint8)
+    sprite[2:6, 1:7] = 255
+    Image.fromarray(sprite).save(tmp_path / "own" / "spark.png")
+    data = piece().resolved()
+    data["systems"]["sparks"]["look"] = {"draw": "picture", "picture": "spark.png", "radius": 0.2}
+    (tmp_path / "own" / "pictured.yaml").write_text(json.dumps(data))
+    return tmp_path / "own" / "pictured.yaml"
+
+
+def test_recipes_name_the_preset_s_files_and_rerun_finds_them(tmp_path, pictured, monkeypatch):
+    (path,) = job.still(pictured, tmp_path / "a.png", 0.3)
+    assert read_recipe(path)["files"] == [{"path": "spark.png", "sha256": digest(pictured.parent / "spark.png")}]
+    again = job.rerun(path, tmp_path / "b.png", folder=pictured.parent)[0]
+    assert digest(again) == digest(path)
+    monkeypatch.chdir(pictured.parent)
+    assert digest(job.rerun(path, tmp_path / "c.png")[0]) == digest(path)
+    (film,) = job.render("pictured.yaml", pictured.parent / "d.mkv", frames=range(2))
+    monkeypatch.chdir(tmp_path)
+    assert digest(job.rerun(film, tmp_path / "e.mkv")[0]) == digest(film), "beside the picture"
+
+
+def test_a_sprite_that_changed_or_is_gone_is_a_sentence(tmp_path, pictured):
+    (path,) = job.still(pictured, tmp_path / "a.png", 0.3)
+    with pytest.raises(UsageError, match=r"spark\.png, which is not in .* give --folder"):
+        job.rerun(path, tmp_path / "b.png")
+    Image.new("RGBA", (8, 8), "red").save(pictured.parent / "spark.png")
+    with pytest.raises(UsageError, match=r"spark\.png is not the file that the picture was made with \(sha256"):
+        job.rerun(path, tmp_path / "b.png", folder=pictured.parent)
+    assert not (tmp_path / "b.png").exists()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"size": 3}, {"time": "now"}, {"files": [1]}, {"plugins": [{"name": 3}]}, {"kind": "film"}, {"quality": "best"},
+     {"precision": "f16"}, {"size": ["a", 2]}, {"size": [1]}, {"files": [{}]}, {"preset": {"systems": 3}}, {"bits": "x"}],
+)  # fmt: skip
+def test_damaged_recipes_are_refused(tmp_path, sequence, change):
+    from gen_art.errors import GenArtError
+    from gen_art.output.stills import write_still
+
+    damaged = {**read_recipe(sequence[0]), **change}
+    path = write_still(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), damaged)
+    with pytest.raises(GenArtError):
+        job.rerun(path, tmp_path / "b.png")
+    assert not (tmp_path / "b.png").exists()
+
+
 _FILM = """
 import sys
 sys.path.insert(0, {root!r})
 from gen_art.output import job
 from tests.output.piece import piece
 for name, more in (("a.mp4", {{}}), ("b.mov", {{}}), ("c.webm", {{"codec": "av1"}}), ("d.mp4", {{"codec": "h265"}}), ("e.gif", {{}})):
-    job.render(piece(clock__duration=3, camera__size=[48, 28]), sys.argv[2] + name, threads=int(sys.argv[1]), **more)
+    job.render(piece(clock__duration=3, camera__size=[48, 32]), sys.argv[2] + name, threads=int(sys.argv[1]), **more)
 """
 
 

@@ -126,3 +126,11 @@ def test_nothing_is_written_beside_a_picture():
             assert (kept[:64] == 77).all() and (kept[-64:] == 77).all()
             assert np.ptp(out.astype(int), axis=(0, 1)).max() <= 1, "and nothing beside the film is seen"
             assert np.isnan(film).sum() == film.size - inner.size
+
+
+def test_bloom_leaves_alpha_as_it_is():
+    for height, width in ((60, 80), (30, 37), (820, 33)):
+        film = np.zeros((height, width, 4), np.float32)
+        film[..., 3] = np.random.default_rng(6).random((height, width))
+        clear = develop(film, DevelopSpec(bloom=0.5), transparent=True, bits=16)[..., 3] / 65535
+        assert np.abs(clear - film[..., 3]).max() < 2e-5

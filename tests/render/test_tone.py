@@ -111,12 +111,12 @@ def test_contrast_is_a_power_about_grey_before_the_tone_map():
 
 
 def test_the_srgb_transfer_is_right_to_a_code_of_sixteen_bits():
-    """Rounded to the nearest code: the exact value lies within half a code, but for 0.1 of the polynomial and of float32."""
+    """Rounded to the nearest code: the exact value lies within half a code, but for 0.15 of the polynomial and of float32."""
     x = np.concatenate([np.linspace(0, 1, 100_001), np.geomspace(1e-6, 0.02, 20_000)]).astype(np.float32)
     film = np.zeros((1, len(x), 4), np.float32)
     film[0, :, :3] = x[:, None]
     codes = develop(film, DevelopSpec(tone="none", bloom=0), bits=16)[0].astype(np.float64)
-    assert np.abs(codes - encode_srgb(x.astype(np.float64))[:, None] * 65535).max() < 0.6
+    assert np.abs(codes - encode_srgb(x.astype(np.float64))[:, None] * 65535).max() < 0.65
     eight = develop(film, DevelopSpec(tone="none", bloom=0, dither=False))[0].astype(np.float64)
     assert np.abs(eight - encode_srgb(x.astype(np.float64))[:, None] * 255).max() < 0.501
 

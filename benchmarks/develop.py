@@ -1,0 +1,67 @@
+"""What does developing cost? Bloom, tone map, dither and 8 bits at 1920 x 1080, beside reading film and writing picture once."""
+
+import numpy as np
+from _bench import Bench, alternate
+
+from gen_art import runtime
+from gen_art.preset.develop import DevelopSpec
+from gen_art.renderer.bloom import chain
+from gen_art.renderer.develop import develop
+from gen_art.renderer.metering import meter
+from gen_art.runtime import kernel, ti
+
+bench = Bench("develop", __doc__)
+runtime.init(threads=2)
+rounds, (width, height) = (1, (320, 180)) if bench.quick else (15, (1920, 1080))
+bench.settings = {"rounds": rounds, "size": [width, height], "threads": 2}
+
+LANES, CHUNKS = 32, 180
+
+
+@ti.kernel
+def _read(film: ti.types.ndarray(ti.f32, 1), sums: ti.types.ndarray(ti.f32, 1)):
+    ti.loop_config(block_dim=1)
+    tiles = film.shape[0] // CHUNKS // LANES
+    for b in range(CHUNKS):
+        s = ti.Vector([0.0] * LANES)
+        for t in range(tiles):
+            for j in range(LANES):
+                s[j] += film[(b * tiles + t) * LANES + j]
+        sums[b] = s.sum()
+
+
+@ti.kernel
+def _write(picture: ti.types.ndarray(ti.i32, 1), value: ti.i32):
+    ti.loop_config(block_dim=1)
+    words = picture.shape[0] // CHUNKS
+    for b in range(CHUNKS):
+        for t in range(words):
+            picture[b * words + t] = value
+
+
+read, write = kernel(_read), kernel(_write)
+film = np.random.default_rng(0).exponential(0.2, (height, width, 4)).astype(np.float32)
+sums, picture = np.zeros(CHUNKS, np.float32), np.empty((height, width, 3), np.uint8)
+words = picture.reshape(-1).view(np.int32)
+
+
+def once():
+    read(film.reshape(-1), sums)
+    write(words, 7)
+
+
+plain = DevelopSpec(bloom=0)
+halo = chain(width, height)
+things = {
+    "read the film, write the picture": once,
+    "develop": lambda: develop(film, out=picture),
+    "of this, without bloom": lambda: develop(film, plain, out=picture),
+    "of this, the halos": lambda: halo.spread(film.reshape(-1), 4 * width, 0.5),
+    "metering for automatic exposure": lambda: meter(film),
+}
+taken = alternate(rounds, **things)
+floor = taken["read the film, write the picture"]
+bench.table([("", "ms", "times the floor"), *((k, f"{1e3 * s:.2f}", f"{s / floor:.2f}") for k, s in taken.items())])
+bench.figures = {"seconds": taken, "bytes_a_second": (film.nbytes + picture.nbytes) / floor}
+bench.require("develop, times reading and writing once", taken["develop"] / floor, at_most=4.0)
+bench.finish()
