@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from gen_art.errors import MemoryRefused
+from gen_art.preset.camera import CameraSpec
+from gen_art.preset.look import Look
 from gen_art.preset.schema import Preset, System
 from gen_art.preset.values import Curve, Range
 
@@ -24,12 +26,14 @@ _FOREVER = 1e300
 
 
 # bytes at the peak of the process, measured with one preset of each kind at several sizes and rates
-PROCESS = 170e6  # with Taichi, a small picture and no particles
+PROCESS = 190e6  # with Taichi, a small picture and no particles
 GROWTH = 2.0  # capacity beyond the slots in use, and the old arrays beside the new ones
 BIRTH = 160  # a birth while it is being made
-DRAWN = {"disc": 250, "point": 75, "streak": 75}  # a particle while it is drawn
-LIT = 8 * 4  # a cell of the density grid that a light shines through
-PIXEL, FILM_PIXEL = 40, 340  # a picture; with the encoder's look-ahead
+SHADED, LIT, LISTED, SORTED = 50, 36, 85, 36  # a particle on the picture, of a lit system, as a sprite, sorted by depth
+REMEMBERED = 20  # a particle's place that a ribbon goes back to
+CELL = 8 * 4  # of the density grid that a light shines through
+FILM, PICTURE = 16, 6  # a pixel of light; of the developed picture and its file
+CODED = 340  # a pixel of a film in the encoder, which looks ahead
 BATCH_BIRTHS = 4096  # births, or an eighth of the living, that a launch of several steps may make
 BATCH = 64  # steps taken at once where no events and no interactions tie them
 
@@ -38,13 +42,15 @@ BATCH = 64  # steps taken at once where no events and no interactions tie them
 class Estimate:
     """Per system: births over the whole piece, the most alive at once, bytes of state then; and the process's peak.
 
-    `working` is the memory that goes with the particles, in bytes: state with room to grow, births, drawing.
+    `working` is the memory that goes with the particles, in bytes: state with room to grow, births, drawing; `pixel` that of
+    one pixel of the picture before it is written.
     """
 
     born: dict[str, float]
     peak: dict[str, float]
     bytes: dict[str, float]
     working: float
+    pixel: float
 
     @property
     def particles(self) -> float:
@@ -56,7 +62,7 @@ class Estimate:
 
     def process(self, size: tuple[int, int], film: bool) -> float:
         """Bytes at the peak of the process that makes a still, or a film, of this size."""
-        return PROCESS + self.working + (FILM_PIXEL if film else PIXEL) * size[0] * size[1]
+        return PROCESS + self.working + (self.pixel + (CODED if film else 0.0)) * size[0] * size[1]
 
     def __str__(self) -> str:
         return f"at most about {self.particles:,.0f} particles at once, {megabytes(self.memory)} of state"
@@ -72,7 +78,7 @@ def estimate(preset: Preset, precision: str = "f32", until: float | None = None)
     census = _Census(preset, preset.clock.simulated if until is None else until)
     with np.errstate(over="ignore", invalid="ignore"):
         census.run()
-    peak, size, working = {}, {}, 0.0
+    peak, size, state, births, drawing = {}, {}, 0.0, 0.0, 0.0
     for name, system in preset.systems.items():
         peak[name] = float(np.nan_to_num(census.peak[name], nan=np.inf))
         size[name] = peak[name] * bytes_per_particle(system, precision)
@@ -80,11 +86,30 @@ def estimate(preset: Preset, precision: str = "f32", until: float | None = None)
         # the births of a batch stand beside its dead; a launch takes fewer steps where they would be many
         steady = min(steady, max(BATCH_BIRTHS, peak[name] / 8, steady / BATCH))
         slots = peak[name] + steady
-        working += GROWTH * slots * bytes_per_particle(system, precision) + BIRTH * max(steady, sudden)
+        state += GROWTH * slots * bytes_per_particle(system, precision)
+        births = max(births, BIRTH * max(steady, sudden))
         if system.look is not None:
-            working += DRAWN[system.look.draw] * peak[name]
-            working += LIT * system.look.light.resolution**3 if system.look.light else 0.0
-    return Estimate({name: float(census.born[name]) for name in preset.systems}, peak, size, working)
+            drawing += _drawing(system.look) * peak[name]
+            drawing += CELL * system.look.light.resolution**3 if system.look.light else 0.0
+    born = {name: float(census.born[name]) for name in preset.systems}
+    return Estimate(born, peak, size, state + max(births, drawing), _pixel(preset))
+
+
+def _drawing(look: Look) -> float:
+    """Bytes of a particle while it is drawn."""
+    if look.ribbon is not None:
+        return SHADED + look.ribbon.points * (REMEMBERED + LISTED)
+    if look.blend == "add":
+        return SHADED + (0 if look.draw in ("point", "pixel") else LISTED)
+    return SHADED + LISTED + SORTED + (LIT if look.light else 0)
+
+
+def _pixel(preset: Preset) -> float:
+    """Bytes of a pixel of the picture while it is made."""
+    camera = preset.camera or CameraSpec()
+    trails = sum(s.look is not None and s.look.trail is not None for s in preset.systems.values())
+    averaged = (camera.supersample > 1) + (camera.subframes > 1)
+    return PICTURE + FILM * (camera.supersample**2 * (1 + trails) + averaged)
 
 
 class _Census:
