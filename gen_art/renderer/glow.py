@@ -6,7 +6,8 @@ its centre) scatters
 
     P / (r^2 + e^2 + softness^2) * sum over i of w_i  4 pi p(cos, g 2^-i)  exp(-t 2^-i)  / (4 pi)
 
-towards the camera, t being the optical depth between the two, in STEPS samples. Only light that the camera could see
+towards the camera, t being the optical depth between the two, in STEPS samples; a quarter of a grid cell squared is
+added to the squares, as a node stands for a cell of smoke. Only light that the camera could see
 counts: what is behind it is not drawn and shines on nothing.
 """
 

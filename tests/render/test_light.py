@@ -5,9 +5,9 @@ import pytest
 
 from gen_art.preset.look import KeyLight, Look
 from gen_art.renderer.camera import Camera
-from gen_art.renderer.density import DIRECTIONS, WEIGHTS, Smoke
+from gen_art.renderer.density import DIRECTIONS, STEP, WEIGHTS, Smoke
 from gen_art.renderer.frame import Painter
-from gen_art.renderer.glow import Glow, gathered
+from gen_art.renderer.glow import Glow, gathered, glow_on
 from gen_art.renderer.light import Lit, incoming_light, octaves, phase_function, shine
 from tests.render.particles import scene, state
 
@@ -77,6 +77,14 @@ def test_the_phase_function_is_what_a_camera_sees():
     )
 
 
+def test_light_that_was_scattered_before_has_forgotten_its_direction_by_halves():
+    lamp = KeyLight(direction=(0, 0, 1), phase=0.6, scatter=0.5, intensity=1.0, **DARK)
+    x, section = np.zeros((1, 3), np.float32), np.zeros(1, np.float32)
+    for eye, cosine in (((0, 0, 5), 1.0), ((0, 0, -5), -1.0)):
+        expected = sum(w * 4 * np.pi * phase_function(cosine, 0.6 / 2**i) for i, w in enumerate(octaves(0.5)))
+        assert incoming_light(lamp, x, section, eye)[0, 0] == pytest.approx(expected, rel=1e-5)
+
+
 def test_no_smoke_no_shadow():
     lamp = KeyLight(intensity=1.0, ambient_intensity=0.5, scatter=0.7)
     got = incoming_light(lamp, np.zeros((3, 3), np.float32), np.zeros(3, np.float32), (0, 0, 9))
@@ -102,6 +110,18 @@ def test_a_slab_gives_off_no_more_light_than_falls_on_it(scatter):
         assert scattered + np.exp(-depth) <= 1.0
         if scatter == 0.0:
             assert (section[middle] * light).sum() / 2.56 == pytest.approx(1.0 - np.exp(-depth), rel=0.1)
+
+
+@pytest.mark.parametrize(("depth", "least"), [(8.0, 0.95), (64.0, 0.65), (200.0, 0.19)])
+def test_the_skin_of_dense_smoke_takes_in_light(depth, least):
+    """All that falls on a thick slab should be scattered once. Cells of 1/4, 2 and 6 optical depths, blurred over their
+    neighbours, take in 98%, 68% and 22% of it; counting half of a node's own layer would leave 62% and 13%.
+    """
+    x, section = slab(60_000, depth)
+    lamp = KeyLight(direction=(0, 0, 1), scatter=0.0, intensity=1.0, resolution=32, **DARK)
+    middle = (np.abs(x[:, :2]) < 0.8).all(axis=1)
+    light = incoming_light(lamp, x, section, (0, 0, 9))[middle, 0]
+    assert least < (section[middle] * light).sum() / 2.56 <= 1.02
 
 
 def test_scattered_light_goes_deeper():
@@ -186,6 +206,18 @@ def test_light_does_not_crawl_with_the_grid():
     assert np.abs(finer - base).mean() < 0.03 * base.mean(), "a cloud that outgrows its cells does not flicker"
 
 
+def test_a_cloud_that_grows_or_drifts_keeps_its_nodes():
+    x, section = ball(2000)
+    none = np.zeros(len(x), np.float32)
+    first, grown, moved = (
+        Smoke.of(y, section, none, np.eye(3), 40) for y in (x, x * np.float32(1.04), x + np.float32(0.013))
+    )
+    assert first.cell == grown.cell == moved.cell
+    assert np.log2(first.cell) * 2 == pytest.approx(round(np.log2(first.cell) * 2), abs=1e-9)
+    for smoke in (first, grown, moved):
+        assert np.all(smoke.corner % STEP == 0), "so that the nodes of all levels stay where they are"
+
+
 def test_large_sprites_cast_wide_shadows():
     centre = np.zeros((1, 3), np.float32)
     rim = np.array([[-3, -3, -3], [3, 3, 3]], np.float32)
@@ -227,6 +259,32 @@ def test_the_glow_of_others_falls_with_the_square_of_the_distance_and_through_th
     through = shine([wall], (0, 0, 9), False, [Glow(lights, power)])[0]
     assert through[1, 0] == pytest.approx(got[1, 0] * np.exp(-1.0), rel=0.2)
     assert through[3, 0] > 0.7 * got[3, 0]
+
+
+@pytest.mark.parametrize("parallel", [False, True])
+def test_the_glow_in_thin_smoke_is_the_sum_over_cells_of_light(parallel):
+    rng = np.random.default_rng(7)
+    lights, power = rng.uniform(-1, 1, (300, 3)), rng.uniform(0, 1, (300, 3))
+    x = rng.uniform(-2, 2, (60, 3)).astype(np.float32)
+    smoke = Smoke.of(x, np.full(60, 1e-9, np.float32), np.zeros(60, np.float32), np.eye(3), 24)
+    lamp = KeyLight(phase=0.5, glow_intensity=3.0, glow_softness=0.4)
+    eye = np.array((0.6, 0.0, -0.8)) if parallel else np.array((3.0, 1.0, 9.0))
+    got = glow_on(smoke, smoke, Glow(lights, power), lamp, octaves(0.5), eye, parallel)
+    nodes = (
+        smoke.corner + np.stack(np.meshgrid(*map(np.arange, smoke.dense.shape), indexing="ij"), axis=-1)
+    ) * smoke.cell
+    seen = -eye if parallel else (eye - nodes) / np.linalg.norm(eye - nodes, axis=-1, keepdims=True)
+    expected = np.zeros_like(got)
+    for cell in gathered(lights, power):
+        way = nodes - cell[:3]
+        square = (way**2).sum(axis=-1)
+        cosine = (way * seen).sum(axis=-1) / np.maximum(np.sqrt(square), 1e-9)
+        p = sum(w * phase_function(cosine, 0.5 / 2**i) for i, w in enumerate(octaves(0.5)))
+        near = square + cell[6] + 0.4**2 + smoke.cell**2 / 4
+        expected += 3.0 * (p / near)[..., None] * cell[3:6]
+    some = smoke.dense > 0
+    assert some.sum() > 200
+    assert got[some] == pytest.approx(expected[some], rel=2e-3)
 
 
 def test_cells_of_light_keep_their_power_and_their_middle():
