@@ -95,6 +95,14 @@ def test_every_mapping_of_a_preset_has_its_table_and_every_key_its_words(referen
             assert field.exclude or field.description, f"{cls.__name__}.{name} has no description"
 
 
+def test_every_palette_is_named():
+    from gen_art.preset.palettes import PALETTES
+
+    page = (ROOT / "docs" / "presets.md").read_text(encoding="utf-8")
+    missing = [name for name in PALETTES if not re.search(rf"\b{name}\b", page)]
+    assert not missing
+
+
 def test_a_class_without_a_page_is_noticed(reference):
     assert reference.forces_page() == PAGE
     assert reference.entry("forces", "gravity") in PAGE

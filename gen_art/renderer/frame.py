@@ -200,8 +200,8 @@ def render_frame(sim, size=(1280, 720), camera: Camera | None = None) -> np.ndar
     """A picture of the simulation as it stands: (height, width, 4) float32, linear premultiplied RGBA.
 
     A channel's mean is the light inside the frame, at any size of one aspect ratio. Systems without a look are white
-    points of light 1; without a camera it is the preset's, or one that frames the particles. Trails, which need the
-    past, are left out: see gen_art.output.still.
+    points of light 1; without a camera it is the preset's, or one that frames the particles. Trails and ribbons, which
+    need the past, are left out: `gen-art still` has them.
     """
     preset = getattr(sim, "preset", None)
     looks: dict[str, Look | None] = {}
