@@ -9,12 +9,11 @@ Source: range reduction after Cody & Waite, Software Manual for the Elementary F
 
 import math
 
-from taichi.lang.expr import Expr
-
-from gen_art.runtime import is_f64, real, ti
+from gen_art.runtime import is_f64, real, ti  # before anything of Taichi: it keeps its greeting off standard output
 
 __all__ = ["sin", "cos", "exp", "log", "power", "phi"]
 
+Expr = ti.lang.expr.Expr
 _FACTORIAL = [math.factorial(k) for k in range(20)]
 _EXP = {
     False: tuple(1 / _FACTORIAL[k] for k in range(7, -1, -1)),

@@ -20,6 +20,19 @@ __all__ = [
 ]
 
 
+class _Word(click.Choice):
+    """One of some words; a wrong one gets the nearest."""
+
+    def convert(self, value, parameter, context):
+        from gen_art.registry import suggest
+
+        if value not in self.choices:
+            self.fail(
+                f"no '{value}'{suggest(value, self.choices)}; there are {', '.join(self.choices)}", parameter, context
+            )
+        return value
+
+
 class _Frames(click.ParamType):
     """`12`, `0..89` or `0..99..10` (first..last..step) as a range of frame numbers."""
 
@@ -137,7 +150,7 @@ process_options = _stack(
     ),
     click.option(
         "--progress",
-        type=click.Choice(["auto", "rich", "json", "none"]),
+        type=_Word(["auto", "rich", "json", "none"]),
         default="auto",
         show_default=True,
         help="How progress is shown, on standard error.",
@@ -146,9 +159,7 @@ process_options = _stack(
 
 # how it is computed
 run_options = _stack(
-    click.option(
-        "--precision", type=click.Choice(["f32", "f64"]), default="f32", show_default=True, help="Float type."
-    ),
+    click.option("--precision", type=_Word(["f32", "f64"]), default="f32", show_default=True, help="Float type."),
     process_options,
 )
 
@@ -158,7 +169,7 @@ picture_options = _stack(
     click.option("--scale", type=SCALE, help="The preset's size, scaled: 50%."),
     click.option(
         "--quality",
-        type=click.Choice(["draft", "preview", "final"]),
+        type=_Word(["draft", "preview", "final"]),
         default="final",
         show_default=True,
         help="How carefully it is rendered.",
@@ -169,18 +180,18 @@ picture_options = _stack(
 )
 
 
-BITS = click.Choice(["8", "10", "16", "32"])
+BITS = _Word(["8", "10", "16", "32"])
 
 # what a film is encoded as
 film_options = _stack(
     click.option(
         "--codec",
-        type=click.Choice(["h264", "h265", "prores", "ffv1", "vp9", "av1"]),
+        type=_Word(["h264", "h265", "prores", "ffv1", "vp9", "av1"]),
         help="How a film is encoded; by its ending when left out.",
     ),
     click.option(
         "--profile",
-        type=click.Choice(["preview", "web", "master"]),
+        type=_Word(["preview", "web", "master"]),
         help="Care of the encoder: web, or preview with --quality draft or preview.",
     ),
     click.option("--bits", type=BITS, help="Bits a channel: 8 or 10 in films, 16 in .mkv and .png, 16 or 32 in .exr."),

@@ -106,7 +106,7 @@ def _exr_text(path: Path) -> str | None:
     return read_text(path)
 
 
-_KINDS = {
+_KINDS: dict[str, type | tuple[type, ...]] = {
     "gen_art": str, "name": str, "kind": str, "preset": dict, "size": list, "precision": str, "transparent": bool,
     "quality": str, "plugins": list, "files": list,
 }  # fmt: skip
@@ -133,6 +133,7 @@ def verify(recipe: dict, plugins, folders=(Path(),)) -> Path:
 
 def _check_whole(recipe: dict) -> None:
     """UsageError for a recipe that this version never wrote."""
+    own: dict[str, type | tuple[type, ...]]
     own = {"frames": list} if recipe.get("kind") == "film" else {"time": (int, float)}
     wrong = [key for key, kind in {**_KINDS, **own}.items() if not isinstance(recipe.get(key), kind)]
     for key, name in (("plugins", "name"), ("files", "path")):

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,12 +11,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from gen_art.commands.main import run
 from gen_art.errors import OutputError, UsageError
 from gen_art.output import job
 from gen_art.output.probe import probe
 from gen_art.output.recipe import read_recipe
 from tests.output.piece import piece
 from tests.output.test_video import exact
+
+ROOT = Path(__file__).parents[2]
 
 
 def pixels(path) -> np.ndarray:
@@ -295,6 +299,38 @@ def test_a_sprite_that_changed_or_is_gone_is_a_sentence(tmp_path, pictured):
     assert not (tmp_path / "b.png").exists()
 
 
+def test_rerun_says_the_path_and_nothing_else(tmp_path, sequence):
+    """Whatever is imported first, Taichi's greeting stays off standard output."""
+    command = [sys.executable, str(ROOT / "cli.py"), "rerun", str(sequence[2]), "-o", str(tmp_path / "b.png")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, f"{tmp_path / 'b.png'}\n"), done.stderr
+    done = subprocess.run(
+        [*command[:3], str(ROOT / "cli.py"), *command[4:], "--overwrite"], capture_output=True, text=True
+    )
+    assert done.returncode == 2 and "Traceback" not in done.stderr and done.stdout == ""
+
+
+@pytest.mark.parametrize(
+    "words, says",
+    [
+        (["--codec", "h256"], "did you mean 'h265'"),
+        (["--codec", "divx"], "there are h264, h265, prores, ffv1, vp9, av1"),
+        (["--profile", "wb"], "did you mean 'web'"),
+        (["--bits", "12"], "there are 8, 10, 16, 32"),
+        (["--bits", "32"], "8 or 10 bits"),
+        (["--codec", "prores"], "h264 or h265 or av1"),
+        (["--codec", "h265", "--size", "14x14"], "at least 16x16"),
+        (["--size", "641x360"], "640x360 and 642x360"),
+        (["--size", "20000x10"], "16384x16384"),
+        (["--transparent"], r"prores \(.mov\)"),
+    ],
+)
+def test_the_command_line_says_what_there_is(tmp_path, capsys, words, says):
+    assert run(["render", "fire", "-o", str(tmp_path / "a.mp4"), "--dry-run", *words]) == 2
+    said = capsys.readouterr()
+    assert re.search(says, said.err) and "Traceback" not in said.err and not said.out
+
+
 @pytest.mark.parametrize(
     "change",
     [{"size": 3}, {"time": "now"}, {"files": [1]}, {"plugins": [{"name": 3}]}, {"kind": "film"}, {"quality": "best"},
@@ -317,12 +353,12 @@ sys.path.insert(0, {root!r})
 from gen_art.output import job
 from tests.output.piece import piece
 for name, more in (("a.mp4", {{}}), ("b.mov", {{}}), ("c.webm", {{"codec": "av1"}}), ("d.mp4", {{"codec": "h265"}}), ("e.gif", {{}})):
-    job.render(piece(clock__duration=3, camera__size=[48, 32]), sys.argv[2] + name, threads=int(sys.argv[1]), **more)
+    job.render(piece(clock__duration=2.2, camera__size=[48, 32]), sys.argv[2] + name, threads=int(sys.argv[1]), **more)
 """
 
 
 def test_one_two_and_four_threads_write_the_same_films(tmp_path):
-    root = str(Path(__file__).parents[2])
+    root = str(ROOT)
     for n in (1, 2, 4):
         subprocess.run([sys.executable, "-c", _FILM.format(root=root), str(n), f"{tmp_path}/{n}"], check=True)
     for name in ("a.mp4", "b.mov", "c.webm", "d.mp4", "e.gif"):
