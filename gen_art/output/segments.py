@@ -27,6 +27,7 @@ __all__ = ["Segments", "as_fraction", "encoder_stream", "open_film"]
 
 WAITING = 2  # frames that may wait for an encoder
 ENCODERS = 2  # at a time
+_DEEPEST = 16  # frames that any encoder here holds back to reorder them
 _GROWING = {  # a segment's times stay as they are
     "movflags": "frag_keyframe+empty_moov+default_base_moof+frag_discont+use_metadata_tags",
     "use_editlist": "0",
@@ -168,10 +169,12 @@ class Segments:
     def _write(self, buffer: io.BytesIO, container, packets: list, first: int) -> None:
         """Append a segment's packets to the file; a part that does not fit is taken off again."""
         if first == 0:  # decoding begins before what is shown where frames are reordered
-            self._lead = max(0, -min(packet.dts for packet in packets))
-        for packet in packets:
+            needed = max(k - packet.pts for k, packet in enumerate(packets))
+            told = -packets[0].dts  # by less frames than it holds back, x265 says what lay in memory
+            self._lead = told if needed <= told <= _DEEPEST else needed
+        for k, packet in enumerate(packets):
             packet.pts += first + self._lead
-            packet.dts += first + self._lead
+            packet.dts = first + k
         container.mux(packets)
         container.close()
         head, body = split(buffer.getvalue(), self._muxer)

@@ -73,6 +73,20 @@ def test_segments_do_not_depend_on_what_was_before(tmp_path):
     assert short == long[:20] and len(set(long)) > 20
 
 
+def test_times_do_not_come_from_encoders_that_hold_too_few_frames(tmp_path):
+    """x265 dates packets by memory it never wrote where a film has fewer frames than it holds back."""
+    film, before = find_format("a.mov", codec="h265", bits=10), []
+    shown = [p.astype(np.uint16) * 257 for p in pictures(4, (96, 54))]
+    for k in range(90):
+        before.append(np.full(1000 * (k % 37 + 1), 255, np.uint8))
+        writer = film_writer(tmp_path / "a.mov", (96, 54), 5, {"format": 1, "preset": {"x": "y" * 3000}}, film)
+        for picture in shown[: 2 + k % 3]:
+            writer.add(picture)
+        writer.close()
+        found = probe(tmp_path / "a.mov")
+        assert (found.frames, found.duration) == (2 + k % 3, (2 + k % 3) / 5)
+
+
 def test_the_index_lies_in_front(tmp_path):
     for name in ("a.mp4", "a.mov"):
         writer = film_writer(tmp_path / name, SIZE, 5)
