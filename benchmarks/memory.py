@@ -14,7 +14,7 @@ from gen_art.preset import load_preset
 from gen_art.preset.estimate import estimate
 from gen_art.preset.shipped import preset_names
 
-STILL = """
+RUN = """
 import resource, sys
 from gen_art.commands.main import run
 assert run(sys.argv[1:]) == 0
@@ -38,9 +38,17 @@ def gen_art(code: str, *arguments: str) -> str:
 
 
 bench = Bench("memory", __doc__)
-presets = ["charged"] if bench.quick else ["fire", "smoke"]
-size = "320x180" if bench.quick else "1280x720"
-bench.settings = {"presets": presets, "size": size, "moment": "the last frame"}
+# what is made, of which preset, in which size; a film long enough for its encoder to be full
+JOBS = (
+    [("still", "charged", "320x180"), ("film", "charged", "320x180")]
+    if bench.quick
+    else [
+        ("still", "fire", "1280x720"), ("still", "smoke", "1280x720"), ("still", "wormhole", "3840x2160"),
+        ("film", "charged", "3840x2160"),
+    ]
+)  # fmt: skip
+FRAMES = 4 if bench.quick else 64
+bench.settings = {"jobs": JOBS, "moment": "the last frame of a still's preset", "frames of a film": FRAMES}
 
 rows = [("", "bytes a particle of state")]
 largest = 0.0
@@ -53,21 +61,27 @@ for name in preset_names():
         bench.figures.setdefault("bytes_a_particle", {})[f"{name}.{label}"] = share
 bench.table(rows)
 
-rows = [("", "particles", "predicted, MB", "measured, MB", "predicted / measured")]
+rows = [("", "size", "particles", "predicted, MB", "measured, MB", "predicted / measured")]
 ratios = {}
 with tempfile.TemporaryDirectory() as folder:
-    for name in presets:
+    for kind, name, size in JOBS:
         short = ["--set", "clock.preroll=0", "--duration", "0.2"] if bench.quick else []
         piece = load_preset(name, overrides={"clock.preroll": 0, "clock.duration": 0.2} if bench.quick else None)
         last = (piece.clock.frames - 1) / piece.clock.fps
         told = json.loads(gen_art(INSPECT, "inspect", name, "--json", "--size", size, *short))
-        command = ["still", name, "--time", f"{last!r}", "--size", size, "-o", os.path.join(folder, f"{name}.png")]
-        measured = float(gen_art(STILL, *command, *short).splitlines()[-1])
-        predicted = told["memory"]["still"]
-        ratios[name] = predicted / measured
+        moment = (
+            ["still", name, "--time", f"{last!r}"]
+            if kind == "still"
+            else ["render", name, "--frames", f"0..{FRAMES - 1}"]
+        )
+        path = os.path.join(folder, f"{name}.{'png' if kind == 'still' else 'mp4'}")
+        measured = float(gen_art(RUN, *moment, "--size", size, "-o", path, *short).splitlines()[-1])
+        predicted, title = told["memory"][kind], f"{kind} of {name}"
+        ratios[f"{title}, {size}"] = predicted / measured
         particles = round(estimate(piece).particles)
-        rows.append((name, f"{particles:,}", f"{predicted / 1e6:.0f}", f"{measured / 1e6:.0f}", f"{ratios[name]:.2f}"))
-        bench.figures[name] = {"particles": particles, "predicted": predicted, "measured": measured}
+        figures = (f"{predicted / 1e6:.0f}", f"{measured / 1e6:.0f}", f"{predicted / measured:.2f}")
+        rows.append((title, size, f"{particles:,}", *figures))
+        bench.figures[f"{title}, {size}"] = {"particles": particles, "predicted": predicted, "measured": measured}
 bench.table(rows)
 bench.require("bytes a particle, the most of any system", largest, at_most=120)
 for name, ratio in ratios.items():

@@ -9,7 +9,7 @@ Source: range reduction after Cody & Waite, Software Manual for the Elementary F
 
 import math
 
-from gen_art.runtime import is_f64, real, ti  # before anything of Taichi: it keeps its greeting off standard output
+from gen_art.runtime import is_f64, real, ti
 
 __all__ = ["sin", "cos", "exp", "log", "power", "phi"]
 

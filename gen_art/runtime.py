@@ -17,10 +17,14 @@ os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 from gen_art import lean_tracing  # isort: skip  (before anything of Taichi)
 import taichi as ti  # the variables above must be set before this
 from taichi.lang import impl
+from taichi.lang.matrix import make_matrix
 
 from gen_art.errors import UsageError
 
-__all__ = ["ti", "init", "finish", "kernel", "compilations", "is_f64", "real", "threads", "DTYPES", "cache_folder"]
+__all__ = [
+    "DTYPES", "cache_folder", "compilations", "finish", "impl", "init", "is_f64", "kernel", "make_matrix", "real",
+    "threads", "ti",
+]  # fmt: skip
 
 DTYPES = {"f32": ti.f32, "f64": ti.f64}
 _state: dict = {"config": None, "kernels": [], "lock": None}

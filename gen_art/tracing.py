@@ -4,10 +4,7 @@
 the run-time parameter array; numbers that do not reach kernels (choices, flags) stand in it as Python constants.
 """
 
-from taichi.lang import impl
-from taichi.lang.matrix import make_matrix
-
-from gen_art.runtime import ti
+from gen_art.runtime import impl, make_matrix, ti
 
 __all__ = ["View", "parameters", "particle", "traced"]
 

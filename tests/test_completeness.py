@@ -88,7 +88,9 @@ def test_every_mapping_of_a_preset_has_its_table_and_every_key_its_words(referen
     from gen_art.preset.types import Model
 
     modules = (camera, clock, develop, emitter, look, schema)
-    found = {c for m in modules for c in vars(m).values() if isinstance(c, type) and issubclass(c, Model) and c is not Model}
+    found = {
+        c for m in modules for c in vars(m).values() if isinstance(c, type) and issubclass(c, Model) and c is not Model
+    }
     assert found - {schema.Medium, schema.Preset, emitter.Particle} == set(reference.DOCUMENTED)
     for cls in reference.DOCUMENTED:
         for name, field in cls.model_fields.items():
@@ -156,3 +158,13 @@ def test_picture(name):
         stream = film.streams.video[0]
         assert stream.width == 640
         assert 3 <= stream.frames / stream.average_rate <= 6
+
+
+def test_one_module_imports_taichi():
+    """`runtime`, and what it imports to quicken tracing: so whatever is imported first, Taichi comes up as it sets it."""
+    found = {
+        path.name
+        for path in (ROOT / "gen_art").rglob("*.py")
+        if re.search(r"^\s*(from|import) taichi", path.read_text(encoding="utf-8"), re.M)
+    }
+    assert found == {"runtime.py", "lean_tracing.py"}

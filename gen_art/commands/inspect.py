@@ -52,6 +52,7 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
 
 def _facts(piece, size, precision) -> dict:
     from gen_art.invariants import forces_of, invariants
+    from gen_art.output.formats import CODECS
     from gen_art.preset.estimate import estimate
 
     expected, clock = estimate(piece, precision), piece.clock
@@ -86,8 +87,8 @@ def _facts(piece, size, precision) -> dict:
         "particles": _count(expected.particles),
         "memory": {
             "state": _count(expected.memory),
-            "still": _count(expected.process(size, film=False)),
-            "film": _count(expected.process(size, film=True)),
+            "still": _count(expected.process(size)),
+            "film": _count(expected.process(size, CODECS["h264"].memory)),
         },
         "systems": systems,
     }

@@ -39,7 +39,9 @@ def command(
     }  # fmt: skip
     target, shape = job.check_target(piece, out, **output)
     until = piece.clock.preroll + frames[-1] * piece.clock.speed / piece.clock.fps
-    expected = refuse_if_too_large(piece, precision, shape, until, film=target.moving)
+    expected = refuse_if_too_large(
+        piece, precision, shape, until, coded=target.film.codec.memory if target.film else 0.0
+    )
     if dry_run:
         click.echo(f"{out}: {len(frames)} frames of {shape[0]}x{shape[1]}, {expected}")
         return

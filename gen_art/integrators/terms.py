@@ -4,13 +4,10 @@ Each loop over lanes stands innermost, reads global memory and stores only to lo
 (octaves) are run-time loops outside it.
 """
 
-from taichi.lang import impl
-from taichi.lang.matrix import make_matrix
-
 from gen_art.composition import Composition
 from gen_art.elementary import phi
 from gen_art.forces.base import term_acceleration
-from gen_art.runtime import ti
+from gen_art.runtime import impl, make_matrix, ti
 from gen_art.tracing import parameters, particle, traced
 
 __all__ = ["WIDTH", "Terms", "accumulate", "kick", "lifespan", "load", "store", "tile"]

@@ -49,6 +49,7 @@ class Codec:
     options : what every profile sets      profiles : profile -> what it adds
     threads : of one encoder, fixed apart from --threads: its bytes may depend on them
     sized : (width, height) -> what a size adds
+    memory : bytes for each pixel of the picture that the encoder holds at once, measured
     seconds : of film in one segment
     least : the least width and height (SVT-AV1 hangs below 28)      widest, highest : the largest      most : the most pixels
     """
@@ -63,6 +64,7 @@ class Codec:
     options: Mapping[str, str] = field(default_factory=dict)
     sized: Callable[[int, int], Mapping[str, str]] = lambda width, height: {}
     tag: str = ""
+    memory: int = 300
     threads: int = 4
     seconds: float = 2.0
     least: int = 1
@@ -80,24 +82,24 @@ CODECS: dict[str, Codec] = {
         Codec(
             "h264", "H.264", "libx264", (".mp4", ".mov"), {8: "yuv420p", 10: "yuv420p10le"},
             {"preview": {"preset": "veryfast", "crf": "23"}, "web": {"preset": "medium", "crf": "17"},
-             "master": {"preset": "slow", "crf": "10"}}, options={"tune": "film"}, sized=_x264, least=2,
+             "master": {"preset": "slow", "crf": "10"}}, options={"tune": "film"}, sized=_x264, least=2, memory=270,
         ),
         Codec(
             "h265", "H.265", "libx265", (".mp4", ".mov"), {8: "yuv420p", 10: "yuv420p10le"},
             {"preview": {"preset": "ultrafast", "crf": "25"}, "web": {"preset": "fast", "crf": "19"},
              "master": {"preset": "slow", "crf": "12"}}, sized=_x265, tag="hvc1", least=16,
-            most=_HEVC_MOST,
+            most=_HEVC_MOST, memory=350,
         ),
         Codec(
             "prores", "ProRes 4444", "prores_ks", (".mov",), {10: "yuv444p10le"},
             {"preview": {"profile": "4444", "bits_per_mb": "1000"}, "web": {"profile": "4444"},
              "master": {"profile": "4444xq"}}, alpha={10: "yuva444p10le"},
-            options={"vendor": "apl0", "alpha_bits": "16"}, seconds=0.5,
+            options={"vendor": "apl0", "alpha_bits": "16"}, seconds=0.5, memory=95,
         ),
         Codec(
             "ffv1", "FFV1", "ffv1", (".mkv",), {8: "bgr0", 16: "gbrp16le"},
             {"preview": {"coder": "rice"}, "web": {"coder": "range_def"}, "master": {"coder": "range_def"}},
-            alpha={8: "bgra", 16: "gbrap16le"}, options=_LOSSLESS, sized=_ffv1, seconds=0.5, least=2,
+            alpha={8: "bgra", 16: "gbrap16le"}, options=_LOSSLESS, sized=_ffv1, seconds=0.5, least=2, memory=105,
         ),
         Codec(
             "vp9", "VP9", "libvpx-vp9", (".webm", ".mkv"), {8: "yuv420p"},
@@ -105,21 +107,21 @@ CODECS: dict[str, Codec] = {
              "web": {"crf": "22", "deadline": "good", "cpu-used": "4"},
              "master": {"crf": "10", "deadline": "good", "cpu-used": "2"}},
             alpha={8: "yuva420p"}, options={"b": "0", "row-mt": "1", "tile-columns": "1", "auto-alt-ref": "0"},
-            least=2,
+            least=2, memory=335,
         ),
         Codec(
             "av1", "AV1", "libsvtav1", (".mp4", ".webm", ".mkv"), {8: "yuv420p", 10: "yuv420p10le"},
             {"preview": {"preset": "11", "crf": "36"}, "web": {"preset": "8", "crf": "25"},
              "master": {"preset": "5", "crf": "14"}}, options={"svtav1-params": "lp=2"}, least=32,
-            highest=8704,
+            highest=8704, memory=660,
         ),
         Codec(
             "gif", "GIF", "ffv1", (".gif",), {8: "bgr0"}, _SAME, options={**_LOSSLESS, "coder": "rice"}, sized=_ffv1,
-            seconds=0.5, least=2,
+            seconds=0.5, least=2, memory=335,
         ),
         Codec(
             "webp", "WebP", "ffv1", (".webp",), {8: "bgr0"}, _SAME, alpha={8: "bgra"},
-            options={**_LOSSLESS, "coder": "rice"}, sized=_ffv1, seconds=0.5, least=2, widest=16383, highest=16383,
+            options={**_LOSSLESS, "coder": "rice"}, sized=_ffv1, seconds=0.5, least=2, widest=16383, highest=16383, memory=105,
         ),
     )
 }  # fmt: skip

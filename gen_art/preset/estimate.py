@@ -33,7 +33,6 @@ SHADED, LIT, LISTED, SORTED = 50, 36, 85, 36  # a particle on the picture, of a 
 REMEMBERED = 20  # a particle's place that a ribbon goes back to
 CELL = 8 * 4  # of the density grid that a light shines through
 FILM, PICTURE = 16, 6  # a pixel of light; of the developed picture and its file
-CODED = 340  # a pixel of a film in the encoder, which looks ahead
 BATCH_BIRTHS = 4096  # births, or an eighth of the living, that a launch of several steps may make
 BATCH = 64  # steps taken at once where no events and no interactions tie them
 
@@ -60,9 +59,9 @@ class Estimate:
     def memory(self) -> float:
         return sum(self.bytes.values())
 
-    def process(self, size: tuple[int, int], film: bool) -> float:
-        """Bytes at the peak of the process that makes a still, or a film, of this size."""
-        return PROCESS + self.working + (self.pixel + (CODED if film else 0.0)) * size[0] * size[1]
+    def process(self, size: tuple[int, int], coded: float = 0.0) -> float:
+        """Bytes at the peak of the process that makes a picture of this size; coded : what an encoder holds for each pixel."""
+        return PROCESS + self.working + (self.pixel + coded) * size[0] * size[1]
 
     def __str__(self) -> str:
         return f"at most about {self.particles:,.0f} particles at once, {megabytes(self.memory)} of state"
@@ -227,7 +226,7 @@ def refuse_if_too_large(
     precision: str = "f32",
     size: tuple[int, int] | None = None,
     until: float | None = None,
-    film: bool = False,
+    coded: float = 0.0,
 ) -> Estimate:
     """The estimate; MemoryRefused, naming the figures, when its particles (and a picture of `size`) cannot fit."""
     expected = estimate(preset, precision, until)
@@ -238,7 +237,7 @@ def refuse_if_too_large(
                 f"system '{name}' would hold {peak:.3g} particles at once ({megabytes(expected.bytes[name])}); "
                 f"a system holds {limit:,} at most"
             )
-    needed, free = expected.process(size or (0, 0), film), available_memory()
+    needed, free = expected.process(size or (0, 0), coded), available_memory()
     if needed > free:
         picture = f" in a picture of {size[0]}x{size[1]}" if size else ""
         raise MemoryRefused(

@@ -111,7 +111,10 @@ def _discs(C: F2, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1
                 for j in range(LANES):
                     i = tile * TILE + which[group * LANES + j]
                     reach = ti.select(group * LANES + j < count, C[REACH, i], 1.0)
-                    left[j], top[j] = ti.cast(ti.floor(C[X, i] - reach), ti.i32), ti.cast(ti.floor(C[Y, i] - reach), ti.i32)
+                    left[j], top[j] = (
+                        ti.cast(ti.floor(C[X, i] - reach), ti.i32),
+                        ti.cast(ti.floor(C[Y, i] - reach), ti.i32),
+                    )
                     x[j], y[j] = C[X, i] - 0.5 - ti.cast(left[j], ti.f32), C[Y, i] - 0.5 - ti.cast(top[j], ti.f32)
                     inverse[j] = 1.0 / reach
                     taps[j] = ti.cast(ti.ceil(2.0 * reach), ti.i32) + 1
@@ -147,4 +150,12 @@ def _cuts(columns: np.ndarray, n: int, rows: int, bands: int) -> np.ndarray:
 def scatter(columns: np.ndarray, n: int, film, draw) -> None:
     """Add the first n columns (11, ...) to a film; draw : `pixels`, `points`, or `discs` of a reach up to LARGEST."""
     bands = max(1, min(threads(), film.height))
-    draw(columns, n, film.buffer.reshape(-1, 4), film.stride // 4, film.width, _cuts(columns, n, film.height, bands), bands)
+    draw(
+        columns,
+        n,
+        film.buffer.reshape(-1, 4),
+        film.stride // 4,
+        film.width,
+        _cuts(columns, n, film.height, bands),
+        bands,
+    )

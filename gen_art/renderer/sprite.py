@@ -20,7 +20,14 @@ __all__ = ["AREA", "along", "finish", "profile", "profile_integral", "rim", "ste
 
 # what is drawn
 POINT, DISC, STREAK, SPHERE, PICTURE = range(5)
-KINDS = {"pixel": POINT, "point": POINT, "disc": DISC, "streak": STREAK, "sphere": SPHERE, "picture": PICTURE}  # by `draw`
+KINDS = {
+    "pixel": POINT,
+    "point": POINT,
+    "disc": DISC,
+    "streak": STREAK,
+    "sphere": SPHERE,
+    "picture": PICTURE,
+}  # by `draw`
 # a particle on the picture, channel by channel: the first eleven; then what drawing a sprite needs, a row each
 X, Y, REACH, EDGE, DX, DY, RED, GREEN, BLUE, ALPHA, DEPTH = range(11)
 COLUMNS = 11

@@ -252,7 +252,9 @@ def test_a_picture_repeats(places):
     assert len(digests) == 1
 
 
-@pytest.mark.parametrize("look", [{"draw": "point"}, {"draw": "pixel"}, {"draw": "disc", "radius": 1.0}, {"draw": "disc", "radius": 2.6}])
+@pytest.mark.parametrize(
+    "look", [{"draw": "point"}, {"draw": "pixel"}, {"draw": "disc", "radius": 1.0}, {"draw": "disc", "radius": 2.6}]
+)
 def test_many_small_sprites_take_another_way_to_the_same_picture(look, monkeypatch):
     """Straight into the film, or listed tile by tile; sprites over the border, out of sight and of several sizes among them."""
     rng = np.random.default_rng(11)
