@@ -8,7 +8,8 @@ import numpy as np
 
 from gen_art.errors import EncoderError, OutputError, UsageError
 from gen_art.output.behind import behind
-from gen_art.output.recipe import make_recipe, read_recipe, verify
+from gen_art.output.reading import read_recipe
+from gen_art.output.recipe import make_recipe, verify
 from gen_art.output.report import Report
 from gen_art.output.run import Run
 from gen_art.output.stills import write_still

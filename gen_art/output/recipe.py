@@ -11,7 +11,7 @@ from pathlib import Path
 
 from gen_art.errors import OutputError, UsageError
 
-__all__ = ["KEY", "make_recipe", "read_recipe", "version", "verify"]
+__all__ = ["FORMAT", "KEY", "encode", "make_recipe", "verify", "version"]
 
 KEY = "gen-art"
 FORMAT = 1
@@ -51,59 +51,6 @@ def make_recipe(preset, *, plugins=(), **job) -> dict:
 def encode(recipe: dict) -> str:
     """One line of ASCII JSON."""
     return json.dumps(recipe, separators=(",", ":"), allow_nan=False)
-
-
-def read_recipe(path) -> dict:
-    """The recipe inside a picture or film. OutputError when the file cannot be read, UsageError when it holds none."""
-    path = Path(path)
-    if not path.is_file():
-        raise OutputError(f"{path}: {'is a directory' if path.is_dir() else 'there is no such file'}")
-    read = {**dict.fromkeys((".mp4", ".mov", ".webm", ".mkv"), _film_text), ".exr": _exr_text}
-    text = read.get(path.suffix.lower(), _picture_text)(path)
-    try:
-        recipe = json.loads(text) if text else None
-    except ValueError:
-        recipe = None
-    if not isinstance(recipe, dict) or "preset" not in recipe or "format" not in recipe:
-        raise UsageError(
-            f"{path}: there is no recipe inside; it is not a picture of gen-art, or a program took its metadata away"
-        )
-    if recipe["format"] != FORMAT:
-        raise UsageError(f"{path}: its recipe is of format {recipe['format']}; this gen-art reads format {FORMAT}")
-    return recipe
-
-
-def _picture_text(path: Path) -> str | None:
-    from PIL import Image, UnidentifiedImageError
-
-    from gen_art.output.stills import EXIF_DESCRIPTION
-
-    try:
-        with Image.open(path) as picture:
-            if picture.format == "PNG":
-                return picture.text.get(KEY)  # type: ignore[attr-defined]
-            if picture.format == "GIF":
-                comment = picture.info.get("comment")
-                return comment.decode("ascii", "replace") if comment else None
-            return picture.getexif().get(EXIF_DESCRIPTION)
-    except (UnidentifiedImageError, OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        raise UsageError(f"{path}: cannot be read as a picture ({error})") from error
-
-
-def _film_text(path: Path) -> str | None:
-    import av
-
-    try:
-        with av.open(str(path)) as film:
-            return film.metadata.get("comment") or film.metadata.get("COMMENT")  # Matroska's tags are capitals
-    except (av.FFmpegError, OSError) as error:
-        raise UsageError(f"{path}: cannot be read as a film ({error})") from error
-
-
-def _exr_text(path: Path) -> str | None:
-    from gen_art.output.exr import read_text
-
-    return read_text(path)
 
 
 _KINDS: dict[str, type | tuple[type, ...]] = {

@@ -10,7 +10,7 @@ import pytest
 from gen_art.errors import OutputError, UsageError
 from gen_art.output import job
 from gen_art.output.exr import write_exr
-from gen_art.output.recipe import read_recipe
+from gen_art.output.reading import read_recipe
 from gen_art.output.run import Run
 from tests.output.piece import piece
 

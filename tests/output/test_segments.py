@@ -16,7 +16,7 @@ from gen_art.output import job, segments
 from gen_art.output.formats import find_format
 from gen_art.output.fragments import split
 from gen_art.output.probe import probe
-from gen_art.output.recipe import read_recipe
+from gen_art.output.reading import read_recipe
 from gen_art.output.video import film_writer, partial_path
 from tests.output.piece import piece
 
