@@ -10,7 +10,7 @@ from gen_art.commands import options
 __all__ = ["command"]
 
 STILL, LOOP = (1280, 720), (640, 360)
-LOOP_BYTES = 850_000  # what a loop may take; the encoder holds the rate only within its buffer
+LOOP_BYTES = 750_000  # what a loop may take; the encoder holds the rate only within the buffer of each segment
 
 
 @click.command("gallery")
