@@ -6,7 +6,7 @@ What should hold comes from the flags of the forces (gen_art.invariants); what d
 import math
 from dataclasses import dataclass
 
-from gen_art.audit.measure import ROUND_OFF, Run, Trend, positions, run
+from gen_art.audit.measure import MOMENTS, ROUND_OFF, Run, Trend, positions, run
 from gen_art.audit.thinning import thinned
 from gen_art.diagnostics import Diagnostics
 from gen_art.errors import UsageError
@@ -32,6 +32,7 @@ class Audit:
     their number     float32 : by system, how far the energy residual lies from float64's at dt, relative
     invariants : by (system, quantity), the Trend of its change, None where there is nothing of it; `booked`: what is left
     to the ledger, and why     changes : what thinning set, by path: (full, audited)
+    runs : what was measured at dt, dt/2 and dt/4
     """
 
     name: str
@@ -55,6 +56,7 @@ class Audit:
     booked: dict[tuple[str, str], str]
     warnings: list[str]
     problems: list[str]
+    runs: list[Run]
 
     def text(self) -> str:
         """The report in words, one screen or two."""
@@ -81,13 +83,13 @@ class Audit:
         })  # fmt: skip
 
 
-def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES) -> Audit:
+def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES, moments=MOMENTS) -> Audit:
     """Run a preset with few particles at dt, dt/2 and dt/4 in float64 and account for every joule.
 
     preset : a Preset, a name, a path or a mapping     precision : "f32" states its floor as well
     time : film time to run to, from the start of the preroll, s; when left out 2 s (1 s where bodies attract each other) or
     the whole piece, whichever is shorter
-    particles : at most about so many of a system at once
+    particles : at most about so many of a system at once     moments : at which a run is looked at
     Raises PresetError, UsageError for a time that the piece does not reach or that falls between steps, MemoryRefused.
     """
     from gen_art.preset.load import load_preset
@@ -101,7 +103,7 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES)
     time, steps = _span(clock, time, FILM_TIME / 2 if mutual else FILM_TIME)
     few, changes = thinned(piece, steps * clock.step, particles)
     refuse_if_too_large(few, "f64", until=steps * clock.step)
-    runs = [run(few, steps, clock.step, "f64", threads, n) for n in DIVISIONS]
+    runs = [run(few, steps, clock.step, "f64", threads, n, moments) for n in DIVISIONS]
     orders = {name: expected_order(few, name) for name in few.systems}
     energy, momentum = (
         {n: _trend([one.residuals[n, q] for one in runs], orders[n]) for n in few.systems}
@@ -121,7 +123,7 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES)
         {name: system.integrator for name, system in few.systems.items()}, unborn,
         first.ledger, first.start, first.end, energy, momentum, placed,
         _floors(first, run(few, steps, clock.step, "f32", threads)) if precision == "f32" else {},
-        held, booked, advice(few), _problems(few, energy, momentum, placed, held, runs),
+        held, booked, advice(few), _problems(few, energy, momentum, placed, held, runs), runs,
     )  # fmt: skip
 
 

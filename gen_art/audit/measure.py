@@ -9,11 +9,12 @@ import numpy as np
 from gen_art.diagnostics import Diagnostics, energy_of_pairs, living, sums
 from gen_art.ledger import Ledger
 
-__all__ = ["QUANTITIES", "ROUND_OFF", "Run", "Trend", "positions", "run"]
+__all__ = ["MOMENTS", "QUANTITIES", "ROUND_OFF", "History", "Run", "Trend", "positions", "run"]
 
 ROUND_OFF = 2e-12  # relative; below it a float64 sum over many steps has no order to measure
 TOLERANCE = 0.5  # how far below the expected order a measured one may fall
 MOMENTS = 16  # of a run, at which its account is looked at: a residual that swings counts by its largest swing
+SHOWN = 24  # particles of a system whose paths are kept
 BOOKED = {"energy": ("work", "dissipated"), "momentum": ("impulse", None)}
 QUANTITIES = ("energy", "momentum", "angular momentum", "mass", "charge")
 
@@ -60,13 +61,29 @@ class Trend:
 
 
 @dataclass(frozen=True)
+class History:
+    """A run from moment to moment, the start included: simulated seconds (m,); of all systems together, kinetic energy,
+    potential energy and what the account says the energy should be, J (m,); momentum (m, 3), N s.
+
+    paths : by system, (particles, m, 3) m, NaN where a particle is not alive
+    """
+
+    times: np.ndarray
+    kinetic: np.ndarray
+    potential: np.ndarray
+    accounted: np.ndarray
+    momentum: np.ndarray
+    paths: dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
 class Run:
     """What one run left.
 
     residuals : by (system, energy or momentum), the largest share of what moved that the account missed
     drifts : by (system, quantity), the largest change since the start, relative to the sum of its parts' sizes; both are
     None where there is nothing of it     last : by system, the energy residual at the end and the energy that moved, J
-    places : by system, keys and positions (n, 3) at the end
+    places : by system, keys and positions (n, 3) at the end     history : the way there
     """
 
     ledger: Ledger
@@ -76,10 +93,11 @@ class Run:
     drifts: dict[tuple[str, str], float | None]
     last: dict[str, tuple[float, float]]
     places: dict[str, tuple[np.ndarray, np.ndarray]]
+    history: History
 
 
-def run(piece, steps: int, dt: float, precision: str, threads, division: int = 1) -> Run:
-    """Run a preset with its ledger for `steps` steps of dt, each cut into `division`."""
+def run(piece, steps: int, dt: float, precision: str, threads, division: int = 1, moments: int = MOMENTS) -> Run:
+    """Run a preset with its ledger for `steps` steps of dt, each cut into `division`, and look at it at so many moments."""
     from gen_art.simulation import Simulation
 
     sim = Simulation(piece, dt=dt / division, precision=precision, threads=threads, ledger=True)
@@ -87,9 +105,11 @@ def run(piece, steps: int, dt: float, precision: str, threads, division: int = 1
     residuals: dict = {(name, quantity): None for name in piece.systems for quantity in BOOKED}
     drifts: dict = {(name, quantity): None for name in piece.systems for quantity in QUANTITIES}
     last = {}
-    for moment in np.unique(np.linspace(0, steps, MOMENTS + 1).round().astype(int)[1:]):
+    seen = [_look(sim, start, 0.0)]
+    for moment in np.unique(np.linspace(0, steps, moments + 1).round().astype(int)[1:]):
         sim.step(int(moment) * division - sim.steps_done)
         books = sim.ledger()
+        seen.append(_look(sim, sim.diagnostics(), books.residual))
         for name in piece.systems:
             now = _sums(sim, name)
             for quantity in QUANTITIES:
@@ -102,7 +122,27 @@ def run(piece, steps: int, dt: float, precision: str, threads, division: int = 1
                     if quantity == "energy":
                         last[name] = (float(new - old - passed), scale)
     places = {name: (sim[name].keys, sim[name].position.astype(np.float64)) for name in piece.systems}
-    return Run(sim.ledger(), start, sim.diagnostics(), residuals, drifts, last, places)
+    return Run(sim.ledger(), start, sim.diagnostics(), residuals, drifts, last, places, _history(seen))
+
+
+def _look(sim, now: Diagnostics, residual: float) -> tuple:
+    places = {name: (sim[name].keys, sim[name].position.astype(np.float64)) for name in sim.systems}
+    return now.time, now.kinetic_energy, now.potential_energy, now.energy - residual, now.momentum, places
+
+
+def _history(seen: list[tuple]) -> History:
+    times, kinetic, potential, accounted, momentum, places = zip(*seen)
+    paths = {}
+    for name in places[0]:
+        keys = np.unique(np.concatenate([at[name][0] for at in places]))
+        shown = keys[np.linspace(0, len(keys) - 1, min(SHOWN, len(keys))).astype(int)] if len(keys) else keys
+        paths[name] = np.full((len(shown), len(times), 3), np.nan)
+        for m, at in enumerate(places):
+            _, mine, theirs = np.intersect1d(shown, at[name][0], return_indices=True)
+            paths[name][mine, m] = at[name][1][theirs]
+    return History(
+        np.array(times), np.array(kinetic), np.array(potential), np.array(accounted), np.array(momentum), paths
+    )
 
 
 def _keep(largest: dict, key, difference, scale: float) -> None:

@@ -1,5 +1,7 @@
 """`gen-art audit`: runs a preset and prints its ledger and convergence order."""
 
+from pathlib import Path
+
 import click
 
 from gen_art.commands import options
@@ -13,18 +15,36 @@ __all__ = ["command"]
     "--time", type=options.POSITIVE, help="Film time to run to; 2 s, or 1 s with mutual forces, when left out."
 )
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@click.option("-o", "--output", help="Draw it too: .png, .svg, or .html with the text. Needs matplotlib.")
+@click.option("--overwrite", is_flag=True, help="Replace that file.")
 @options.preset_options
 @options.run_options
-def command(preset, time, as_json, seed, settings, fps, duration, plugins, precision, threads, progress):
+def command(
+    preset, time, as_json, output, overwrite, seed, settings, fps, duration, plugins, precision, threads, progress
+):
     """Print the ledger and the convergence of PRESET.
 
     A copy with few particles runs in f64 at dt, dt/2 and dt/4: what was born, died, worked and dissipated, the
-    residual, and the order at which it falls. --precision f32 states its floor too.
+    residual, and the order at which it falls. --precision f32 states its floor too. -o draws energy, momentum,
+    paths and convergence.
     """
+    path = Path(output) if output else None
+    if path is not None:
+        from gen_art.audit.plots import MOMENTS, check_plots
+        from gen_art.output.target import beside, check_writable
+
+        check_plots(path)
+        check_writable([path], overwrite)
     piece, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     import json
 
     from gen_art.audit import audit
 
-    report = audit(piece, time=time, precision=precision, threads=threads)
+    more = {"moments": MOMENTS} if path is not None else {}
+    report = audit(piece, time=time, precision=precision, threads=threads, **more)
+    if path is not None:
+        from gen_art.audit.plots import draw
+
+        with beside(path) as temporary:
+            draw(report, temporary)
     click.echo(json.dumps(report.as_dict(), indent=2) if as_json else report.text())
