@@ -86,7 +86,7 @@ class Bookkeeper:
         self.sim = sim
         self.books_of = {}
         for name, system in sim._members.items():
-            rows = len(system.composition.terms) + len(system.interactions)
+            rows = len(system.composition.terms) + sum(len(one.parts) for one in system.interactions)
             self.books_of[name] = np.zeros((rows, BOOKS))
         self._born, self._died = _Passages(), _Passages()
         self._start = diagnose(sim)
@@ -94,11 +94,11 @@ class Bookkeeper:
     def step(self, name: str, stepper, begin, first, dt, earliest, stage0, stage1) -> None:
         """Book what the coming launch will do; the launch itself is not touched."""
         system, state = stepper.system, stepper.system.state
-        rows = len(system.composition.terms) + len(system.interactions)
+        rows = len(self.books_of[name])
         if rows == 0 or state.count <= begin:
             return
         kernel = make_booking(
-            system.composition, system.scheme.kind, system.scheme.rotates, len(system.interactions),
+            system.composition, system.scheme.kind, system.scheme.rotates, stepper.parts[-1],
             state.attributes, self.sim.precision,
         )  # fmt: skip
         blocks = -(-(state.count - begin) // 1024)
@@ -146,12 +146,17 @@ class Bookkeeper:
         """The account so far."""
         work, dissipated, impulse = Account(), Account(), _Vectors()
         for name, system in self.sim._members.items():
-            labels = [t.name for t in system.composition.terms] + [one.name for one in system.interactions]
+            labels = [(t.name, "") for t in system.composition.terms]
+            labels += [(one.name, part) for one in system.interactions for part in one.parts]
             works = [not t.force.conservative for t in system.composition.terms]
-            works += [one.source_system is not None for one in system.interactions]
-            for label, does, row in zip(labels, works, self.books_of[name]):
+            works += [
+                not one.conservative or one.source_system is not None for one in system.interactions for _ in one.parts
+            ]
+            for (label, part), does, row in zip(labels, works, self.books_of[name]):
                 key = f"{name}.{label}"
-                if does:
+                if part:  # what a dissipative part of an interaction works, it takes
+                    dissipated[key] = dissipated.get(key, 0.0) - float(row[0])
+                elif does:
                     work[key] = work.get(key, 0.0) + float(row[0])
                     dissipated[key] = dissipated.get(key, 0.0) + float(row[1])
                 impulse[key] = impulse.get(key, np.zeros(3)) + row[2:5]

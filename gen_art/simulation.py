@@ -11,6 +11,7 @@ from gen_art.emitters.emission import Batch, give_birth, scheduled
 from gen_art.emitters.events import Window, children
 from gen_art.errors import UsageError
 from gen_art.integrators.kernels import make_step
+from gen_art.interactions.base import Pull
 from gen_art.particles.state import PADDING, Particles
 from gen_art.particles.system import ParticleSystem
 from gen_art.registry import suggest
@@ -235,13 +236,13 @@ class Simulation:
         system = self._members[name]
         for k, one in enumerate(system.interactions):
             other = self._stepped[one.source_system or name]
-            weights = other.system.state.floats[other.system.state.channels[one.weight], : other.system.state.count]
-            positions = other.positions(g)[:3, : other.system.state.count]
-            sources = np.ascontiguousarray(np.concatenate([positions, weights[None]]))
-            n = system.state.count
-            if n:
-                out = stepper.pair[3 * k : 3 * k + 3]
-                one.accelerate(stepper.positions(g), n, sources, out, self.precision)
+            if system.state.count:
+                pull = Pull(
+                    stepper.stage_rows(g), system.state, system.state.count, other.stage_rows(g), other.system.state,
+                    other.system.state.count, stepper.span(g, self.dt), self.dt, self.precision,
+                )  # fmt: skip
+                first = 3 * stepper.parts[k]
+                one.accelerate(pull, stepper.pair[first : first + 3 * len(one.parts)])
 
     # -- what it says of itself
 
@@ -293,8 +294,9 @@ class _Stepper:
         self.scheme_numbers = np.array(system.scheme.numbers, dtype)
         self.pair = np.zeros((1, 1), dtype)
         self.scratch = np.zeros((1, 1), dtype)
+        self.parts = np.cumsum([0, *(len(one.parts) for one in system.interactions)]).tolist()
         self.kernel = make_step(
-            system.composition, system.scheme.kind, system.scheme.rotates, len(system.interactions),
+            system.composition, system.scheme.kind, system.scheme.rotates, self.parts[-1],
             joined, system.state.attributes, precision,
         )  # fmt: skip
 
@@ -311,12 +313,16 @@ class _Stepper:
         """Fit the arrays of pair accelerations and stage states to the storage."""
         size = self.system.state.capacity + PADDING
         if self.system.interactions and self.pair.shape[1] != size:
-            self.pair = np.zeros((3 * len(self.system.interactions), size), self.numbers.dtype)
+            self.pair = np.zeros((3 * self.parts[-1], size), self.numbers.dtype)
         if self.system.scheme.kind == "runge_kutta" and self.scratch.shape[1] != size:
             self.scratch = np.zeros((12, size), self.numbers.dtype)
 
-    def positions(self, g: int) -> np.ndarray:
-        """Rows of which the first three are the positions at stage g."""
+    def span(self, g: int, dt: float) -> float:
+        """The length of the kick of stage g, s; 0 in Runge-Kutta."""
+        return dt * self.system.scheme.stages[g][0] if self.system.scheme.kind == "splitting" else 0.0
+
+    def stage_rows(self, g: int) -> np.ndarray:
+        """Rows of which the first six are the positions and velocities at stage g."""
         return self.scratch if g > 0 and self.system.scheme.kind == "runge_kutta" else self.system.state.floats
 
     def stage(self, first: int, dt: float, stage0: int, stage1: int) -> None:
