@@ -7,10 +7,11 @@ Each loop over lanes stands innermost, reads global memory and stores only to lo
 from gen_art.composition import Composition
 from gen_art.elementary import phi
 from gen_art.forces.base import term_acceleration
+from gen_art.particles.fixed import is_fixed
 from gen_art.runtime import impl, make_matrix, ti
 from gen_art.tracing import parameters, particle, traced
 
-__all__ = ["WIDTH", "Terms", "accumulate", "kick", "lifespan", "load", "store", "tile"]
+__all__ = ["WIDTH", "Terms", "accumulate", "copy", "flow", "kick", "lifespan", "load", "store", "tile"]
 
 WIDTH = 16
 
@@ -43,12 +44,19 @@ class Terms:
     def __init__(self, composition: Composition, channels: tuple, pairs: int):
         index = {id(t): k for k, t in enumerate(composition.terms)}
         entry = lambda t: (t.force, t.offset, t.count_offset(), index.get(id(t), -1))  # noqa: E731
-        self.pushes = [entry(t) for t in composition.pushes]
+        self.pushes = [(*entry(t), t.medium) for t in composition.pushes]  # and the medium it looks at, or -1
         self.magnetics = [entry(t) for t in composition.magnetics]
         self.dampings = [(t.force, t.offset, t.medium, index[id(t)]) for t in composition.dampings]
         self.media = [[entry(t) for t in terms] for terms in composition.media]
         self.rows = {name: 10 + k for k, name in enumerate(channels)}
         self.pairs = pairs
+        self.walls = []  # (collider, offset of its numbers, bit of its first side, row in the ledger)
+        bit = 0
+        for k, t in enumerate(composition.colliders):
+            self.walls.append((t.force, t.offset, bit, len(composition.terms) + pairs + k))
+            bit += t.force.sides
+        self.start = "x0 x1 x2 v0 v1 v2" if self.walls else ""  # what collisions keep of the start of a step
+        self.worked = not all(t.force.conservative or not t.force.does_work for t in composition.terms)
         self.quadratic = any(t.force.quadratic_damping for t in composition.dampings)
         self.count = len(composition.terms)
         self.only_magnetic = len(self.magnetics) == 1 and not self.dampings
@@ -61,14 +69,24 @@ class Terms:
 
 
 @traced
-def view(terms: Terms, S, K, i, x, v, age):
-    """The particle `p` in slot i as forces see it, moved to position x, velocity v, age."""
+def view(terms: Terms, S, K, i, x, v, age, flow=None):
+    """The particle `p` in slot i as forces see it, moved to position x, velocity v, age; flow is its medium's velocity."""
     row = lambda r: impl.subscript(None, S, r, i)  # noqa: E731
     key = make_matrix([impl.subscript(None, K, 0, i), impl.subscript(None, K, 1, i)])
     extra = {name: row(r) for name, r in terms.rows.items()}
+    if flow is not None:
+        extra["flow"] = flow
     return particle(
         position=x, velocity=v, mass=row(6), charge=row(7), radius=row(8), lifetime=row(9), age=age, key=key, **extra
     )
+
+
+@traced
+def flow(L, medium: int, j):
+    """The velocity of a medium in lane j, once `accumulate` has summed it; None where a term looks at no medium."""
+    if medium < 0:
+        return None
+    return make_matrix([impl.subscript(None, L.at("u", medium, c), j) for c in range(3)])
 
 
 @ti.func
@@ -87,6 +105,14 @@ def load(T: ti.template(), S: ti.template(), i):
 
 
 @ti.func
+def copy(T: ti.template(), F: ti.template()):
+    """T = F, lane by lane."""
+    for j in range(WIDTH):
+        T.x0[j], T.x1[j], T.x2[j] = F.x0[j], F.x1[j], F.x2[j]
+        T.v0[j], T.v1[j], T.v2[j] = F.v0[j], F.v1[j], F.v2[j]
+
+
+@ti.func
 def store(T: ti.template(), S: ti.template(), i):
     for j in range(WIDTH):
         S[0, i + j], S[1, i + j], S[2, i + j] = T.x0[j], T.x1[j], T.x2[j]
@@ -100,7 +126,8 @@ def lifespan(L: ti.template(), S: ti.template(), birth: ti.template(), i, now, d
         since = birth[i + j] - now
         start = ti.max(since, earliest)
         end = ti.min(since + ti.cast(S[9, i + j], ti.f64), dt)
-        L.h[j] = ti.cast(ti.max(end - start, ti.f64(0.0)), real)
+        own = ti.cast(ti.max(end - start, ti.f64(0.0)), real)
+        L.h[j] = ti.select(is_fixed(S[9, i + j]), own * 0.0, own)
         L.age[j] = ti.cast(start - since, real)
         L.t[j] = ti.cast(now + start, real)
 
@@ -125,16 +152,6 @@ def accumulate(
             L.a0[j] += A[3 * k, i + j]
             L.a1[j] += A[3 * k + 1, i + j]
             L.a2[j] += A[3 * k + 2, i + j]
-    for force, offset, count, _ in ti.static(terms.pushes):
-        for repeat in range(repeats(Q, count)):
-            for j in range(WIDTH):
-                x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
-                v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-                p = view(terms, S, K, i + j, x, v, L.age[j] + tau * L.h[j])
-                a = term_acceleration(force, p, L.t[j] + tau * L.h[j], parameters(Q, force, offset, repeat))
-                L.a0[j] += a[0]
-                L.a1[j] += a[1]
-                L.a2[j] += a[2]
     for m in ti.static(range(len(terms.media))):
         for j in range(WIDTH):
             L.at("u", m, 0)[j], L.at("u", m, 1)[j], L.at("u", m, 2)[j] = 0.0, 0.0, 0.0
@@ -148,6 +165,16 @@ def accumulate(
                     L.at("u", m, 0)[j] += u[0]
                     L.at("u", m, 1)[j] += u[1]
                     L.at("u", m, 2)[j] += u[2]
+    for force, offset, count, _, medium in ti.static(terms.pushes):
+        for repeat in range(repeats(Q, count)):
+            for j in range(WIDTH):
+                x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
+                v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
+                p = view(terms, S, K, i + j, x, v, L.age[j] + tau * L.h[j], flow(L, medium, j))
+                a = term_acceleration(force, p, L.t[j] + tau * L.h[j], parameters(Q, force, offset, repeat))
+                L.a0[j] += a[0]
+                L.a1[j] += a[1]
+                L.a2[j] += a[2]
     for d in ti.static(range(len(terms.dampings))):
         for j in range(WIDTH):
             x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
