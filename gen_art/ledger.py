@@ -2,6 +2,7 @@
 
 E(t) = E(0) + work + born - died - dissipated + residual, where E is the kinetic energy plus the time-independent potential
 of the living. Conservative forces book no work: the residual is the scheme's error. Every force books its impulse.
+A collider books what it takes and, where it moves, works, and what outer forces work otherwise in the rest of a step for it.
 """
 
 from dataclasses import dataclass, field
@@ -10,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from gen_art.diagnostics import diagnose, energy_of_pairs, living, sums
-from gen_art.integrators.booking import BOOKS, make_booking
+from gen_art.integrators.booking import make_booking
+from gen_art.integrators.books import BOOKS
 
 __all__ = ["Account", "Bookkeeper", "Ledger", "Passage"]
 
@@ -87,8 +89,11 @@ class Bookkeeper:
         self.books_of = {}
         for name, system in sim._members.items():
             rows = len(system.composition.terms) + sum(len(one.parts) for one in system.interactions)
+            rows += len(system.composition.colliders)
             self.books_of[name] = np.zeros((rows, BOOKS))
+        self._kept: dict[str, np.ndarray] = {}
         self._born, self._died = _Passages(), _Passages()
+        self._solved: dict[str, np.ndarray] = {}  # of implicit interactions: impulse, dissipated
         self._start = diagnose(sim)
 
     def step(self, name: str, stepper, begin, first, dt, earliest, stage0, stage1) -> None:
@@ -97,17 +102,31 @@ class Bookkeeper:
         rows = len(self.books_of[name])
         if rows == 0 or state.count <= begin:
             return
+        mutual = tuple(
+            one.conservative and one.source_system is None and not part for one in system.interactions for part in one.parts
+        )
         kernel = make_booking(
-            system.composition, system.scheme.kind, system.scheme.rotates, stepper.parts[-1],
+            system.composition, system.scheme.kind, system.scheme.rotates, mutual, stepper.joined,
             state.attributes, self.sim.precision,
         )  # fmt: skip
+        size = state.floats.shape[1] if system.composition.colliders else 1
+        kept = self._kept.get(name)
+        if kept is None or kept.shape[1] != size:
+            kept = self._kept[name] = np.zeros((3, size), state.floats.dtype)
         blocks = -(-(state.count - begin) // 1024)
         books = np.zeros((blocks, rows * BOOKS))
         kernel(
             state.floats, state.birth, state.key, stepper.pair, stepper.scratch, stepper.numbers, stepper.scheme_numbers,
-            begin, state.count, float(first), dt, earliest, stage0, stage1, books,
+            begin, state.count, float(first), dt, earliest, stage0, stage1, books, kept,
         )  # fmt: skip
         self.books_of[name] += books.sum(axis=0).reshape(rows, BOOKS)
+
+    def solved(self, name: str, one, state, before: np.ndarray, dt: float) -> None:
+        """Book an implicit interaction's change of the velocities, which were `before`."""
+        change = (state.floats[3:6, : state.count] - before).astype(np.float64)
+        row = self._solved.setdefault(f"{name}.{one.name}", np.zeros(4))
+        row[:3] += change @ state.floats[6, : state.count].astype(np.float64)
+        row[3] += one.dissipated(state, dt)
 
     def born(self, name: str, new: slice) -> None:
         """Book births, at their exact times and before they move."""
@@ -152,6 +171,8 @@ class Bookkeeper:
             works += [
                 not one.conservative or one.source_system is not None for one in system.interactions for _ in one.parts
             ]
+            labels += [(t.name, "") for t in system.composition.colliders]
+            works += [True] * len(system.composition.colliders)
             for (label, part), does, row in zip(labels, works, self.books_of[name]):
                 key = f"{name}.{label}"
                 if part:  # what a dissipative part of an interaction works, it takes
@@ -160,6 +181,9 @@ class Bookkeeper:
                     work[key] = work.get(key, 0.0) + float(row[0])
                     dissipated[key] = dissipated.get(key, 0.0) + float(row[1])
                 impulse[key] = impulse.get(key, np.zeros(3)) + row[2:5]
+        for key, row in self._solved.items():
+            impulse[key] = impulse.get(key, np.zeros(3)) + row[:3]
+            dissipated[key] = dissipated.get(key, 0.0) + float(row[3])
         now = diagnose(self.sim)
         born, died = self._born.total, self._died.total
         expected = self._start.energy + work.total + born.energy - died.energy - dissipated.total

@@ -68,6 +68,9 @@ class Simulation:
             give_birth(system.state, [b for e in system.emitters for b in scheduled(e, 0.0)], precision)
         # ids of the children made at the end of the last step: their own events were not seen yet
         self._behind = {name: (0, system.state.next_id) for name, system in definitions.items()}
+        for system in definitions.values():
+            for one in system.interactions:
+                one.join(system, self.dt)
         self._ledger: Bookkeeper | None = None
         if ledger:
             from gen_art import ledger as accounts
@@ -222,19 +225,38 @@ class Simulation:
             self._pairs_at = -1
             for stepper in joined.values():
                 stepper.stage(first, self.dt, -1, 0)
-        for g in range(len(schemes[0].stages)):
+        for g in range(max(len(s.stages) for s in schemes)):
+            active = {name: stepper for name, stepper in joined.items() if g < len(stepper.system.scheme.stages)}
             if g > 0 or self._pairs_at != self.steps_done:
-                for name, stepper in joined.items():
+                for name, stepper in active.items():
                     self._pull(name, stepper, g)
-            for stepper in joined.values():
-                stepper.stage(first, self.dt, g, g + 1)
+            for name, stepper in active.items():
+                if any(one.implicit for one in stepper.system.interactions):
+                    self._implicit_step(name, stepper, first)
+                else:
+                    stepper.stage(first, self.dt, g, g + 1)
         # where nothing moves after the last kick, its pair accelerations serve the next step's first
         still = all(s.kind == "splitting" and s.stages[-1][2] == 0 for s in schemes)
+        still = still and not any(stepper.system.composition.colliders for stepper in joined.values())
         self._pairs_at = self.steps_done + 1 if still else -1
+
+    def _implicit_step(self, name: str, stepper: "_Stepper", first: int) -> None:
+        """Kick, the implicit interactions' own change of velocities, drift: backward Euler in them."""
+        state = stepper.system.state
+        stepper.stage(first, self.dt, 0, 1, np.array([0.0, 1.0, 0.0, 0.0], state.floats.dtype))
+        for one in stepper.system.interactions:
+            if one.implicit:
+                before = state.floats[3:6, : state.count].copy() if self._ledger else None
+                one.solve(state, self.dt, self.precision)
+                if self._ledger:
+                    self._ledger.solved(name, one, state, before, self.dt)
+        stepper.stage(first, self.dt, 0, 1, np.array([0.0, 0.0, 0.0, 1.0], state.floats.dtype))
 
     def _pull(self, name: str, stepper: "_Stepper", g: int) -> None:
         system = self._members[name]
         for k, one in enumerate(system.interactions):
+            if one.implicit:
+                continue
             other = self._stepped[one.source_system or name]
             if system.state.count:
                 pull = Pull(
@@ -313,8 +335,9 @@ class _Stepper:
         """Fit the arrays of pair accelerations and stage states to the storage."""
         size = self.system.state.capacity + PADDING
         if self.system.interactions and self.pair.shape[1] != size:
-            self.pair = np.zeros((3 * self.parts[-1], size), self.numbers.dtype)
-        if self.system.scheme.kind == "runge_kutta" and self.scratch.shape[1] != size:
+            self.pair = np.zeros((max(1, 3 * self.parts[-1]), size), self.numbers.dtype)
+        keeps = self.system.scheme.kind == "runge_kutta" or self.system.composition.colliders
+        if keeps and self.scratch.shape[1] != size:
             self.scratch = np.zeros((12, size), self.numbers.dtype)
 
     def span(self, g: int, dt: float) -> float:
@@ -325,8 +348,8 @@ class _Stepper:
         """Rows of which the first six are the positions and velocities at stage g."""
         return self.scratch if g > 0 and self.system.scheme.kind == "runge_kutta" else self.system.state.floats
 
-    def stage(self, first: int, dt: float, stage0: int, stage1: int) -> None:
-        """Stages stage0 to stage1 - 1 of one step; from -1 the first drift."""
+    def stage(self, first: int, dt: float, stage0: int, stage1: int, numbers: np.ndarray | None = None) -> None:
+        """Stages stage0 to stage1 - 1 of one step; from -1 the first drift. numbers : in the place of the scheme's"""
         self._launch(0, first, 1, dt, 0.0, stage0, stage1)
 
     def _launch(self, begin, first, steps, dt, earliest, stage0, stage1) -> None:
