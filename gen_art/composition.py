@@ -7,7 +7,7 @@ import numpy as np
 
 from gen_art.colliders.base import Collider
 from gen_art.errors import UsageError
-from gen_art.forces.base import Force, pushes
+from gen_art.forces.base import Force, burns, pushes
 from gen_art.medium import Medium
 
 __all__ = ["Composition", "Term"]
@@ -89,6 +89,10 @@ class Composition:
     @property
     def dampings(self) -> list[Term]:
         return [t for t in self.terms if t.force.provides("damping")]
+
+    @property
+    def burners(self) -> list[Term]:
+        return [t for t in self.terms if burns(t.force)]
 
     @property
     def potentials(self) -> list[Term]:

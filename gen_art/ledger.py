@@ -46,7 +46,8 @@ class Passage:
 class Ledger:
     """The account since the simulation began.
 
-    born, died : Passage by emitter     work, dissipated : J by force     impulse : (3,) N s by force; each with .total
+    born, died : Passage by emitter, and died by engine for what it burnt
+    work, dissipated : J by force     impulse : (3,) N s by force; each with .total
     residual : J, what the energy changed by beyond the account; momentum_residual : (3,), likewise
     scale : J, the energy that moved (kinetic, work, dissipated, born, died), to judge the residual by
     """
@@ -89,7 +90,7 @@ class Bookkeeper:
         self.books_of = {}
         for name, system in sim._members.items():
             rows = len(system.composition.terms) + sum(len(one.parts) for one in system.interactions)
-            rows += len(system.composition.colliders)
+            rows += len(system.composition.colliders) + 2 * len(system.composition.burners)
             self.books_of[name] = np.zeros((rows, BOOKS))
         self._kept: dict[str, np.ndarray] = {}
         self._born, self._died = _Passages(), _Passages()
@@ -103,7 +104,9 @@ class Bookkeeper:
         if rows == 0 or state.count <= begin:
             return
         mutual = tuple(
-            one.conservative and one.source_system is None and not part for one in system.interactions for part in one.parts
+            one.conservative and one.source_system is None and not part
+            for one in system.interactions
+            for part in one.parts
         )
         kernel = make_booking(
             system.composition, system.scheme.kind, system.scheme.rotates, mutual, stepper.joined,
@@ -163,6 +166,7 @@ class Bookkeeper:
 
     def report(self) -> Ledger:
         """The account so far."""
+        died = _Passages(self._died)
         work, dissipated, impulse = Account(), Account(), _Vectors()
         for name, system in self.sim._members.items():
             labels = [(t.name, "") for t in system.composition.terms]
@@ -181,18 +185,23 @@ class Bookkeeper:
                     work[key] = work.get(key, 0.0) + float(row[0])
                     dissipated[key] = dissipated.get(key, 0.0) + float(row[1])
                 impulse[key] = impulse.get(key, np.zeros(3)) + row[2:5]
+            for k, burner in enumerate(system.composition.burners):
+                taken, turn = self.books_of[name][len(labels) + 2 * k :][:2]
+                died[f"{name}.{burner.name}"] = Passage(
+                    0, taken[1], 0.0, taken[2:].copy(), turn[2:].copy(), float(taken[0])
+                )
         for key, row in self._solved.items():
             impulse[key] = impulse.get(key, np.zeros(3)) + row[:3]
             dissipated[key] = dissipated.get(key, 0.0) + float(row[3])
         now = diagnose(self.sim)
-        born, died = self._born.total, self._died.total
-        expected = self._start.energy + work.total + born.energy - died.energy - dissipated.total
-        momentum = self._start.momentum + impulse.total + born.momentum - died.momentum
+        born, gone = self._born.total, died.total
+        expected = self._start.energy + work.total + born.energy - gone.energy - dissipated.total
+        momentum = self._start.momentum + impulse.total + born.momentum - gone.momentum
         scale = max(
             abs(self._start.kinetic_energy), now.kinetic_energy, abs(self._start.potential_energy), abs(work.total),
-            abs(dissipated.total), abs(born.energy), abs(died.energy), 1e-300,
+            abs(dissipated.total), abs(born.energy), abs(gone.energy), 1e-300,
         )  # fmt: skip
         return Ledger(
-            _Passages(self._born), _Passages(self._died), work, dissipated, impulse,
+            _Passages(self._born), died, work, dissipated, impulse,
             float(now.energy - expected), now.momentum - momentum, float(scale),
         )  # fmt: skip

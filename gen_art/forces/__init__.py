@@ -12,6 +12,7 @@ from gen_art.forces.gravity import Gravity, HeightGravity
 from gen_art.forces.lift import Lift
 from gen_art.forces.random_driver import RandomDriver
 from gen_art.forces.spring import Spring
+from gen_art.forces.thrust import Thrust
 from gen_art.forces.wind import Wind
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "RandomDriver",
     "Spring",
     "ThermalLift",
+    "Thrust",
     "Vortex",
     "Wind",
     "force",

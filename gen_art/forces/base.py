@@ -6,7 +6,7 @@ from gen_art.errors import UsageError
 from gen_art.registry import Parametric, Registry
 from gen_art.runtime import ti
 
-__all__ = ["FORCES", "Force", "force", "term_acceleration", "pushes"]
+__all__ = ["FORCES", "Force", "burns", "force", "pushes", "term_acceleration", "term_mass_rate"]
 
 FORCES = Registry("force")
 force = FORCES  # as a decorator: @ga.force("swirl")
@@ -23,6 +23,8 @@ class Force(Parametric):
     electric      (3,) V/m              magnetic  (3,) T
     damping       (2,) rate in 1/s and quadratic rate in 1/m, taken into the integrator exactly
     potential     J, time-independent; -gradient is the force
+    mass_rate     kg/s that the particle's mass falls by, held over a step; p.since, p.step: age at its start, its length, s
+                  (`mass_loss`, the same by another name, where mass_rate is a parameter)
 
     Flags, which the ledger and `inspect` read: `conservative` (has a time-independent potential), `reciprocal`,
     `dissipative`, `does_work`. `repeat` names an int parameter: the term is summed for q.index in 0 .. q.<repeat> - 1.
@@ -57,6 +59,9 @@ class Force(Parametric):
         values = tuple((k, self.values[k]) for k, p in self.parameters.items() if p.kind in ("bool", "choice", "text"))
         return (type(self), values)
 
+    def check_mass(self, lightest: float) -> None:
+        """Hook: UsageError if the lightest particle of a system, in kg, is too light for this force."""
+
     def bound_numbers(self, medium) -> list[float]:
         """The run-time numbers, once the medium the particle moves in is known."""
         return self.numbers()
@@ -78,3 +83,19 @@ def term_acceleration(term: ti.template(), p, t, q):
 def pushes(term) -> bool:
     """Whether a term has a part that acts as an acceleration."""
     return any(term.provides(n) for n in ("acceleration", "force", "electric"))
+
+
+@ti.func
+def term_mass_rate(term: ti.template(), p, t, q):
+    """The mass in kg/s that one term burns."""
+    rate = p.mass * 0.0
+    if ti.static(term.provides("mass_rate")):
+        rate = term.mass_rate(p, t, q)
+    else:
+        rate = term.mass_loss(p, t, q)
+    return rate
+
+
+def burns(term) -> bool:
+    """Whether a term takes mass from the particle."""
+    return term.provides("mass_rate") or term.provides("mass_loss")

@@ -10,13 +10,29 @@ from gen_art import runtime
 from gen_art.composition import Composition
 from gen_art.forces.base import term_acceleration
 from gen_art.integrators.books import BOOKS, note
+from gen_art.integrators.burning import book_exhaust, burn
 from gen_art.integrators.contact import collide
 from gen_art.integrators.kernels import BLOCK, advance_stage, drift, recall
-from gen_art.integrators.terms import WIDTH, Terms, accumulate, copy, flow, kick, lifespan, load, repeats, tile, view
+from gen_art.integrators.terms import (
+    WIDTH,
+    Terms,
+    accumulate,
+    copy,
+    flow,
+    kick,
+    lifespan,
+    load,
+    repeats,
+    step_of,
+    tile,
+    view,
+    weight,
+)
 from gen_art.runtime import ti
 from gen_art.tracing import parameters
 
 __all__ = ["BOOKS", "make_booking"]
+
 
 @ti.func
 def _book(
@@ -28,6 +44,8 @@ def _book(
     for j in range(WIDTH):
         if i + j < n and L.h[j] > 0.0:
             m = S[6, i + j]
+            if ti.static(len(terms.burners) > 0):
+                m = L.m[j]
             h = fraction * L.h[j]
             x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
             new = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
@@ -35,7 +53,9 @@ def _book(
             mean = new
             if ti.static(kicked):
                 mean = 0.5 * (old + new)
-            p = view(terms, S, K, i + j, x, old, L.age[j] + tau * L.h[j])
+            p = view(
+                terms, S, K, i + j, x, old, L.age[j] + tau * L.h[j], None, weight(terms, L, j), step_of(terms, L, j)
+            )
             t = L.t[j] + tau * L.h[j]
             rest = m * (new - old)  # what the kick changed, less what the pushes account for, is the drag's
             for k in ti.static(range(terms.pairs)):
@@ -46,7 +66,10 @@ def _book(
                 if ti.static(len(terms.walls) > 0 and terms.mutual[k]):
                     C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
             for force, offset, count, row, medium in ti.static(terms.pushes):
-                seen = view(terms, S, K, i + j, x, old, L.age[j] + tau * L.h[j], flow(L, medium, j))
+                seen = view(
+                    terms, S, K, i + j, x, old, L.age[j] + tau * L.h[j], flow(L, medium, j),
+                    weight(terms, L, j), step_of(terms, L, j),
+                )  # fmt: skip
                 for repeat in range(repeats(Q, count)):
                     a = term_acceleration(force, seen, t, parameters(Q, force, offset, repeat))
                     impulse = a * (m * h)
@@ -80,6 +103,19 @@ def _book(
                     impulse = (u - met) * (k * m * h)
                     work = impulse.dot(u)
                     note(B, b, ti.static(terms.dampings[d][3]), work, work - impulse.dot(mean), impulse)
+
+
+@ti.func
+def flight(
+    terms: ti.template(), B: ti.template(), b, L: ti.template(), X: ti.template(),
+    S: ti.template(), K: ti.template(), Q: ti.template(), i, n, tau, fraction,
+):  # fmt: skip
+    """A drift; what burns meanwhile leaves in halves, before and after it."""
+    if ti.static(len(terms.burners) > 0):
+        book_exhaust(terms, B, b, L, X, S, K, Q, i, n, tau, 0.5 * fraction)
+    drift(L, X, fraction)
+    if ti.static(len(terms.burners) > 0):
+        book_exhaust(terms, B, b, L, X, S, K, Q, i, n, tau + fraction, 0.5 * fraction)
 
 
 @ti.func
@@ -130,6 +166,8 @@ def make_booking(
                         for j in range(WIDTH):
                             C.c0[j], C.c1[j], C.c2[j] = M[0, i + j], M[1, i + j], M[2, i + j]
                     lifespan(L, S, birth, i, first * dt, dt, earliest, real)
+                    if ti.static(len(terms.burners) > 0):
+                        burn(terms, L, X, S, K, Q, i)
                     if ti.static(splitting):
                         if ti.static(len(terms.walls) > 0):
                             copy(G, X)
@@ -137,20 +175,22 @@ def make_booking(
                                 if stage0 > 0 or (stage0 == 0 and P[0] != 0.0):
                                     load(G, R, i)
                         if stage0 < 0:
-                            drift(L, X, P[0])
+                            flight(terms, B, b, L, X, S, K, Q, i, n, 0.0, P[0])
                         for g in range(ti.max(stage0, 0), stage1):
                             for j in range(WIDTH):
                                 Y.v0[j], Y.v1[j], Y.v2[j] = X.v0[j], X.v1[j], X.v2[j]
                             accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
                             kick(terms, rotates, L, X, S, i, P[1 + 3 * g])
                             _book(terms, B, b, L, X, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], True, C)
-                            drift(L, X, P[3 + 3 * g])
+                            flight(terms, B, b, L, X, S, K, Q, i, n, P[2 + 3 * g], P[3 + 3 * g])
                     else:
                         if stage0 > 0:
                             recall(Y, Z, R, i)
                         for g in range(ti.max(stage0, 0), stage1):
                             accumulate(terms, L, Y, S, K, A, Q, i, P[2 + 3 * g])
                             _book(terms, B, b, L, Y, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], False, C)
+                            if ti.static(len(terms.burners) > 0):
+                                book_exhaust(terms, B, b, L, Y, S, K, Q, i, n, P[2 + 3 * g], P[1 + 3 * g])
                             advance_stage(terms, L, X, Y, Z, S, i, P[1 + 3 * g], P[3 + 3 * g])
                     if ti.static(len(terms.walls) > 0):
                         for j in range(WIDTH):

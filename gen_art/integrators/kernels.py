@@ -9,8 +9,9 @@ from functools import cache
 
 from gen_art import runtime
 from gen_art.composition import Composition
+from gen_art.integrators.burning import burn, lighten
 from gen_art.integrators.contact import collide
-from gen_art.integrators.terms import WIDTH, Terms, accumulate, copy, kick, lifespan, load, store, tile
+from gen_art.integrators.terms import WIDTH, Terms, accumulate, copy, kick, lifespan, load, specific_charge, store, tile
 from gen_art.runtime import ti
 
 __all__ = ["BLOCK", "advance_stage", "drift", "make_step", "recall"]
@@ -83,6 +84,8 @@ def _splitting(terms: Terms, rotates: bool, resumes: bool, real):
                     load(X, S, i)
                     for step in range(steps):
                         lifespan(L, S, birth, i, (first + ti.cast(step, ti.f64)) * dt, dt, earliest, real)
+                        if ti.static(len(terms.burners) > 0):
+                            burn(terms, L, X, S, K, Q, i)
                         if ti.static(len(terms.walls) > 0):
                             begin_step(resumes, G, X, R, P, i, stage0)
                         if stage0 < 0:
@@ -94,6 +97,9 @@ def _splitting(terms: Terms, rotates: bool, resumes: bool, real):
                         if ti.static(len(terms.walls) > 0):
                             if stage1 == (P.shape[0] - 1) // 3:
                                 collide(terms, L, G, X, S, Q, i, n, 0, 0, 0, False)
+                        if ti.static(len(terms.burners) > 0):
+                            if stage1 == (P.shape[0] - 1) // 3:
+                                lighten(L, S, i, n)
                     store(X, S, i)
 
     return splitting
@@ -145,6 +151,8 @@ def _runge_kutta(terms: Terms, resumes: bool, real):
                     load(X, S, i)
                     for step in range(steps):
                         lifespan(L, S, birth, i, (first + ti.cast(step, ti.f64)) * dt, dt, earliest, real)
+                        if ti.static(len(terms.burners) > 0):
+                            burn(terms, L, X, S, K, Q, i)
                         for j in range(WIDTH):
                             Y.x0[j], Y.x1[j], Y.x2[j] = X.x0[j], X.x1[j], X.x2[j]
                             Y.v0[j], Y.v1[j], Y.v2[j] = X.v0[j], X.v1[j], X.v2[j]
@@ -169,6 +177,9 @@ def _runge_kutta(terms: Terms, resumes: bool, real):
                                 X.v2[j] += Z.v2[j]
                             if ti.static(len(terms.walls) > 0):
                                 collide(terms, L, Y, X, S, Q, i, n, 0, 0, 0, False)
+                        if ti.static(len(terms.burners) > 0):
+                            if stage1 == (P.shape[0] - 1) // 3:
+                                lighten(L, S, i, n)
                     store(X, S, i)
 
     return runge_kutta
@@ -195,7 +206,7 @@ def advance_stage(
             w = v - ti.Vector([L.at("u", m, 0)[j], L.at("u", m, 1)[j], L.at("u", m, 2)[j]])
             a -= (L.at("k", d)[j] + L.at("q", d)[j] * w.norm()) * w
         if ti.static(len(terms.magnetics) > 0):
-            a += v.cross(ti.Vector([L.b0[j], L.b1[j], L.b2[j]])) * (S[7, i + j] / S[6, i + j])
+            a += v.cross(ti.Vector([L.b0[j], L.b1[j], L.b2[j]])) * specific_charge(terms, L, S, i, j)
         h = L.h[j]
         Z.x0[j] += weight * h * v[0]
         Z.x1[j] += weight * h * v[1]

@@ -11,7 +11,10 @@ from gen_art.particles.fixed import is_fixed
 from gen_art.runtime import impl, make_matrix, ti
 from gen_art.tracing import parameters, particle, traced
 
-__all__ = ["WIDTH", "Terms", "accumulate", "copy", "flow", "kick", "lifespan", "load", "store", "tile"]
+__all__ = [
+    "WIDTH", "Terms", "accumulate", "copy", "flow", "kick", "lifespan", "load", "repeats", "specific_charge", "step_of", "store",
+    "tile", "view", "weight",
+]  # fmt: skip
 
 WIDTH = 16
 
@@ -55,6 +58,11 @@ class Terms:
         for k, t in enumerate(composition.colliders):
             self.walls.append((t.force, t.offset, bit, len(composition.terms) + pairs + k))
             bit += t.force.sides
+        self.burners = [entry(t) for t in composition.burners]
+        self.potentials = [entry(t) for t in composition.potentials]
+        self.exhaust = (
+            len(composition.terms) + pairs + len(self.walls)
+        )  # the ledger's row of the first burner's exhaust
         self.start = "x0 x1 x2 v0 v1 v2" if self.walls else ""  # what collisions keep of the start of a step
         self.worked = not all(t.force.conservative or not t.force.does_work for t in composition.terms)
         self.quadratic = any(t.force.quadratic_damping for t in composition.dampings)
@@ -63,21 +71,36 @@ class Terms:
         names = ["a0 a1 a2 g0 g1 g2 h age t"]
         names += [f"k{d} q{d}" for d in range(len(self.dampings))]
         names += [f"u{m}0 u{m}1 u{m}2" for m in range(len(self.media))]
+        if self.burners:
+            names.append("m w")  # mass at the stage, and its loss in kg/s
         if self.magnetics:
             names.append("b0 b1 b2")
         self.vectors = " ".join(names)
 
 
 @traced
-def view(terms: Terms, S, K, i, x, v, age, flow=None):
-    """The particle `p` in slot i as forces see it, moved to position x, velocity v, age; flow is its medium's velocity."""
+def view(terms: Terms, S, K, i, x, v, age, flow=None, mass=None, step=None):
+    """The particle `p` in slot i as forces see it, moved to position x, velocity v, age.
+
+    flow is its medium's velocity; mass what it weighs where it burns, with the age at the start of its step and the step.
+    """
     row = lambda r: impl.subscript(None, S, r, i)  # noqa: E731
     key = make_matrix([impl.subscript(None, K, 0, i), impl.subscript(None, K, 1, i)])
     extra = {name: row(r) for name, r in terms.rows.items()}
     if flow is not None:
         extra["flow"] = flow
+    if step is not None:
+        extra["since"], extra["step"] = step
     return particle(
-        position=x, velocity=v, mass=row(6), charge=row(7), radius=row(8), lifetime=row(9), age=age, key=key, **extra
+        position=x,
+        velocity=v,
+        mass=row(6) if mass is None else mass,
+        charge=row(7),
+        radius=row(8),
+        lifetime=row(9),
+        age=age,
+        key=key,
+        **extra,
     )
 
 
@@ -87,6 +110,27 @@ def flow(L, medium: int, j):
     if medium < 0:
         return None
     return make_matrix([impl.subscript(None, L.at("u", medium, c), j) for c in range(3)])
+
+
+@traced
+def weight(terms: Terms, L, j):
+    """A lane's mass at the stage, where it burns; else None: the stored one."""
+    return impl.subscript(None, L.m, j) if terms.burners else None
+
+
+@traced
+def step_of(terms: Terms, L, j):
+    """The age at the start of a lane's own step and the step's length, where it burns; else None."""
+    return (impl.subscript(None, L.age, j), impl.subscript(None, L.h, j)) if terms.burners else None
+
+
+@ti.func
+def specific_charge(terms: ti.template(), L: ti.template(), S: ti.template(), i, j):
+    """Charge over mass."""
+    ratio = S[7, i + j] / S[6, i + j]
+    if ti.static(len(terms.burners) > 0):
+        ratio = S[7, i + j] / L.m[j]
+    return ratio
 
 
 @ti.func
@@ -145,6 +189,9 @@ def accumulate(
     tau,
 ):
     """Sum every term at the state X of the tile and the fraction tau of each lane's step, into L."""
+    if ti.static(len(terms.burners) > 0):
+        for j in range(WIDTH):
+            L.m[j] = S[6, i + j] - tau * L.h[j] * L.w[j]
     for j in range(WIDTH):
         L.a0[j], L.a1[j], L.a2[j] = 0.0, 0.0, 0.0
     for k in ti.static(range(terms.pairs)):
@@ -160,7 +207,18 @@ def accumulate(
                 for j in range(WIDTH):
                     x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
                     v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-                    p = view(terms, S, K, i + j, x, v, L.age[j] + tau * L.h[j])
+                    p = view(
+                        terms,
+                        S,
+                        K,
+                        i + j,
+                        x,
+                        v,
+                        L.age[j] + tau * L.h[j],
+                        None,
+                        weight(terms, L, j),
+                        step_of(terms, L, j),
+                    )
                     u = force.acceleration(p, L.t[j] + tau * L.h[j], parameters(Q, force, offset, repeat))
                     L.at("u", m, 0)[j] += u[0]
                     L.at("u", m, 1)[j] += u[1]
@@ -170,7 +228,18 @@ def accumulate(
             for j in range(WIDTH):
                 x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
                 v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-                p = view(terms, S, K, i + j, x, v, L.age[j] + tau * L.h[j], flow(L, medium, j))
+                p = view(
+                    terms,
+                    S,
+                    K,
+                    i + j,
+                    x,
+                    v,
+                    L.age[j] + tau * L.h[j],
+                    flow(L, medium, j),
+                    weight(terms, L, j),
+                    step_of(terms, L, j),
+                )
                 a = term_acceleration(force, p, L.t[j] + tau * L.h[j], parameters(Q, force, offset, repeat))
                 L.a0[j] += a[0]
                 L.a1[j] += a[1]
@@ -179,7 +248,7 @@ def accumulate(
         for j in range(WIDTH):
             x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
             v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-            p = view(terms, S, K, i + j, x, v, L.age[j] + tau * L.h[j])
+            p = view(terms, S, K, i + j, x, v, L.age[j] + tau * L.h[j], None, weight(terms, L, j), step_of(terms, L, j))
             q = parameters(Q, terms.dampings[d][0], terms.dampings[d][1])
             rates = terms.dampings[d][0].damping(p, L.t[j] + tau * L.h[j], q)
             L.at("k", d)[j], L.at("q", d)[j] = rates[0], rates[1]
@@ -191,7 +260,18 @@ def accumulate(
                 for j in range(WIDTH):
                     x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
                     v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-                    p = view(terms, S, K, i + j, x, v, L.age[j] + tau * L.h[j])
+                    p = view(
+                        terms,
+                        S,
+                        K,
+                        i + j,
+                        x,
+                        v,
+                        L.age[j] + tau * L.h[j],
+                        None,
+                        weight(terms, L, j),
+                        step_of(terms, L, j),
+                    )
                     field = force.magnetic(p, L.t[j] + tau * L.h[j], parameters(Q, force, offset, repeat))
                     L.b0[j] += field[0]
                     L.b1[j] += field[1]
@@ -243,7 +323,7 @@ def kick(
         if ti.static(len(terms.magnetics) == 0):
             v = push(terms, L, j, v, h)
         else:
-            omega = ti.Vector([L.b0[j], L.b1[j], L.b2[j]]) * (S[7, i + j] / S[6, i + j])
+            omega = ti.Vector([L.b0[j], L.b1[j], L.b2[j]]) * specific_charge(terms, L, S, i, j)
             if ti.static(rotates):
                 v = push(terms, L, j, v, 0.5 * h)
                 v = rotated(v, omega, h)

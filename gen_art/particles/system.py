@@ -57,12 +57,21 @@ class ParticleSystem:
         self.composition = Composition(self.forces, self.medium, self.colliders)
         self.emitters: list[Emission] = list(emitters)
         self.look = look
+        lightest = min(self._least_masses(mass), default=None)
+        for one in self.forces if lightest is not None else ():
+            one.check_mass(lightest)
         self.name = ""
         self._initial = self._arrays(position, velocity, mass, charge, radius, dict(attributes or {}))
         self._attributes = dict(attributes or {})
         self._fixed = self._which(fixed)
         self._state: Particles | None = None
         self._time = lambda: 0.0
+
+    def _least_masses(self, mass) -> list[float]:
+        """The least mass of the initial particles and of each kind of birth, kg; kinds given by density have any."""
+        least = [] if mass is None or not np.size(mass) else [float(np.min(mass))]
+        kinds = [kind for emission in self.emitters for kind in emission.kinds]
+        return least + [kind.attributes["mass"][0] for kind in kinds if "density" not in kind.attributes]
 
     @staticmethod
     def _arrays(position, velocity, mass, charge, radius, attributes) -> dict[str, np.ndarray]:

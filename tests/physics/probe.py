@@ -52,7 +52,7 @@ def probe(force, p, precision="f64", medium=None):
                     x = ti.Vector([S[0, i], S[1, i], S[2, i]])
                     v = ti.Vector([S[3, i], S[4, i], S[5, i]])
                     q = parameters(Q, force, 0, k)
-                    p = view(terms, S, K, i, x, v, A[i], ti.Vector(FLOW))
+                    p = view(terms, S, K, i, x, v, A[i], ti.Vector(FLOW), None, (A[i], 0.1))
                     if ti.static(pushes):
                         a = term_acceleration(force, p, t, q)
                         for c in ti.static(range(3)):

@@ -103,11 +103,18 @@ def flat_gravity(p):
     return np.outer(up, -3.0) * (1.5 / (1.5 + h)) ** 2
 
 
+def thrust(p):
+    """Lit from 0.5 to 1.0 s of age; the probe's step is 0.1 s."""
+    share = np.clip(np.minimum(p.age + 0.1, 1.0) - np.maximum(p.age, 0.5), 0, None) / 0.1
+    return np.outer((0.6, 0.0, 0.8), 3.0 * 0.2 * share / p.mass)
+
+
 # name: (instance, what it gives, the NumPy formula); "push" is compared after multiplying fields by charge / mass
 CASES = {
     "gravity": (F.Gravity((1.0, -9.81, 0.5)), "push", lambda p: np.tile(_column((1.0, -9.81, 0.5)), p.mass.size)),
     "height_gravity": (F.HeightGravity(3.0, 1.5, (0.1, 0.0, 0.0), (0.0, 3.0, 4.0)), "push", flat_gravity),
     "lift": (F.Lift(0.8, 0.6, (0.2, 0.0, 3.0), 1.3), "push", lift),
+    "thrust": (F.Thrust((3.0, 0.0, 4.0), 3.0, 0.2, 0.5, 0.5), "push", thrust),
     "driver": (F.Driver(0.7, 1.3, 0.4, (1.0, 2.0, 2.0)), "push", driver),
     "random_driver": (F.RandomDriver(1.4, 0.6, 3, 5), "push", random_driver),
     "wind": (F.Wind((1.0, 2.0, 3.0)), "push", lambda p: np.tile(_column((1.0, 2.0, 3.0)), p.mass.size)),
