@@ -350,7 +350,10 @@ class _Stepper:
 
     def stage(self, first: int, dt: float, stage0: int, stage1: int, numbers: np.ndarray | None = None) -> None:
         """Stages stage0 to stage1 - 1 of one step; from -1 the first drift. numbers : in the place of the scheme's"""
+        own = self.scheme_numbers
+        self.scheme_numbers = own if numbers is None else numbers
         self._launch(0, first, 1, dt, 0.0, stage0, stage1)
+        self.scheme_numbers = own
 
     def _launch(self, begin, first, steps, dt, earliest, stage0, stage1) -> None:
         state = self.system.state

@@ -94,6 +94,7 @@ def restore(path):
 
 def _law(one) -> dict:
     values = {k: _medium(v) if isinstance(v, Medium) else v for k, v in one.values.items()}
+    values = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
     return {"name": one.name, "values": values}
 
 

@@ -40,25 +40,26 @@ class Interaction(Parametric):
     `accelerate(pull, out)` writes accelerations, m/s^2, of the first pull.n particles into out, (3 len(parts), capacity):
     three rows for each of `parts`, which the ledger books apart: "" by the class's flags, any other name as dissipated.
     `energy(state, slots, precision)` gives the potential energy, J, that the particles in these slots have together.
-    `join(system, seed)` is called once the initial particles of its system are there; `check(system, dt)` before that.
+    Where `implicit`, `solve(state, dt, precision)` changes velocities instead, between the kick and the drift of a step.
     """
 
     parts: ClassVar[tuple[str, ...]] = ("",)
     conservative: ClassVar[bool] = True
     reciprocal: ClassVar[bool] = True
+    implicit: bool = False
 
     @property
     def source_system(self) -> str | None:
         """The other system whose particles act, or None: the particles of the system act on each other."""
         return self.values.get("sources")
 
-    def check(self, system, dt: float) -> None:
-        """Refuse, by UsageError, a system this cannot act in; warn where it can but should not."""
-
-    def join(self, system) -> None:
-        """Learn who the particles of the system are: called when those of the start have been born."""
+    def join(self, system, dt: float) -> None:
+        """Called when the particles of the start have been born: learn who they are, refuse by UsageError, or warn."""
 
     def accelerate(self, pull: Pull, out: np.ndarray) -> None:
+        raise NotImplementedError
+
+    def solve(self, state: Particles, dt: float, precision: str) -> None:
         raise NotImplementedError
 
     def energy(self, state: Particles, slots: np.ndarray, precision: str) -> float:
