@@ -22,6 +22,7 @@ def systems_of(preset) -> dict[str, ParticleSystem]:
         systems[name] = ParticleSystem(
             forces=forces,
             interactions=list(spec.interactions),
+            colliders=[*(preset.colliders if spec.inherit_colliders else ()), *spec.colliders],
             integrator=spec.integrator,
             medium=medium,
             emitters=[_emission(key, emitter, spec.particle) for key, emitter in spec.emitters.items()],

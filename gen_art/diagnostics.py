@@ -102,8 +102,7 @@ def energy_of_pairs(sim, name: str, slots: np.ndarray) -> float:
     state, total = system.state, 0.0
     for one in system.interactions:
         if one.source_system is None:
-            weights = state.floats[state.channels[one.weight], slots]
-            total += one.energy(np.ascontiguousarray(state.floats[:3, slots]), weights, sim.precision)
+            total += one.energy(state, slots, sim.precision)
     return total
 
 

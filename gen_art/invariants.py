@@ -50,7 +50,8 @@ def expected_order(piece, name: str, seen: tuple = ()) -> int:
     system = piece.systems[name]
     used = scheme(system.integrator)
     order = used.order
-    if used.kind == "splitting" and not used.rotates and any(f.depends_on_velocity for f in forces_of(piece, system)):
+    turned = [f for f in forces_of(piece, system) if f.depends_on_velocity and not (used.rotates and f.provides("magnetic"))]
+    if used.kind == "splitting" and turned:
         order = 1
     fields = (*forces_of(piece, system), *(system.medium or piece.medium).terms)
     order = min([order, *(_SMOOTH.get(field.name, order) for field in fields)])
@@ -66,7 +67,8 @@ def advice(piece) -> list[str]:
     found = []
     for name, system in piece.systems.items():
         forces, used = forces_of(piece, system), scheme(system.integrator)
-        turning = ", ".join(dict.fromkeys(f.name for f in forces if f.depends_on_velocity))
+        turning = ", ".join(dict.fromkeys(f.name for f in forces if f.provides("magnetic")))
+        leaning = ", ".join(dict.fromkeys(f.name for f in forces if f.depends_on_velocity and f.name not in turning))
         holding = [f.name for f in forces if f.conservative and f.provides("potential")]
         holding += [one.name for one in system.interactions if one.conservative]
         if turning and not used.rotates:
@@ -76,6 +78,11 @@ def advice(piece) -> list[str]:
                 else f"takes {turning}, which depends on the velocity, as a plain kick: order 1, and the speed grows"
             )
             found.append(f"{name}: {used.name} {what}; boris turns the velocity exactly")
+        if leaning and used.kind == "splitting":
+            found.append(
+                f"{name}: {used.name} takes {leaning}, which depends on the velocity, as a plain kick: order 1; "
+                "rk2 has order 2, rk4 order 4"
+            )
         if used.kind == "runge_kutta" and used.order == 1:
             held = f" under {', '.join(dict.fromkeys(holding))}" if holding else ""
             better = "boris" if turning else "leapfrog"

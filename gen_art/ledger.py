@@ -2,6 +2,7 @@
 
 E(t) = E(0) + work + born - died - dissipated + residual, where E is the kinetic energy plus the time-independent potential
 of the living. Conservative forces book no work: the residual is the scheme's error. Every force books its impulse.
+A collider books what it takes and, where it moves, works, and what outer forces work otherwise in the rest of a step for it.
 """
 
 from dataclasses import dataclass, field
@@ -10,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from gen_art.diagnostics import diagnose, energy_of_pairs, living, sums
-from gen_art.integrators.booking import BOOKS, make_booking
+from gen_art.integrators.booking import make_booking
+from gen_art.integrators.books import BOOKS
 
 __all__ = ["Account", "Bookkeeper", "Ledger", "Passage"]
 
@@ -44,7 +46,8 @@ class Passage:
 class Ledger:
     """The account since the simulation began.
 
-    born, died : Passage by emitter     work, dissipated : J by force     impulse : (3,) N s by force; each with .total
+    born, died : Passage by emitter, and died by engine for what it burnt
+    work, dissipated : J by force     impulse : (3,) N s by force; each with .total
     residual : J, what the energy changed by beyond the account; momentum_residual : (3,), likewise
     scale : J, the energy that moved (kinetic, work, dissipated, born, died), to judge the residual by
     """
@@ -86,28 +89,47 @@ class Bookkeeper:
         self.sim = sim
         self.books_of = {}
         for name, system in sim._members.items():
-            rows = len(system.composition.terms) + len(system.interactions)
+            rows = len(system.composition.terms) + sum(len(one.parts) for one in system.interactions)
+            rows += len(system.composition.colliders) + 2 * len(system.composition.burners)
             self.books_of[name] = np.zeros((rows, BOOKS))
+        self._kept: dict[str, np.ndarray] = {}
         self._born, self._died = _Passages(), _Passages()
+        self._solved: dict[str, np.ndarray] = {}  # of implicit interactions: impulse, dissipated
         self._start = diagnose(sim)
 
     def step(self, name: str, stepper, begin, first, dt, earliest, stage0, stage1) -> None:
         """Book what the coming launch will do; the launch itself is not touched."""
         system, state = stepper.system, stepper.system.state
-        rows = len(system.composition.terms) + len(system.interactions)
+        rows = len(self.books_of[name])
         if rows == 0 or state.count <= begin:
             return
+        mutual = tuple(
+            one.conservative and one.source_system is None and not part
+            for one in system.interactions
+            for part in one.parts
+        )
         kernel = make_booking(
-            system.composition, system.scheme.kind, system.scheme.rotates, len(system.interactions),
+            system.composition, system.scheme.kind, system.scheme.rotates, mutual, stepper.joined,
             state.attributes, self.sim.precision,
         )  # fmt: skip
+        size = state.floats.shape[1] if system.composition.colliders else 1
+        kept = self._kept.get(name)
+        if kept is None or kept.shape[1] != size:
+            kept = self._kept[name] = np.zeros((3, size), state.floats.dtype)
         blocks = -(-(state.count - begin) // 1024)
         books = np.zeros((blocks, rows * BOOKS))
         kernel(
             state.floats, state.birth, state.key, stepper.pair, stepper.scratch, stepper.numbers, stepper.scheme_numbers,
-            begin, state.count, float(first), dt, earliest, stage0, stage1, books,
+            begin, state.count, float(first), dt, earliest, stage0, stage1, books, kept,
         )  # fmt: skip
         self.books_of[name] += books.sum(axis=0).reshape(rows, BOOKS)
+
+    def solved(self, name: str, one, state, before: np.ndarray, dt: float) -> None:
+        """Book an implicit interaction's change of the velocities, which were `before`."""
+        change = (state.floats[3:6, : state.count] - before).astype(np.float64)
+        row = self._solved.setdefault(f"{name}.{one.name}", np.zeros(4))
+        row[:3] += change @ state.floats[6, : state.count].astype(np.float64)
+        row[3] += one.dissipated(state, dt)
 
     def born(self, name: str, new: slice) -> None:
         """Book births, at their exact times and before they move."""
@@ -144,26 +166,42 @@ class Bookkeeper:
 
     def report(self) -> Ledger:
         """The account so far."""
+        died = _Passages(self._died)
         work, dissipated, impulse = Account(), Account(), _Vectors()
         for name, system in self.sim._members.items():
-            labels = [t.name for t in system.composition.terms] + [one.name for one in system.interactions]
+            labels = [(t.name, "") for t in system.composition.terms]
+            labels += [(one.name, part) for one in system.interactions for part in one.parts]
             works = [not t.force.conservative for t in system.composition.terms]
-            works += [one.source_system is not None for one in system.interactions]
-            for label, does, row in zip(labels, works, self.books_of[name]):
+            works += [
+                not one.conservative or one.source_system is not None for one in system.interactions for _ in one.parts
+            ]
+            labels += [(t.name, "") for t in system.composition.colliders]
+            works += [True] * len(system.composition.colliders)
+            for (label, part), does, row in zip(labels, works, self.books_of[name]):
                 key = f"{name}.{label}"
-                if does:
+                if part:  # what a dissipative part of an interaction works, it takes
+                    dissipated[key] = dissipated.get(key, 0.0) - float(row[0])
+                elif does:
                     work[key] = work.get(key, 0.0) + float(row[0])
                     dissipated[key] = dissipated.get(key, 0.0) + float(row[1])
                 impulse[key] = impulse.get(key, np.zeros(3)) + row[2:5]
+            for k, burner in enumerate(system.composition.burners):
+                taken, turn = self.books_of[name][len(labels) + 2 * k :][:2]
+                died[f"{name}.{burner.name}"] = Passage(
+                    0, taken[1], 0.0, taken[2:].copy(), turn[2:].copy(), float(taken[0])
+                )
+        for key, row in self._solved.items():
+            impulse[key] = impulse.get(key, np.zeros(3)) + row[:3]
+            dissipated[key] = dissipated.get(key, 0.0) + float(row[3])
         now = diagnose(self.sim)
-        born, died = self._born.total, self._died.total
-        expected = self._start.energy + work.total + born.energy - died.energy - dissipated.total
-        momentum = self._start.momentum + impulse.total + born.momentum - died.momentum
+        born, gone = self._born.total, died.total
+        expected = self._start.energy + work.total + born.energy - gone.energy - dissipated.total
+        momentum = self._start.momentum + impulse.total + born.momentum - gone.momentum
         scale = max(
             abs(self._start.kinetic_energy), now.kinetic_energy, abs(self._start.potential_energy), abs(work.total),
-            abs(dissipated.total), abs(born.energy), abs(died.energy), 1e-300,
+            abs(dissipated.total), abs(born.energy), abs(gone.energy), 1e-300,
         )  # fmt: skip
         return Ledger(
-            _Passages(self._born), _Passages(self._died), work, dissipated, impulse,
+            _Passages(self._born), died, work, dissipated, impulse,
             float(now.energy - expected), now.momentum - momentum, float(scale),
         )  # fmt: skip

@@ -11,6 +11,7 @@ from gen_art.emitters.emission import Batch, give_birth, scheduled
 from gen_art.emitters.events import Window, children
 from gen_art.errors import UsageError
 from gen_art.integrators.kernels import make_step
+from gen_art.interactions.base import Pull
 from gen_art.particles.state import PADDING, Particles
 from gen_art.particles.system import ParticleSystem
 from gen_art.registry import suggest
@@ -67,6 +68,9 @@ class Simulation:
             give_birth(system.state, [b for e in system.emitters for b in scheduled(e, 0.0)], precision)
         # ids of the children made at the end of the last step: their own events were not seen yet
         self._behind = {name: (0, system.state.next_id) for name, system in definitions.items()}
+        for system in definitions.values():
+            for one in system.interactions:
+                one.join(system, self.dt)
         self._ledger: Bookkeeper | None = None
         if ledger:
             from gen_art import ledger as accounts
@@ -221,27 +225,46 @@ class Simulation:
             self._pairs_at = -1
             for stepper in joined.values():
                 stepper.stage(first, self.dt, -1, 0)
-        for g in range(len(schemes[0].stages)):
+        for g in range(max(len(s.stages) for s in schemes)):
+            active = {name: stepper for name, stepper in joined.items() if g < len(stepper.system.scheme.stages)}
             if g > 0 or self._pairs_at != self.steps_done:
-                for name, stepper in joined.items():
+                for name, stepper in active.items():
                     self._pull(name, stepper, g)
-            for stepper in joined.values():
-                stepper.stage(first, self.dt, g, g + 1)
+            for name, stepper in active.items():
+                if any(one.implicit for one in stepper.system.interactions):
+                    self._implicit_step(name, stepper, first)
+                else:
+                    stepper.stage(first, self.dt, g, g + 1)
         # where nothing moves after the last kick, its pair accelerations serve the next step's first
         still = all(s.kind == "splitting" and s.stages[-1][2] == 0 for s in schemes)
+        still = still and not any(stepper.system.composition.colliders for stepper in joined.values())
         self._pairs_at = self.steps_done + 1 if still else -1
+
+    def _implicit_step(self, name: str, stepper: "_Stepper", first: int) -> None:
+        """Kick, the implicit interactions' own change of velocities, drift: backward Euler in them."""
+        state = stepper.system.state
+        stepper.stage(first, self.dt, 0, 1, np.array([0.0, 1.0, 0.0, 0.0], state.floats.dtype))
+        for one in stepper.system.interactions:
+            if one.implicit:
+                before = state.floats[3:6, : state.count].copy() if self._ledger else None
+                one.solve(state, self.dt, self.precision)
+                if self._ledger:
+                    self._ledger.solved(name, one, state, before, self.dt)
+        stepper.stage(first, self.dt, 0, 1, np.array([0.0, 0.0, 0.0, 1.0], state.floats.dtype))
 
     def _pull(self, name: str, stepper: "_Stepper", g: int) -> None:
         system = self._members[name]
         for k, one in enumerate(system.interactions):
+            if one.implicit:
+                continue
             other = self._stepped[one.source_system or name]
-            weights = other.system.state.floats[other.system.state.channels[one.weight], : other.system.state.count]
-            positions = other.positions(g)[:3, : other.system.state.count]
-            sources = np.ascontiguousarray(np.concatenate([positions, weights[None]]))
-            n = system.state.count
-            if n:
-                out = stepper.pair[3 * k : 3 * k + 3]
-                one.accelerate(stepper.positions(g), n, sources, out, self.precision)
+            if system.state.count:
+                pull = Pull(
+                    stepper.stage_rows(g), system.state, system.state.count, other.stage_rows(g), other.system.state,
+                    other.system.state.count, stepper.span(g, self.dt), self.dt, self.precision,
+                )  # fmt: skip
+                first = 3 * stepper.parts[k]
+                one.accelerate(pull, stepper.pair[first : first + 3 * len(one.parts)])
 
     # -- what it says of itself
 
@@ -293,8 +316,9 @@ class _Stepper:
         self.scheme_numbers = np.array(system.scheme.numbers, dtype)
         self.pair = np.zeros((1, 1), dtype)
         self.scratch = np.zeros((1, 1), dtype)
+        self.parts = np.cumsum([0, *(len(one.parts) for one in system.interactions)]).tolist()
         self.kernel = make_step(
-            system.composition, system.scheme.kind, system.scheme.rotates, len(system.interactions),
+            system.composition, system.scheme.kind, system.scheme.rotates, self.parts[-1],
             joined, system.state.attributes, precision,
         )  # fmt: skip
 
@@ -311,17 +335,25 @@ class _Stepper:
         """Fit the arrays of pair accelerations and stage states to the storage."""
         size = self.system.state.capacity + PADDING
         if self.system.interactions and self.pair.shape[1] != size:
-            self.pair = np.zeros((3 * len(self.system.interactions), size), self.numbers.dtype)
-        if self.system.scheme.kind == "runge_kutta" and self.scratch.shape[1] != size:
+            self.pair = np.zeros((max(1, 3 * self.parts[-1]), size), self.numbers.dtype)
+        keeps = self.system.scheme.kind == "runge_kutta" or self.system.composition.colliders
+        if keeps and self.scratch.shape[1] != size:
             self.scratch = np.zeros((12, size), self.numbers.dtype)
 
-    def positions(self, g: int) -> np.ndarray:
-        """Rows of which the first three are the positions at stage g."""
+    def span(self, g: int, dt: float) -> float:
+        """The length of the kick of stage g, s; 0 in Runge-Kutta."""
+        return dt * self.system.scheme.stages[g][0] if self.system.scheme.kind == "splitting" else 0.0
+
+    def stage_rows(self, g: int) -> np.ndarray:
+        """Rows of which the first six are the positions and velocities at stage g."""
         return self.scratch if g > 0 and self.system.scheme.kind == "runge_kutta" else self.system.state.floats
 
-    def stage(self, first: int, dt: float, stage0: int, stage1: int) -> None:
-        """Stages stage0 to stage1 - 1 of one step; from -1 the first drift."""
+    def stage(self, first: int, dt: float, stage0: int, stage1: int, numbers: np.ndarray | None = None) -> None:
+        """Stages stage0 to stage1 - 1 of one step; from -1 the first drift. numbers : in the place of the scheme's"""
+        own = self.scheme_numbers
+        self.scheme_numbers = own if numbers is None else numbers
         self._launch(0, first, 1, dt, 0.0, stage0, stage1)
+        self.scheme_numbers = own
 
     def _launch(self, begin, first, steps, dt, earliest, stage0, stage1) -> None:
         state = self.system.state

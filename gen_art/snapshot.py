@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gen_art.colliders import COLLIDERS
 from gen_art.errors import OutputError, UsageError
 from gen_art.forces.base import FORCES
 from gen_art.interactions import INTERACTIONS
@@ -93,6 +94,7 @@ def restore(path):
 
 def _law(one) -> dict:
     values = {k: _medium(v) if isinstance(v, Medium) else v for k, v in one.values.items()}
+    values = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
     return {"name": one.name, "values": values}
 
 
@@ -110,6 +112,7 @@ def _definition(system: ParticleSystem) -> dict:
     return {
         "forces": [_law(f) for f in system.forces],
         "interactions": [_law(i) for i in system.interactions],
+        "colliders": [_law(c) for c in system.colliders],
         "medium": _medium(system.medium),
         "integrator": system.scheme.name,
         "attributes": list(system.attribute_names),
@@ -129,6 +132,7 @@ def _rebuilt(definition: dict) -> ParticleSystem:
         position=empty,
         forces=[law(FORCES, f) for f in definition["forces"]],
         interactions=[law(INTERACTIONS, i) for i in definition["interactions"]],
+        colliders=[law(COLLIDERS, c) for c in definition.get("colliders", ())],
         medium=medium(definition["medium"]),
         integrator=definition["integrator"],
         attributes={name: np.zeros(0) for name in definition["attributes"]},

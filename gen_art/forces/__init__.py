@@ -5,10 +5,14 @@ from gen_art.forces.buoyancy import Buoyancy, ThermalLift
 from gen_art.forces.central import CentralForce, Hernquist, PointGravity
 from gen_art.forces.curl_noise import CurlNoise
 from gen_art.forces.drag import Damping, Drag
+from gen_art.forces.driver import Driver
 from gen_art.forces.electromagnetic import ElectricField, MagneticField, MagneticMirror
 from gen_art.forces.flows import Aperture, Vortex
-from gen_art.forces.gravity import Gravity
+from gen_art.forces.gravity import Gravity, HeightGravity
+from gen_art.forces.lift import Lift
+from gen_art.forces.random_driver import RandomDriver
 from gen_art.forces.spring import Spring
+from gen_art.forces.thrust import Thrust
 from gen_art.forces.wind import Wind
 
 __all__ = [
@@ -19,15 +23,20 @@ __all__ = [
     "CurlNoise",
     "Damping",
     "Drag",
+    "Driver",
     "ElectricField",
     "Force",
     "Gravity",
+    "HeightGravity",
     "Hernquist",
+    "Lift",
     "MagneticField",
     "MagneticMirror",
     "PointGravity",
+    "RandomDriver",
     "Spring",
     "ThermalLift",
+    "Thrust",
     "Vortex",
     "Wind",
     "force",

@@ -6,7 +6,7 @@ from gen_art.errors import UsageError
 from gen_art.registry import Parametric, Registry
 from gen_art.runtime import ti
 
-__all__ = ["FORCES", "Force", "force", "term_acceleration", "pushes"]
+__all__ = ["FORCES", "Force", "burns", "force", "pushes", "term_acceleration", "term_mass_rate"]
 
 FORCES = Registry("force")
 force = FORCES  # as a decorator: @ga.force("swirl")
@@ -23,10 +23,13 @@ class Force(Parametric):
     electric      (3,) V/m              magnetic  (3,) T
     damping       (2,) rate in 1/s and quadratic rate in 1/m, taken into the integrator exactly
     potential     J, time-independent; -gradient is the force
+    mass_rate     kg/s that the particle's mass falls by, held over a step; p.since, p.step: age at its start, its length, s
+                  (`mass_loss`, the same by another name, where mass_rate is a parameter)
 
     Flags, which the ledger and `inspect` read: `conservative` (has a time-independent potential), `reciprocal`,
     `dissipative`, `does_work`. `repeat` names an int parameter: the term is summed for q.index in 0 .. q.<repeat> - 1.
-    `depends_on_velocity` tells the integrators that a plain kick loses an order.
+    `depends_on_velocity` tells the integrators that a plain kick loses an order. `reads_medium` gives `p.flow` (3,) m/s,
+    the velocity of the system's medium where the particle is.
     """
 
     repeat: ClassVar[str | None] = None
@@ -35,6 +38,7 @@ class Force(Parametric):
     dissipative: ClassVar[bool] = False
     does_work: ClassVar[bool] = True
     depends_on_velocity: ClassVar[bool] = False
+    reads_medium: ClassVar[bool] = False
     quadratic_damping: ClassVar[bool] = True  # False where the second number of `damping` is always 0
 
     def __init_subclass__(cls, **kwargs):
@@ -54,6 +58,9 @@ class Force(Parametric):
         """What is generated into the kernel: the class and its choices and flags. Numbers are never in it."""
         values = tuple((k, self.values[k]) for k, p in self.parameters.items() if p.kind in ("bool", "choice", "text"))
         return (type(self), values)
+
+    def check_mass(self, lightest: float) -> None:
+        """Hook: UsageError if the lightest particle of a system, in kg, is too light for this force."""
 
     def bound_numbers(self, medium) -> list[float]:
         """The run-time numbers, once the medium the particle moves in is known."""
@@ -76,3 +83,19 @@ def term_acceleration(term: ti.template(), p, t, q):
 def pushes(term) -> bool:
     """Whether a term has a part that acts as an acceleration."""
     return any(term.provides(n) for n in ("acceleration", "force", "electric"))
+
+
+@ti.func
+def term_mass_rate(term: ti.template(), p, t, q):
+    """The mass in kg/s that one term burns."""
+    rate = p.mass * 0.0
+    if ti.static(term.provides("mass_rate")):
+        rate = term.mass_rate(p, t, q)
+    else:
+        rate = term.mass_loss(p, t, q)
+    return rate
+
+
+def burns(term) -> bool:
+    """Whether a term takes mass from the particle."""
+    return term.provides("mass_rate") or term.provides("mass_loss")

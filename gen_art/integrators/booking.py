@@ -9,33 +9,43 @@ from functools import cache
 from gen_art import runtime
 from gen_art.composition import Composition
 from gen_art.forces.base import term_acceleration
+from gen_art.integrators.books import BOOKS, note
+from gen_art.integrators.burning import book_exhaust, burn
+from gen_art.integrators.contact import collide
 from gen_art.integrators.kernels import BLOCK, advance_stage, drift, recall
-from gen_art.integrators.terms import WIDTH, Terms, accumulate, kick, lifespan, load, repeats, tile, view
+from gen_art.integrators.terms import (
+    WIDTH,
+    Terms,
+    accumulate,
+    copy,
+    flow,
+    kick,
+    lifespan,
+    load,
+    repeats,
+    step_of,
+    tile,
+    view,
+    weight,
+)
 from gen_art.runtime import ti
 from gen_art.tracing import parameters
 
 __all__ = ["BOOKS", "make_booking"]
-
-BOOKS = 5  # work, dissipated, impulse x, y, z
-
-
-@ti.func
-def _note(B: ti.template(), b, row, work, dissipated, impulse):
-    B[b, row * BOOKS] = B[b, row * BOOKS] + ti.cast(work, ti.f64)
-    B[b, row * BOOKS + 1] = B[b, row * BOOKS + 1] + ti.cast(dissipated, ti.f64)
-    for c in ti.static(range(3)):
-        B[b, row * BOOKS + 2 + c] = B[b, row * BOOKS + 2 + c] + ti.cast(impulse[c], ti.f64)
 
 
 @ti.func
 def _book(
     terms: ti.template(), B: ti.template(), b, L: ti.template(), X: ti.template(), O: ti.template(),
     S: ti.template(), K: ti.template(), A: ti.template(), Q: ti.template(), i, n, tau, fraction, kicked: ti.template(),
+    C: ti.template(),
 ):  # fmt: skip
     """Book a kick (kicked: old velocities in O, new in X) or a Runge-Kutta stage (slopes at X) over a fraction of the step."""
     for j in range(WIDTH):
         if i + j < n and L.h[j] > 0.0:
             m = S[6, i + j]
+            if ti.static(len(terms.burners) > 0):
+                m = L.m[j]
             h = fraction * L.h[j]
             x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
             new = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
@@ -43,20 +53,30 @@ def _book(
             mean = new
             if ti.static(kicked):
                 mean = 0.5 * (old + new)
-            p = view(terms, S, K, i + j, x, old, L.age[j] + tau * L.h[j])
+            p = view(
+                terms, S, K, i + j, x, old, L.age[j] + tau * L.h[j], None, weight(terms, L, j), step_of(terms, L, j)
+            )
             t = L.t[j] + tau * L.h[j]
             rest = m * (new - old)  # what the kick changed, less what the pushes account for, is the drag's
             for k in ti.static(range(terms.pairs)):
                 a = ti.Vector([A[3 * k, i + j], A[3 * k + 1, i + j], A[3 * k + 2, i + j]])
                 impulse = a * (m * h)
                 rest -= impulse
-                _note(B, b, terms.count + k, impulse.dot(mean), 0.0, impulse)
-            for force, offset, count, row in ti.static(terms.pushes):
+                note(B, b, terms.count + k, impulse.dot(mean), 0.0, impulse)
+                if ti.static(len(terms.walls) > 0 and terms.mutual[k]):
+                    C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
+            for force, offset, count, row, medium in ti.static(terms.pushes):
+                seen = view(
+                    terms, S, K, i + j, x, old, L.age[j] + tau * L.h[j], flow(L, medium, j),
+                    weight(terms, L, j), step_of(terms, L, j),
+                )  # fmt: skip
                 for repeat in range(repeats(Q, count)):
-                    a = term_acceleration(force, p, t, parameters(Q, force, offset, repeat))
+                    a = term_acceleration(force, seen, t, parameters(Q, force, offset, repeat))
                     impulse = a * (m * h)
                     rest -= impulse
-                    _note(B, b, row, impulse.dot(mean), 0.0, impulse)
+                    note(B, b, row, impulse.dot(mean), 0.0, impulse)
+                    if ti.static(len(terms.walls) > 0 and force.conservative):
+                        C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
             for force, offset, count, row in ti.static(terms.magnetics):
                 for repeat in range(repeats(Q, count)):
                     field = force.magnetic(p, t, parameters(Q, force, offset, repeat))
@@ -64,7 +84,7 @@ def _book(
                     if ti.static(terms.only_magnetic and kicked):
                         impulse = rest
                     rest -= impulse
-                    _note(B, b, row, 0.0, 0.0, impulse)
+                    note(B, b, row, 0.0, 0.0, impulse)
             if ti.static(len(terms.dampings) > 0):
                 total = h * 0.0
                 pull = ti.Vector([0.0, 0.0, 0.0])
@@ -82,7 +102,20 @@ def _book(
                     k = L.at("k", d)[j] + L.at("q", d)[j] * (mean - u).norm()
                     impulse = (u - met) * (k * m * h)
                     work = impulse.dot(u)
-                    _note(B, b, ti.static(terms.dampings[d][3]), work, work - impulse.dot(mean), impulse)
+                    note(B, b, ti.static(terms.dampings[d][3]), work, work - impulse.dot(mean), impulse)
+
+
+@ti.func
+def flight(
+    terms: ti.template(), B: ti.template(), b, L: ti.template(), X: ti.template(),
+    S: ti.template(), K: ti.template(), Q: ti.template(), i, n, tau, fraction,
+):  # fmt: skip
+    """A drift; what burns meanwhile leaves in halves, before and after it."""
+    if ti.static(len(terms.burners) > 0):
+        book_exhaust(terms, B, b, L, X, S, K, Q, i, n, tau, 0.5 * fraction)
+    drift(L, X, fraction)
+    if ti.static(len(terms.burners) > 0):
+        book_exhaust(terms, B, b, L, X, S, K, Q, i, n, tau + fraction, 0.5 * fraction)
 
 
 @ti.func
@@ -92,11 +125,18 @@ def medium_velocity(terms: ti.template(), L: ti.template(), d: ti.template(), j)
 
 
 @cache
-def make_booking(composition: Composition, kind: str, rotates: bool, pairs: int, channels: tuple, precision: str):
-    """The booking kernel of one system: as make_step's kernel, for one step, with B (blocks, rows x 5) f64 at the end."""
+def make_booking(
+    composition: Composition, kind: str, rotates: bool, mutual: tuple, staged: bool, channels: tuple, precision: str
+):
+    """The booking kernel of one system: as make_step's kernel, for one step, with B (blocks, rows x 5) f64 at the end.
+
+    `mutual` says of each array of pair accelerations whether it is conservative. M (3, capacity) keeps, for colliders, the
+    change of velocity that conservative forces made in the stages so far.
+    """
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = Terms(composition, channels, pairs)
+    terms = Terms(composition, channels, len(mutual))
+    terms.mutual = mutual
     names = terms.vectors
     splitting = kind == "splitting"
 
@@ -104,7 +144,7 @@ def make_booking(composition: Composition, kind: str, rotates: bool, pairs: int,
     def booking(
         S: matrix, birth: ti.types.ndarray(ti.f64, 1), K: ti.types.ndarray(ti.u32, 2), A: matrix, R: matrix, Q: vector,
         P: vector, begin: ti.i32, n: ti.i32, first: ti.f64, dt: ti.f64, earliest: ti.f64, stage0: ti.i32, stage1: ti.i32,
-        B: ti.types.ndarray(ti.f64, 2),
+        B: ti.types.ndarray(ti.f64, 2), M: matrix,
     ):  # fmt: skip
         ti.loop_config(block_dim=1)
         for b in range((n - begin + BLOCK - 1) // BLOCK):
@@ -114,26 +154,53 @@ def make_booking(composition: Composition, kind: str, rotates: bool, pairs: int,
                     X = tile("x0 x1 x2 v0 v1 v2")
                     Y = tile("x0 x1 x2 v0 v1 v2")
                     Z = tile("x0 x1 x2 v0 v1 v2")
+                    G = tile(terms.start)
+                    C = tile("c0 c1 c2")
                     L = tile(names)
                     load(X, S, i)
                     load(Y, S, i)
+                    if ti.static(len(terms.walls) > 0):
+                        if stage0 <= 0:
+                            for j in range(WIDTH):
+                                M[0, i + j], M[1, i + j], M[2, i + j] = 0.0, 0.0, 0.0
+                        for j in range(WIDTH):
+                            C.c0[j], C.c1[j], C.c2[j] = M[0, i + j], M[1, i + j], M[2, i + j]
                     lifespan(L, S, birth, i, first * dt, dt, earliest, real)
+                    if ti.static(len(terms.burners) > 0):
+                        burn(terms, L, X, S, K, Q, i)
                     if ti.static(splitting):
+                        if ti.static(len(terms.walls) > 0):
+                            copy(G, X)
+                            if ti.static(staged):
+                                if stage0 > 0 or (stage0 == 0 and P[0] != 0.0):
+                                    load(G, R, i)
                         if stage0 < 0:
-                            drift(L, X, P[0])
+                            flight(terms, B, b, L, X, S, K, Q, i, n, 0.0, P[0])
                         for g in range(ti.max(stage0, 0), stage1):
                             for j in range(WIDTH):
                                 Y.v0[j], Y.v1[j], Y.v2[j] = X.v0[j], X.v1[j], X.v2[j]
                             accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
                             kick(terms, rotates, L, X, S, i, P[1 + 3 * g])
-                            _book(terms, B, b, L, X, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], True)
-                            drift(L, X, P[3 + 3 * g])
+                            _book(terms, B, b, L, X, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], True, C)
+                            flight(terms, B, b, L, X, S, K, Q, i, n, P[2 + 3 * g], P[3 + 3 * g])
                     else:
                         if stage0 > 0:
                             recall(Y, Z, R, i)
                         for g in range(ti.max(stage0, 0), stage1):
                             accumulate(terms, L, Y, S, K, A, Q, i, P[2 + 3 * g])
-                            _book(terms, B, b, L, Y, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], False)
+                            _book(terms, B, b, L, Y, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], False, C)
+                            if ti.static(len(terms.burners) > 0):
+                                book_exhaust(terms, B, b, L, Y, S, K, Q, i, n, P[2 + 3 * g], P[1 + 3 * g])
                             advance_stage(terms, L, X, Y, Z, S, i, P[1 + 3 * g], P[3 + 3 * g])
+                    if ti.static(len(terms.walls) > 0):
+                        for j in range(WIDTH):
+                            M[0, i + j], M[1, i + j], M[2, i + j] = C.c0[j], C.c1[j], C.c2[j]
+                        if stage1 == (P.shape[0] - 1) // 3:
+                            if ti.static(not splitting):
+                                copy(G, X)
+                                for j in range(WIDTH):
+                                    X.x0[j], X.x1[j], X.x2[j] = X.x0[j] + Z.x0[j], X.x1[j] + Z.x1[j], X.x2[j] + Z.x2[j]
+                                    X.v0[j], X.v1[j], X.v2[j] = X.v0[j] + Z.v0[j], X.v1[j] + Z.v1[j], X.v2[j] + Z.v2[j]
+                            collide(terms, L, G, X, S, Q, i, n, B, b, C, True)
 
     return runtime.kernel(booking, precision)

@@ -1,4 +1,4 @@
-"""The fused kernels: forces, integrator and ageing in one pass over the state, generated from a composition.
+"""The fused kernels: forces, integrator, ageing and colliders in one pass over the state, generated from a composition.
 
 The particles are taken in blocks (one task each) of tiles of WIDTH lanes. A tile's state lives in local vectors while
 several steps run. Births and deaths inside a step need no branches: a lane's own step is the part of it that it is alive.
@@ -9,7 +9,9 @@ from functools import cache
 
 from gen_art import runtime
 from gen_art.composition import Composition
-from gen_art.integrators.terms import WIDTH, Terms, accumulate, kick, lifespan, load, store, tile
+from gen_art.integrators.burning import burn, lighten
+from gen_art.integrators.contact import collide
+from gen_art.integrators.terms import WIDTH, Terms, accumulate, copy, kick, lifespan, load, specific_charge, store, tile
 from gen_art.runtime import ti
 
 __all__ = ["BLOCK", "advance_stage", "drift", "make_step", "recall"]
@@ -26,7 +28,8 @@ def make_step(
     step(S, birth, K, A, R, Q, P, begin, n, first, steps, dt, earliest, stage0, stage1)
 
     S (channels, capacity); birth (capacity,) f64; K keys (2, capacity) u32; A (3 pairs, capacity) pair accelerations;
-    R (12, capacity) stage states of Runge-Kutta with pairs; Q parameters; P the scheme's numbers; slots begin to n - 1;
+    R (12, capacity) stage states of Runge-Kutta with pairs, or, with colliders, the state at the start of the step; Q parameters;
+    P the scheme's numbers; slots begin to n - 1;
     `steps` steps of dt, the first being number `first`; `earliest` bounds the start of a lane's own step relative to the
     step's (0, or -inf for children that are behind); stages stage0 to stage1 - 1 of each step, and from -1 the first drift too.
     `staged`: launches may hold a part of the stages; Runge-Kutta then keeps its stage states in R.
@@ -34,7 +37,7 @@ def make_step(
     real = runtime.DTYPES[precision]
     terms = Terms(composition, channels, pairs)
     if kind == "splitting":
-        return runtime.kernel(_splitting(terms, rotates, real), precision)
+        return runtime.kernel(_splitting(terms, rotates, staged, real), precision)
     return runtime.kernel(_runge_kutta(terms, staged, real), precision)
 
 
@@ -47,7 +50,7 @@ def drift(L: ti.template(), X: ti.template(), fraction):
         X.x2[j] += h * X.v2[j]
 
 
-def _splitting(terms: Terms, rotates: bool, real):
+def _splitting(terms: Terms, rotates: bool, resumes: bool, real):
     matrix = ti.types.ndarray(real, 2)
     vector = ti.types.ndarray(real, 1)
     names = terms.vectors
@@ -76,19 +79,41 @@ def _splitting(terms: Terms, rotates: bool, real):
                 i = begin + b * BLOCK + s * WIDTH
                 if i < n:
                     X = tile("x0 x1 x2 v0 v1 v2")
+                    G = tile(terms.start)  # the state at the start of the step, where there are colliders
                     L = tile(names)
                     load(X, S, i)
                     for step in range(steps):
                         lifespan(L, S, birth, i, (first + ti.cast(step, ti.f64)) * dt, dt, earliest, real)
+                        if ti.static(len(terms.burners) > 0):
+                            burn(terms, L, X, S, K, Q, i)
+                        if ti.static(len(terms.walls) > 0):
+                            begin_step(resumes, G, X, R, P, i, stage0)
                         if stage0 < 0:
                             drift(L, X, P[0])
                         for g in range(ti.max(stage0, 0), stage1):
                             accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
                             kick(terms, rotates, L, X, S, i, P[1 + 3 * g])
                             drift(L, X, P[3 + 3 * g])
+                        if ti.static(len(terms.walls) > 0):
+                            if stage1 == (P.shape[0] - 1) // 3:
+                                collide(terms, L, G, X, S, Q, i, n, 0, 0, 0, False)
+                        if ti.static(len(terms.burners) > 0):
+                            if stage1 == (P.shape[0] - 1) // 3:
+                                lighten(L, S, i, n)
                     store(X, S, i)
 
     return splitting
+
+
+@ti.func
+def begin_step(resumes: ti.template(), G: ti.template(), X: ti.template(), R: ti.template(), P: ti.template(), i, stage0):
+    """Take the state at the start of the step into G: X at its first launch, which keeps it in R for the others."""
+    if ti.static(resumes):
+        if stage0 < 0 or (stage0 == 0 and P[0] == 0.0):
+            store(X, R, i)
+        load(G, R, i)
+    else:
+        copy(G, X)
 
 
 def _runge_kutta(terms: Terms, resumes: bool, real):
@@ -126,6 +151,8 @@ def _runge_kutta(terms: Terms, resumes: bool, real):
                     load(X, S, i)
                     for step in range(steps):
                         lifespan(L, S, birth, i, (first + ti.cast(step, ti.f64)) * dt, dt, earliest, real)
+                        if ti.static(len(terms.burners) > 0):
+                            burn(terms, L, X, S, K, Q, i)
                         for j in range(WIDTH):
                             Y.x0[j], Y.x1[j], Y.x2[j] = X.x0[j], X.x1[j], X.x2[j]
                             Y.v0[j], Y.v1[j], Y.v2[j] = X.v0[j], X.v1[j], X.v2[j]
@@ -139,6 +166,8 @@ def _runge_kutta(terms: Terms, resumes: bool, real):
                         if ti.static(resumes):
                             remember(Y, Z, R, i)
                         if stage1 == (P.shape[0] - 1) // 3:
+                            if ti.static(len(terms.walls) > 0):
+                                copy(Y, X)
                             for j in range(WIDTH):
                                 X.x0[j] += Z.x0[j]
                                 X.x1[j] += Z.x1[j]
@@ -146,6 +175,11 @@ def _runge_kutta(terms: Terms, resumes: bool, real):
                                 X.v0[j] += Z.v0[j]
                                 X.v1[j] += Z.v1[j]
                                 X.v2[j] += Z.v2[j]
+                            if ti.static(len(terms.walls) > 0):
+                                collide(terms, L, Y, X, S, Q, i, n, 0, 0, 0, False)
+                        if ti.static(len(terms.burners) > 0):
+                            if stage1 == (P.shape[0] - 1) // 3:
+                                lighten(L, S, i, n)
                     store(X, S, i)
 
     return runge_kutta
@@ -172,7 +206,7 @@ def advance_stage(
             w = v - ti.Vector([L.at("u", m, 0)[j], L.at("u", m, 1)[j], L.at("u", m, 2)[j]])
             a -= (L.at("k", d)[j] + L.at("q", d)[j] * w.norm()) * w
         if ti.static(len(terms.magnetics) > 0):
-            a += v.cross(ti.Vector([L.b0[j], L.b1[j], L.b2[j]])) * (S[7, i + j] / S[6, i + j])
+            a += v.cross(ti.Vector([L.b0[j], L.b1[j], L.b2[j]])) * specific_charge(terms, L, S, i, j)
         h = L.h[j]
         Z.x0[j] += weight * h * v[0]
         Z.x1[j] += weight * h * v[1]

@@ -1,36 +1,66 @@
 """The contract of an interaction: forces between particles, summed by a pair kernel into an array of accelerations."""
 
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
+from gen_art.particles.state import Particles
 from gen_art.registry import Parametric, Registry
 
-__all__ = ["INTERACTIONS", "Interaction", "interaction"]
+__all__ = ["INTERACTIONS", "Interaction", "Pull", "interaction"]
 
 INTERACTIONS = Registry("interaction")
 interaction = INTERACTIONS
 
 
+@dataclass
+class Pull:
+    """What an interaction is asked for at one stage of a step.
+
+    rows : (6 or more, capacity): position and velocity at this stage     state : the particles acted on, for the rest
+    n : how many there are     source_rows, sources, m : the same of those that act (this very system, or another)
+    span : s, the length of the kick that the accelerations serve; 0 for a stage of Runge-Kutta     dt : s, the whole step
+    """
+
+    rows: np.ndarray
+    state: Particles
+    n: int
+    source_rows: np.ndarray
+    sources: Particles
+    m: int
+    span: float
+    dt: float
+    precision: str
+
+
 class Interaction(Parametric):
     """Acts between particles.
 
-    `accelerate(targets, n, sources, out, precision)` writes the acceleration (3, n) of the first n target positions,
-    `targets` (3 or more rows, capacity), under `sources` (4, m): x, y, z and weight. `energy(...)` gives the potential
-    energy in joules. `weight` names the row a source acts by. `sources` is None (this system itself) or another system.
+    `accelerate(pull, out)` writes accelerations, m/s^2, of the first pull.n particles into out, (3 len(parts), capacity):
+    three rows for each of `parts`, which the ledger books apart: "" by the class's flags, any other name as dissipated.
+    `energy(state, slots, precision)` gives the potential energy, J, that the particles in these slots have together.
+    Where `implicit`, `solve(state, dt, precision)` changes velocities instead, between the kick and the drift of a step.
     """
 
-    weight: ClassVar[str] = "mass"
+    parts: ClassVar[tuple[str, ...]] = ("",)
     conservative: ClassVar[bool] = True
     reciprocal: ClassVar[bool] = True
+    implicit: bool = False
 
     @property
     def source_system(self) -> str | None:
         """The other system whose particles act, or None: the particles of the system act on each other."""
         return self.values.get("sources")
 
-    def accelerate(self, targets: np.ndarray, n: int, sources: np.ndarray, out: np.ndarray, precision: str) -> None:
+    def join(self, system, dt: float) -> None:
+        """Called when the particles of the start have been born: learn who they are, refuse by UsageError, or warn."""
+
+    def accelerate(self, pull: Pull, out: np.ndarray) -> None:
         raise NotImplementedError
 
-    def energy(self, targets: np.ndarray, weights: np.ndarray, precision: str) -> float:
+    def solve(self, state: Particles, dt: float, precision: str) -> None:
+        raise NotImplementedError
+
+    def energy(self, state: Particles, slots: np.ndarray, precision: str) -> float:
         raise NotImplementedError

@@ -8,6 +8,7 @@ from gen_art.errors import UsageError
 from gen_art.integrators import scheme
 from gen_art.interactions import Interaction
 from gen_art.medium import Medium
+from gen_art.particles.fixed import FIXED
 from gen_art.particles.state import Particles
 
 __all__ = ["ParticleSystem"]
@@ -18,7 +19,9 @@ class ParticleSystem:
 
     position, velocity : (n, 3), m and m/s     mass, charge, radius : (n,) or one number, kg, C, m (1, 0 and 0.01)
     forces : a list of ga.forces     interactions : a list of ga.interactions     integrator : a name of ga.integrators
+    colliders : a list of ga.colliders
     medium : the ga.Medium that drag pulls towards     attributes : further (n,) numbers by name, seen by forces as p.name
+    fixed : which particles stay where they are whatever pulls at them: indices, or (n,) bool
     emitters : Emission objects (a preset makes them)     look : how it is drawn
     Raises UsageError for arrays of the wrong shape or with numbers that are not finite, and for unknown laws.
 
@@ -40,25 +43,35 @@ class ParticleSystem:
         integrator: str = "leapfrog",
         medium: Medium | None = None,
         attributes=None,
+        fixed=None,
         emitters=(),
         look=None,
     ):
-        if colliders:
-            raise UsageError("colliders are not available in this version")
+        self.colliders = list(colliders)
         self.forces, self.interactions = list(forces), list(interactions)
         for one in self.interactions:
             if not isinstance(one, Interaction):
                 raise UsageError(f"interactions must be such as ga.interactions.SelfGravity(...), not {one!r}")
         self.medium = medium or Medium()
         self.scheme = scheme(integrator)
-        self.composition = Composition(self.forces, self.medium)
+        self.composition = Composition(self.forces, self.medium, self.colliders)
         self.emitters: list[Emission] = list(emitters)
         self.look = look
+        lightest = min(self._least_masses(mass), default=None)
+        for one in self.forces if lightest is not None else ():
+            one.check_mass(lightest)
         self.name = ""
         self._initial = self._arrays(position, velocity, mass, charge, radius, dict(attributes or {}))
         self._attributes = dict(attributes or {})
+        self._fixed = self._which(fixed)
         self._state: Particles | None = None
         self._time = lambda: 0.0
+
+    def _least_masses(self, mass) -> list[float]:
+        """The least mass of the initial particles and of each kind of birth, kg; kinds given by density have any."""
+        least = [] if mass is None or not np.size(mass) else [float(np.min(mass))]
+        kinds = [kind for emission in self.emitters for kind in emission.kinds]
+        return least + [kind.attributes["mass"][0] for kind in kinds if "density" not in kind.attributes]
 
     @staticmethod
     def _arrays(position, velocity, mass, charge, radius, attributes) -> dict[str, np.ndarray]:
@@ -89,6 +102,17 @@ class ParticleSystem:
         if (arrays["mass"] < 0).any():
             raise UsageError("mass must not be negative")
         return arrays
+
+    def _which(self, fixed) -> np.ndarray:
+        """Indices of the fixed particles, which must be at rest."""
+        n = len(self._initial["mass"]) if self._initial else 0
+        chosen = np.asarray([] if fixed is None else fixed)
+        chosen = np.flatnonzero(chosen) if chosen.dtype == bool and chosen.shape == (n,) else chosen.astype(int)
+        if chosen.ndim != 1 or (len(chosen) and not 0 <= chosen.min() <= chosen.max() < n):
+            raise UsageError(f"fixed must be indices from 0 to {n - 1}, or {n} times true or false")
+        if len(chosen) and self._initial["velocity"][:, chosen].any():
+            raise UsageError("fixed particles do not move: their velocity must be 0")
+        return chosen
 
     @property
     def attribute_names(self) -> tuple[str, ...]:
@@ -126,9 +150,11 @@ class ParticleSystem:
             state.floats[0:3, new] = self._initial["position"]
             state.floats[3:6, new] = self._initial["velocity"]
             state.floats[9, new] = np.inf
+            state.floats[9, self._fixed] = FIXED
             for name in ("mass", "charge", "radius", *self._attributes):
                 state.floats[state.channels[name], new] = self._initial[name]
         self._initial = {}
+        state.may_die = state.may_die or any(one.values["action"] == "kill" for one in self.colliders)
 
     @property
     def state(self) -> Particles:

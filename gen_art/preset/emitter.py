@@ -192,7 +192,16 @@ class Emitter(Attributes):
             return value
         named = {key: item for key, item in value.items() if key in registry("emitters")}
         plain = {key: item for key, item in value.items() if key not in named and key != "scripted"}
-        return {**plain, "scripted": One("emitters", bare="").validate(named)} if named else plain
+        if not named:
+            return plain
+        made = One("emitters", bare="").validate(named)
+        births = getattr(made, "births", None)
+        if births is not None:
+            own = sorted({"rate", "at", "count", "start", "from", "choose", "shape", "velocity"} & set(plain))
+            if own:
+                raise UsageError(f"{made.name} lays its own particles at the start: leave out {own[0]}")
+            plain = {**plain, "count": births}
+        return {**plain, "scripted": made}
 
     @model_validator(mode="after")
     def _one_way(self):

@@ -26,6 +26,7 @@ GRAVITATION: ContextVar[float | None] = ContextVar("units.G", default=None)  # o
 _HOMES = {
     "forces": ("gen_art.forces", "gen_art.forces.base", "FORCES"),
     "interactions": ("gen_art.interactions", "gen_art.interactions.base", "INTERACTIONS"),
+    "colliders": ("gen_art.colliders", "gen_art.colliders.base", "COLLIDERS"),
     "shapes": ("gen_art.emitters", "gen_art.emitters.base", "SHAPES"),
     "velocities": ("gen_art.emitters", "gen_art.emitters.base", "VELOCITIES"),
     "emitters": ("gen_art.emitters", "gen_art.emitters.base", "EMITTERS"),
@@ -33,7 +34,7 @@ _HOMES = {
 
 
 def registry(kind: str) -> Registry:
-    """The registry of `forces`, `interactions`, `shapes`, `velocities` or `emitters`, with all built-in classes."""
+    """The registry of `forces`, `interactions`, `colliders`, `shapes`, `velocities` or `emitters`, with all built-in classes."""
     package, module, name = _HOMES[kind]
     importlib.import_module(package)
     return getattr(importlib.import_module(module), name)

@@ -93,6 +93,8 @@ class System(Model):
     inherit_forces: bool = about(True, "whether the preset's shared forces act on it too")
     medium: Medium | None = about(None, "its own medium; the preset's when left out")
     interactions: Annotated[Any, Many("interactions")] = about((), "forces between particles")
+    colliders: Annotated[Any, Many("colliders")] = about((), "surfaces for this system alone")
+    inherit_colliders: bool = about(True, "whether the preset's shared colliders are there for it too")
     emitters: dict[str, Emitter] = about({}, "where its particles come from")
     look: Look | None = about(None, "how it is drawn; not at all when null")
 
@@ -115,6 +117,7 @@ class Preset(Model):
     clock: Clock = about(..., "duration, frames and time steps")
     medium: Medium = about(Medium(), "what the particles move in")
     forces: Annotated[Any, Many("forces")] = about((), "forces that act on every system")
+    colliders: Annotated[Any, Many("colliders")] = about((), "surfaces for every system")
     systems: dict[str, System] = about(..., "the particles", min_length=1)
     camera: CameraSpec | None = about(
         None, "where the picture is taken from; one that frames the particles when left out"

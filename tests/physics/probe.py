@@ -12,6 +12,8 @@ from gen_art.medium import Medium
 from gen_art.runtime import ti
 from gen_art.tracing import parameters
 
+FLOW = (0.3, -0.2, 0.1)  # the velocity of the medium, for forces that look at it
+
 
 def states(n: int = 64, seed: int = 1) -> SimpleNamespace:
     """n particles about the origin with every attribute set."""
@@ -19,6 +21,7 @@ def states(n: int = 64, seed: int = 1) -> SimpleNamespace:
     return SimpleNamespace(
         position=r.normal(size=(3, n)), velocity=r.normal(size=(3, n)), mass=r.uniform(0.5, 2, n),
         charge=r.uniform(0.5, 2, n), radius=r.uniform(0.1, 0.3, n), age=r.uniform(0, 2, n), time=0.7,
+        key=r.integers(0, 2**32, (2, n), dtype=np.uint32), flow=np.array(FLOW)[:, None],
     )  # fmt: skip
 
 
@@ -49,7 +52,7 @@ def probe(force, p, precision="f64", medium=None):
                     x = ti.Vector([S[0, i], S[1, i], S[2, i]])
                     v = ti.Vector([S[3, i], S[4, i], S[5, i]])
                     q = parameters(Q, force, 0, k)
-                    p = view(terms, S, K, i, x, v, A[i])
+                    p = view(terms, S, K, i, x, v, A[i], ti.Vector(FLOW), None, (A[i], 0.1))
                     if ti.static(pushes):
                         a = term_acceleration(force, p, t, q)
                         for c in ti.static(range(3)):
@@ -66,5 +69,5 @@ def probe(force, p, precision="f64", medium=None):
 
     assert term.offset == 0 or medium is not None
     numbers = np.array(force.bound_numbers(medium or Medium()) or [0.0], dtype)
-    runtime.kernel(kernel, precision)(S, np.zeros((2, n), np.uint32), p.age.astype(dtype), numbers, p.time, out, count)
+    runtime.kernel(kernel, precision)(S, p.key, p.age.astype(dtype), numbers, p.time, out, count)
     return out[:3], out[3:6], out[6:8], out[8]

@@ -69,9 +69,54 @@ def mirror(p):
     return 0.5 * np.stack([-x * y, 1 + y * y - 0.5 * rho2, -z * y])
 
 
+def lift(p):
+    n, w = np.array([0.2, 0.0, 3.0]), (p.velocity - p.flow).T
+    across = np.cross(n, w)
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    return (0.5 * 1.3 * (w * w).sum(1) * 0.6 * 0.8 * across.T) / p.mass
+
+
+def driver(p):
+    n = np.array([1.0, 2.0, 2.0]) / 3.0
+    return np.outer(n, 0.7 * np.cos(2 * np.pi * 1.3 * p.time + 0.4) / p.mass)
+
+
+def _mixed(h):
+    h = (h ^ (h >> 16)) * 0x85EBCA6B & 0xFFFFFFFF
+    h = (h ^ (h >> 13)) * 0xC2B2AE35 & 0xFFFFFFFF
+    return h ^ (h >> 16)
+
+
+def random_driver(p, strength=1.4, time=0.6, seed=3, harmonics=5):
+    key, out = p.key.astype(np.uint64), 0.0
+    for k in range(harmonics):
+        h = _mixed(_mixed(key[0] ^ np.uint64((seed * 64 + k) * 0x165667B1 & 0xFFFFFFFF)) ^ key[1])
+        u = [((_mixed((h + c * 0x9E3779B9) & 0xFFFFFFFF) >> 8) + 0.5) / 2**24 for c in range(5)]
+        w = np.sqrt(-2 * np.log(u[0])) * np.cos(2 * np.pi * u[1]) * np.sqrt(np.pi / 2) / time
+        out = out + np.cos(w * p.time + 2 * np.pi * np.array(u[2:]))
+    return strength * np.sqrt(2 / (3 * harmonics)) * out / p.mass
+
+
+def flat_gravity(p):
+    up = np.array([0.0, 0.6, 0.8])
+    h = np.maximum(up @ (p.position - _column((0.1, 0, 0))), 0)
+    return np.outer(up, -3.0) * (1.5 / (1.5 + h)) ** 2
+
+
+def thrust(p):
+    """Lit from 0.5 to 1.0 s of age; the probe's step is 0.1 s."""
+    share = np.clip(np.minimum(p.age + 0.1, 1.0) - np.maximum(p.age, 0.5), 0, None) / 0.1
+    return np.outer((0.6, 0.0, 0.8), 3.0 * 0.2 * share / p.mass)
+
+
 # name: (instance, what it gives, the NumPy formula); "push" is compared after multiplying fields by charge / mass
 CASES = {
     "gravity": (F.Gravity((1.0, -9.81, 0.5)), "push", lambda p: np.tile(_column((1.0, -9.81, 0.5)), p.mass.size)),
+    "height_gravity": (F.HeightGravity(3.0, 1.5, (0.1, 0.0, 0.0), (0.0, 3.0, 4.0)), "push", flat_gravity),
+    "lift": (F.Lift(0.8, 0.6, (0.2, 0.0, 3.0), 1.3), "push", lift),
+    "thrust": (F.Thrust((3.0, 0.0, 4.0), 3.0, 0.2, 0.5, 0.5), "push", thrust),
+    "driver": (F.Driver(0.7, 1.3, 0.4, (1.0, 2.0, 2.0)), "push", driver),
+    "random_driver": (F.RandomDriver(1.4, 0.6, 3, 5), "push", random_driver),
     "wind": (F.Wind((1.0, 2.0, 3.0)), "push", lambda p: np.tile(_column((1.0, 2.0, 3.0)), p.mass.size)),
     "drag": (
         F.Drag(linear=0.3, quadratic=0.2, cd=0.5, density=1.2),

@@ -1,0 +1,9 @@
+"""Surfaces that particles bounce off, stick to or end at."""
+
+from gen_art.colliders.base import COLLIDERS, Collider, collider
+from gen_art.colliders.box import Block, Box
+from gen_art.colliders.capsule import Capsule
+from gen_art.colliders.plane import Plane
+from gen_art.colliders.sphere import Sphere
+
+__all__ = ["COLLIDERS", "Block", "Box", "Capsule", "Collider", "Plane", "Sphere", "collider"]

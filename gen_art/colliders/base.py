@@ -1,0 +1,74 @@
+"""The contract of a collider: a signed distance, its gradient, and what becomes of a particle at the surface."""
+
+from typing import ClassVar
+
+from gen_art.errors import UsageError
+from gen_art.registry import Parameter, Parametric, Registry, param
+from gen_art.runtime import impl, ti
+from gen_art.tracing import parameters, traced
+
+__all__ = ["ACTIONS", "COLLIDERS", "Collider", "collider", "surface"]
+
+COLLIDERS = Registry("collider")
+collider = COLLIDERS  # as a decorator: @collider("torus")
+
+ACTIONS = ("bounce", "stick", "kill")
+
+
+class Collider(Parametric):
+    """A surface that particles do not pass. A subclass gives two @ti.func methods, for each of its smooth `sides`:
+
+    distance(self, x, q, side)  m, from x to the surface, positive where particles may be, never steeper than 1
+    gradient(self, x, q, side)  (3,) the unit gradient of the distance
+
+    q holds the run-time parameters and q.data(k), the numbers of `data()`. A particle touches where its distance is its
+    radius. The parameters below come after the subclass's own.
+    """
+
+    sides: ClassVar[int] = 1
+    repeat: ClassVar[None] = None
+
+    restitution: float = param(0.5, min=0, max=1, doc="speed after over speed before, along the normal; 1 is elastic, 0 slides")
+    friction: tuple = param((0.0, 0.0), kind="range", min=0, doc="coefficient of Coulomb friction; kinetic..static, if they differ")
+    action: str = param("bounce", choices=ACTIONS, doc="what an impact does")
+    velocity: tuple = param((0.0, 0.0, 0.0), unit="m/s", doc="the surface moves with it")
+
+    def __init_subclass__(cls, **kwargs):
+        super().__init_subclass__(**kwargs)
+        common = [key for key in Collider.parameters if key in cls.parameters]
+        own: dict[str, Parameter] = {key: p for key, p in cls.parameters.items() if key not in common}
+        cls.parameters = own | {key: cls.parameters[key] for key in common}
+
+    def prepare(self):
+        pair = tuple(float(c) for c in self.values["friction"])
+        self.values["friction"] = (min(pair), max(pair))
+
+    def data(self) -> list[float]:
+        """Further run-time numbers of the shape, such as a grid's."""
+        return []
+
+    @property
+    def fixed(self) -> tuple:
+        """What is generated into the kernel: the class and its choices and flags. Numbers are never in it."""
+        values = tuple((k, self.values[k]) for k, p in self.parameters.items() if p.kind in ("bool", "choice", "text"))
+        return (type(self), values)
+
+    def bound_numbers(self, medium) -> list[float]:
+        return self.numbers() + self.data()
+
+    def unit(self, key: str) -> None:
+        """Give the vector `key` the length 1; UsageError if it is zero."""
+        vector = self.values[key]
+        length = sum(c * c for c in vector) ** 0.5
+        if length == 0.0:
+            raise UsageError(f"{type(self).__name__}: {key} must not be the zero vector: it says which way is out")
+        self.values[key] = tuple(c / length for c in vector)
+
+
+@traced
+def surface(array, one: Collider, offset: int):
+    """The view `q` of a collider: its parameters, and `q.data(k)`, the k-th number of its data."""
+    q = parameters(array, one, offset)
+    first = offset + sum(size for _, _, size in one.layout())
+    q.data = traced(lambda k: impl.subscript(None, array, first + k))
+    return q

@@ -1,0 +1,92 @@
+"""An upright box that holds particles, or stands in their way."""
+
+from gen_art.colliders.base import Collider, collider
+from gen_art.errors import UsageError
+from gen_art.registry import param
+from gen_art.runtime import ti
+
+
+@collider("box")
+class Box(Collider):
+    """A box along the axes that keeps particles inside; six walls, each on its own, so corners are exact.
+
+    distance = x_i - min_i or max_i - x_i, wall by wall
+
+    min, max : m, opposite corners, min below max
+    """
+
+    sides = 6
+
+    min: tuple = param((-1.0, -1.0, -1.0), unit="m")
+    max: tuple = param((1.0, 1.0, 1.0), unit="m")
+
+    def prepare(self):
+        super().prepare()
+        corners(self)
+
+    @ti.func
+    def distance(self, x, q, side):
+        d = x[0] - q.min[0]
+        for axis in ti.static(range(3)):
+            if side == 2 * axis:
+                d = x[axis] - q.min[axis]
+            if side == 2 * axis + 1:
+                d = q.max[axis] - x[axis]
+        return d
+
+    @ti.func
+    def gradient(self, x, q, side):
+        n = x * 0.0
+        for axis in ti.static(range(3)):
+            if side == 2 * axis:
+                n[axis] = 1.0
+            if side == 2 * axis + 1:
+                n[axis] = -1.0
+        return n
+
+
+@collider("block")
+class Block(Collider):
+    """A solid box along the axes that particles bounce off; round for a particle of some radius, as a ball meets an edge.
+
+    distance = abs(max(d, 0)) + min(max(d_i), 0),  d = max(min - x, x - max)
+
+    min, max : m, opposite corners, min below max
+    """
+
+    min: tuple = param((-1.0, -1.0, -1.0), unit="m")
+    max: tuple = param((1.0, 1.0, 1.0), unit="m")
+
+    def prepare(self):
+        super().prepare()
+        corners(self)
+
+    @ti.func
+    def distance(self, x, q, side):
+        d = ti.max(q.min - x, x - q.max)
+        return ti.max(d, 0.0).norm() + ti.min(d.max(), 0.0)
+
+    @ti.func
+    def gradient(self, x, q, side):
+        d = ti.max(q.min - x, x - q.max)
+        way = ti.select(x - q.max > q.min - x, x * 0.0 + 1.0, x * 0.0 - 1.0)
+        out = ti.max(d, 0.0)
+        n = out * way
+        length = out.norm()
+        if length > 0.0:
+            n /= length
+        else:  # inside: out by the nearest face
+            found = 0
+            for axis in ti.static(range(3)):
+                n[axis] = 0.0
+                if found == 0 and d[axis] == d.max():
+                    n[axis] = way[axis]
+                    found = 1
+        return n
+
+
+def corners(box) -> None:
+    """UsageError unless min lies below max on every axis."""
+    for axis, low, high in zip("xyz", box.values["min"], box.values["max"]):
+        if low >= high:
+            raise UsageError(f"min must be below max on every axis: {axis} runs from {low:g} to {high:g}")

@@ -1,0 +1,37 @@
+"""A capsule: a rod with round ends."""
+
+from gen_art.colliders.base import Collider, collider
+from gen_art.registry import param
+from gen_art.runtime import ti
+
+
+@collider("capsule")
+class Capsule(Collider):
+    """All points within a radius of a segment: a rod with round ends, which particles bounce off.
+
+    distance = abs(x - c) - radius,  c = a + clamp((x - a).(b - a) / abs(b - a)^2, 0, 1) (b - a)
+
+    a, b : m, ends of the segment     radius : m
+    """
+
+    a: tuple = param((0.0, 0.0, 0.0), unit="m", doc="one end of the segment")
+    b: tuple = param((0.0, 1.0, 0.0), unit="m", doc="the other end")
+    radius: float = param(0.5, unit="m", min=1e-30)
+
+    @ti.func
+    def arm(self, x, q):
+        along = q.b - q.a
+        square = along.dot(along)
+        share = (x - q.a).dot(along) / ti.select(square > 0.0, square, 1.0)
+        return x - q.a - along * ti.min(ti.max(share, 0.0), 1.0)
+
+    @ti.func
+    def distance(self, x, q, side):
+        return self.arm(x, q).norm() - q.radius
+
+    @ti.func
+    def gradient(self, x, q, side):
+        r = self.arm(x, q)
+        length = r.norm()
+        up = ti.Vector([0.0, 1.0, 0.0])
+        return ti.select(length > 0.0, r / ti.select(length > 0.0, length, 1.0), up)

@@ -1,0 +1,30 @@
+"""A plane: a floor, a wall, a slope."""
+
+from gen_art.colliders.base import Collider, collider
+from gen_art.registry import param
+from gen_art.runtime import ti
+
+
+@collider("plane")
+class Plane(Collider):
+    """A plane that keeps particles on the side its normal points to.
+
+    distance = (x - point).normal / abs(normal)
+
+    point : m     normal : any length but 0
+    """
+
+    point: tuple = param((0.0, 0.0, 0.0), unit="m")
+    normal: tuple = param((0.0, 1.0, 0.0), doc="points to where the particles are")
+
+    def prepare(self):
+        super().prepare()
+        self.unit("normal")
+
+    @ti.func
+    def distance(self, x, q, side):
+        return (x - q.point).dot(q.normal)
+
+    @ti.func
+    def gradient(self, x, q, side):
+        return q.normal

@@ -1,0 +1,32 @@
+"""A sphere, from outside or inside."""
+
+from gen_art.colliders.base import Collider, collider
+from gen_art.registry import param
+from gen_art.runtime import ti
+
+
+@collider("sphere")
+class Sphere(Collider):
+    """A ball that particles bounce off, or a hollow one that holds them.
+
+    distance = abs(x - center) - radius, or radius - abs(x - center) inside
+
+    center, radius : m
+    """
+
+    center: tuple = param((0.0, 0.0, 0.0), unit="m")
+    radius: float = param(1.0, unit="m", min=1e-30)
+    inside: bool = param(False, doc="the particles are inside it")
+
+    @ti.func
+    def distance(self, x, q, side):
+        d = (x - q.center).norm() - q.radius
+        return -d if ti.static(self.values["inside"]) else d
+
+    @ti.func
+    def gradient(self, x, q, side):
+        r = x - q.center
+        length = r.norm()
+        up = ti.Vector([0.0, 1.0, 0.0])  # at the very centre any direction is as good
+        n = ti.select(length > 0.0, r / ti.select(length > 0.0, length, 1.0), up)
+        return -n if ti.static(self.values["inside"]) else n

@@ -1,0 +1,45 @@
+"""Lift on a wing, across the stream."""
+
+from gen_art.errors import UsageError
+from gen_art.forces.base import Force, force
+from gen_art.registry import param
+from gen_art.runtime import ti
+
+
+@force("lift")
+class Lift(Force):
+    """Lift on a wing: across the stream and across the span.
+
+    F = 1/2 density abs(w)^2 area coefficient n x w / abs(n x w),  w = v - u(x, t),  n along span_axis; none where w is along n
+
+    coefficient : lift coefficient, its sign too     area : m^2, of the wing, >= 0     span_axis : (3,), towards the wing tip on
+    the right of a pilot: flying along x with the axis along z, lift is up, along y.     density : kg/m^3; the medium's when
+    left out.     medium : a ga.Medium, the system's when left out.  Does no work in still air. A plain kick takes it at order 1:
+    use `rk2` or `rk4`. Source: Anderson, Fundamentals of Aerodynamics, section 1.5.
+    """
+
+    coefficient: float = param(1.0)
+    area: float = param(1.0, unit="m^2", min=0)
+    span_axis: tuple = param((0.0, 0.0, 1.0))
+    density: float = param(None, unit="kg/m^3", min=0, doc="of the fluid; the medium's when left out")
+    medium: object = param(None)
+    depends_on_velocity = True
+    reads_medium = True
+
+    def prepare(self):
+        if not any(self.values["span_axis"]):
+            raise UsageError("Lift: span_axis must not be the null vector")
+
+    @ti.func
+    def force(self, p, t, q):
+        w = p.velocity - p.flow
+        across = q.span_axis.cross(w)
+        return across * (0.5 * q.density * w.dot(w) * q.area * q.coefficient / ti.max(across.norm(), 1e-30))
+
+    def bound_numbers(self, medium):
+        if self.values["density"] is None and not medium.density:
+            raise UsageError("lift needs the fluid's density: lift.density, or medium.density")
+        numbers = self.numbers()
+        if self.values["density"] is None:
+            numbers[-1] = medium.density
+        return numbers

@@ -1,0 +1,29 @@
+"""Coulomb's law between the particles' charges."""
+
+from gen_art.interactions.base import interaction
+from gen_art.interactions.direct import DirectSum
+from gen_art.registry import param
+
+__all__ = ["Coulomb"]
+
+
+@interaction("coulomb")
+class Coulomb(DirectSum):
+    """Like charges repel, unlike ones attract, softened after Plummer.
+
+    a_i = k q_i / m_i sum_j q_j (x_i - x_j) / s^3,  s^2 = abs(x_i - x_j)^2 + softening^2;  U = k sum_{i<j} q_i q_j / s
+
+    k : N m^2/C^2, 1 / (4 pi epsilon_0) when left out     softening : m, >= 0     method : "direct"
+    sources : the name of another system, whose field then acts without reaction (booked in the ledger)
+    Conservative and reciprocal, unless `sources` is given; magnetism and delay are left out. Source: CODATA 2018.
+    """
+
+    k: float = param(8.9875517923e9, unit="N m^2/C^2")
+    softening: float = param(0.0, unit="m", min=0)
+    method: str = param("direct", choices=("direct",))
+    sources: str = param(None, doc="another system whose charges act on this one, without reaction")
+    weight = "charge"
+
+    @property
+    def law(self):
+        return -self.values["k"], -2.0, self.values["softening"]

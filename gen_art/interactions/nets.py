@@ -1,0 +1,101 @@
+"""Nets of springs: chains, ropes and cloths as positions, pairs and rest lengths."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen_art.errors import UsageError
+
+__all__ = ["Net", "chain", "cloth", "rope"]
+
+
+@dataclass(frozen=True)
+class Net:
+    """Points and the springs between them.
+
+    position : (n, 3) m     pairs : (m, 2) indices of points     rest_length : (m,) m
+    share : (m,) each spring's part of the stiffness and of the damping     edges : named groups of points, for pinning
+    """
+
+    position: np.ndarray
+    pairs: np.ndarray
+    rest_length: np.ndarray
+    share: np.ndarray
+    edges: dict[str, np.ndarray]
+
+    def springs(self, stiffness: float, damping: float = 0.0, method: str = "explicit"):
+        """The interaction for a ParticleSystem whose particles begin with these points, in their order."""
+        from gen_art.interactions.springs import Springs
+
+        return Springs(stiffness, damping, method, self.pairs, self.rest_length, self.share)
+
+    def pinned(self, name: str) -> np.ndarray:
+        """The points of the edge of that name: none, start, end, ends, top, left, corners or whatever the net has."""
+        if name not in self.edges:
+            raise UsageError(f"this net has no edge '{name}': there are {', '.join(self.edges)}")
+        return self.edges[name]
+
+
+def chain(start, end, count: int) -> Net:
+    """`count` points evenly from start to end (both included, (3,) m), each joined to the next at its distance."""
+    return _string(start, end, count, None, 0.0)
+
+
+def rope(start, end, count: int, length: float | None = None, bend: float = 0.0) -> Net:
+    """A chain whose rest length in all is `length`, m: at least the distance, laid as a V that sags down (-y) when longer.
+
+    bend : share of the stiffness that springs over every other point have; they resist folding
+    """
+    return _string(start, end, count, length, bend)
+
+
+def _string(start, end, count, length, bend) -> Net:
+    if int(count) != count or count < 2:
+        raise UsageError(f"a chain needs at least 2 points, not {count}")
+    a, b = np.asarray(start, float), np.asarray(end, float)
+    distance = float(np.linalg.norm(b - a))
+    whole = distance if length is None else float(length)
+    if whole <= 0 or whole < distance * (1 - 1e-12):
+        raise UsageError(f"a rope of {whole:g} m does not reach over {distance:g} m")
+    s = np.linspace(0, 1, int(count))
+    x = a + np.outer(s, b - a)
+    sag = np.sqrt(max(whole**2 - distance**2, 0.0))
+    x[:, 1] -= sag * np.minimum(s, 1 - s)
+    step = whole / (len(s) - 1)
+    k = np.arange(len(s))
+    pairs, rest, share = [np.stack([k[:-1], k[1:]], 1)], [np.full(len(s) - 1, step)], [np.ones(len(s) - 1)]
+    if bend > 0:
+        pairs.append(np.stack([k[:-2], k[2:]], 1))
+        rest.append(np.full(len(s) - 2, 2 * step))
+        share.append(np.full(len(s) - 2, float(bend)))
+    edges = {"none": k[:0], "start": k[:1], "end": k[-1:], "ends": k[[0, -1]]}
+    return Net(x, np.concatenate(pairs), np.concatenate(rest), np.concatenate(share), edges)
+
+
+def cloth(corner, across, down, columns: int, rows: int, shear: float = 0.5, bend: float = 0.1) -> Net:
+    """A sheet of columns x rows points over the parallelogram corner + across + down ((3,) m), point k = row columns + column.
+
+    Springs along both threads (share 1), along both diagonals of each mesh (shear) and over every other point (bend).
+    """
+    if columns < 2 or rows < 2:
+        raise UsageError(f"a cloth needs at least 2 columns and 2 rows, not {columns} x {rows}")
+    u, v = np.meshgrid(np.linspace(0, 1, columns), np.linspace(0, 1, rows))
+    x = (
+        np.asarray(corner, float)
+        + u.reshape(-1, 1) * np.asarray(across, float)
+        + v.reshape(-1, 1) * np.asarray(down, float)
+    )
+    k = np.arange(columns * rows).reshape(rows, columns)
+    groups = [(k[:, :-1], k[:, 1:], 1.0), (k[:-1], k[1:], 1.0)]
+    if shear > 0:
+        groups += [(k[:-1, :-1], k[1:, 1:], shear), (k[:-1, 1:], k[1:, :-1], shear)]
+    if bend > 0:
+        groups += [(k[:, :-2], k[:, 2:], bend), (k[:-2], k[2:], bend)]
+    pairs = np.concatenate([np.stack([a.ravel(), b.ravel()], 1) for a, b, _ in groups])
+    share = np.concatenate([np.full(a.size, float(part)) for a, _, part in groups])
+    rest = np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1)
+    edges = {
+        "none": k[:0, 0], "top": k[0], "bottom": k[-1], "left": k[:, 0], "right": k[:, -1],
+        "corners": k[0, [0, -1]], "four corners": k[[0, 0, -1, -1], [0, -1, 0, -1]],
+    }  # fmt: skip
+    return Net(x, pairs, rest, share, edges)

@@ -1,0 +1,181 @@
+"""Springs between given particles."""
+
+import math
+import warnings
+
+import numpy as np
+
+from gen_art.errors import UsageError
+from gen_art.interactions.adjacency import Adjacency
+from gen_art.interactions.base import Interaction, Pull, interaction
+from gen_art.interactions.implicit import solve
+from gen_art.interactions.spring_kernels import spring_kernels
+from gen_art.particles.fixed import fixed_lifetimes
+from gen_art.registry import param
+
+__all__ = ["Springs"]
+
+_REACH = {"rk4": 2.828, "yoshida4": 1.573}  # largest stable w dt of an oscillator, 2 for the others
+
+
+@interaction("springs")
+class Springs(Interaction):
+    """Springs between pairs of particles: those given, or those of the chains, ropes and cloths that emitters lay.
+
+    F_i = (k (l - rest_length) + c w) n,  n = (x_j - x_i) / l,  l = abs(x_j - x_i),  w = (v_j - v_i).n
+    U = sum k (l - rest_length)^2 / 2,  k = share stiffness,  c = share damping
+
+    stiffness : N/m, >= 0     damping : N s/m, >= 0
+    method : "explicit" with any integrator, stable for w dt < 2; "implicit" with semi_implicit_euler, stable at any step: it is
+    backward Euler, which takes energy from fast motion; its stiffness depends on no number of iterations
+    pairs : (m, 2) ids of particles, in order of birth from 0     rest_length : m, each or all; their distance at the start when
+    left out     share : each spring's part of the stiffness and damping
+    A spring goes when one of its ends dies. Fixed particles pull and stay. Conservative but for the damping, and reciprocal.
+    Source: Baraff & Witkin (1998), for the implicit step.
+    """
+
+    stiffness: float = param(100.0, unit="N/m", min=0)
+    damping: float = param(0.0, unit="N s/m", min=0)
+    method: str = param("explicit", choices=("explicit", "implicit"))
+    pairs: object = param(None, doc="pairs of particles; those that emitters lay when left out")
+    rest_length: object = param(None, unit="m")
+    share: object = param(None)
+
+    def prepare(self):
+        values = self.values
+        if values["pairs"] is None:
+            if values["rest_length"] is not None or values["share"] is not None:
+                raise UsageError("rest_length and share go with pairs")
+            return
+        pairs = np.asarray(values["pairs"])
+        if pairs.ndim != 2 or pairs.shape[1] != 2 or not np.issubdtype(pairs.dtype, np.integer):
+            raise UsageError(f"pairs must be whole numbers of the shape (m, 2), not {pairs.dtype} of {pairs.shape}")
+        if (pairs < 0).any():
+            raise UsageError("pairs must be ids from 0 on")
+        if (pairs[:, 0] == pairs[:, 1]).any():
+            raise UsageError(f"a spring joins particle {pairs[pairs[:, 0] == pairs[:, 1]][0, 0]} to itself")
+        known, times = np.unique(np.sort(pairs, 1), axis=0, return_counts=True)
+        if (times > 1).any():
+            i, j = known[times > 1][0]
+            raise UsageError(f"two springs contradict each other: particles {i} and {j} are joined twice")
+        values["pairs"] = pairs.astype(np.int64)
+        for key in ("rest_length", "share"):
+            if values[key] is not None:
+                array = np.asarray(values[key], float)
+                if array.shape not in ((), (len(pairs),)) or not np.isfinite(array).all() or (array < 0).any():
+                    raise UsageError(f"{key} must be one number or {len(pairs)} of them, finite and at least 0")
+                values[key] = np.broadcast_to(array, (len(pairs),))
+
+    @property
+    def implicit(self) -> bool:
+        return self.values["method"] == "implicit"
+
+    @property
+    def parts(self):
+        return () if self.implicit else ("", "damping") if self.values["damping"] > 0 else ("",)
+
+    def join(self, system, dt):
+        state = system.state
+        n = state.count
+        pairs, rest, share = self._laid(system) if self.values["pairs"] is None else (
+            self.values["pairs"], self.values["rest_length"], self.values["share"],
+        )  # fmt: skip
+        if len(pairs) and pairs.max() >= n > 0:
+            raise UsageError(
+                f"springs: a pair names particle {pairs.max()}, but '{system.name}' begins with {n} (0 to {n - 1})"
+            )
+        if rest is None:
+            x = state.floats[:3, :n].astype(np.float64)
+            rest = np.linalg.norm(x[:, pairs[:, 0]] - x[:, pairs[:, 1]], axis=0)
+            self.values["rest_length"] = rest  # a snapshot keeps it
+        share = np.ones(len(pairs)) if share is None else share
+        k, c = self.values["stiffness"] * share, self.values["damping"] * share
+        self._ids, self._numbers, self._key = pairs, np.stack([k, rest, c], 1), (-1, -1)
+        if n == 0:  # a snapshot is being restored: the particles come later
+            return
+        mass = state.floats[6, :n].astype(np.float64)
+        light = np.unique(pairs)[mass[np.unique(pairs)] <= 0]
+        if len(light):
+            raise UsageError(f"springs: particle {light[0]} of '{system.name}' has no mass; give it one, or fix it")
+        if self.implicit:
+            if system.scheme.name != "semi_implicit_euler":
+                raise UsageError(
+                    f"springs: method 'implicit' is a backward Euler step and replaces the kick of semi_implicit_euler; "
+                    f"give '{system.name}' that integrator, or method 'explicit' with {system.scheme.name}"
+                )
+            return
+        longest = self._longest(system, mass, fixed_lifetimes(state.floats[9, :n]))
+        if dt > longest:
+            warnings.warn(
+                f"system '{system.name}': a step of {dt:g} s is too long for springs of {self.values['stiffness']:g} N/m; "
+                f"the longest that is surely stable is {longest:.3g} s (or method 'implicit' with semi_implicit_euler)",
+                stacklevel=2,
+            )
+
+    def _longest(self, system, mass, fixed) -> float:
+        """The largest surely stable step, s: w^2 <= k_i / m_i + k_j / m_j, k_i the sum of the stiffness at an end."""
+        i, j = self._ids.T
+        give = np.where(fixed, 0.0, 1.0 / np.maximum(mass, 1e-300))
+
+        def largest(amount):
+            at = np.bincount(i, amount, len(mass)) + np.bincount(j, amount, len(mass))
+            return float((at[i] * give[i] + at[j] * give[j]).max(initial=0.0))
+
+        square, rate = largest(self._numbers[:, 0]), largest(self._numbers[:, 2])
+        reach = _REACH.get(system.scheme.name, 2.0)
+        return math.inf if square == 0 else reach / square * (math.sqrt(rate * rate / 4 + square) - rate / 2)
+
+    @staticmethod
+    def _laid(system):
+        """Pairs of ids, rest lengths and shares of every net that the system's emitters lay."""
+        state, found = system.state, []
+        for emission in system.emitters:
+            for k, kind in enumerate(emission.kinds):
+                net = getattr(kind.scripted, "net", None)
+                if net is not None:
+                    ids = state.id[: state.count][state.source[: state.count] == emission.first_source + k]
+                    found.append((ids[net.pairs], net.rest_length, net.share))
+        if not found:
+            raise UsageError(
+                f"springs: '{system.name}' has none; give pairs, or an emitter that lays them: chain, rope or cloth"
+            )
+        return tuple(np.concatenate(part) for part in zip(*found))
+
+    def _adjacency(self, state) -> Adjacency:
+        """The springs whose ends both live, by slot."""
+        if self._key != (state.next_id, state.count):
+            self._key = (state.next_id, state.count)
+            ids = state.id[: state.count]
+            slots = np.minimum(np.searchsorted(ids, self._ids), state.count - 1)
+            whole = (ids[slots] == self._ids).all(1)
+            self._springs = Adjacency(slots[whole], self._numbers[whole], state.count, state.floats.dtype)
+        return self._springs
+
+    def accelerate(self, pull: Pull, out):
+        springs = self._adjacency(pull.state)
+        spring_kernels(pull.precision)[0](
+            pull.rows, pull.state.floats, springs.first, springs.other, springs.of, out, pull.n, len(self.parts)
+        )
+
+    def solve(self, state, dt: float, precision: str) -> None:
+        """The implicit step: velocities at its end."""
+        if state.count:
+            solve(state.floats, state.count, self._adjacency(state), dt, precision)
+
+    def dissipated(self, state, dt: float) -> float:
+        """J that damping takes in an implicit step, which it does at the velocities of its end."""
+        springs = self._adjacency(state)
+        i, j = springs.pairs.T
+        d = (state.floats[:3, j] - state.floats[:3, i]).astype(np.float64)
+        w = (state.floats[3:6, j] - state.floats[3:6, i]).astype(np.float64)
+        along = (d * w).sum(0) / np.maximum(np.linalg.norm(d, axis=0), 1e-300)
+        return float(dt * (springs.numbers[:, 2] * along**2).sum())
+
+    def energy(self, state, slots, precision):
+        i, j = self._adjacency(state).pairs.T
+        here = np.zeros(state.count, bool)
+        here[slots] = True
+        both = here[i] & here[j]
+        x = state.floats[:3, : state.count].astype(np.float64)
+        k, rest, _ = self._adjacency(state).numbers[both].T
+        return float((0.5 * k * (np.linalg.norm(x[:, i[both]] - x[:, j[both]], axis=0) - rest) ** 2).sum())

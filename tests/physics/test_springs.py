@@ -1,0 +1,275 @@
+"""Springs between pairs: forces against NumPy, modes of a chain, the catenary, momentum and energy, stability, and nets."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import gen_art as ga
+
+Springs = ga.interactions.Springs
+
+
+def web(n=60, m=200, seed=0):
+    r = np.random.default_rng(seed)
+    pairs = np.unique(np.sort(r.integers(0, n, (m, 2)), 1), axis=0)
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    return r.normal(size=(n, 3)), r.normal(size=(n, 3)), r.uniform(0.5, 2, n), pairs, r.uniform(0.2, 1.5, len(pairs))
+
+
+def pulls(x, v, m, pairs, rest, k, c):
+    """Accelerations and the energy, spring by spring."""
+    force, energy = np.zeros_like(x), 0.0
+    for (i, j), length in zip(pairs, rest):
+        d = x[j] - x[i]
+        now = np.linalg.norm(d)
+        n = d / now
+        f = (k * (now - length) + c * (v[j] - v[i]).dot(n)) * n
+        force[i] += f
+        force[j] -= f
+        energy += 0.5 * k * (now - length) ** 2
+    return force / m[:, None], energy
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+@pytest.mark.parametrize("precision,tolerance", [("f64", 1e-6), ("f32", 2e-4)])
+def test_forces_energy_and_reaction(precision, tolerance, method):
+    x, v, m, pairs, rest = web()
+    a, energy = pulls(x, v, m, pairs, rest, 3.0, 0.4)
+    h = 1e-8 if precision == "f64" else 1e-3
+    springs = Springs(3.0, 0.4, method, pairs, rest)
+    system = ga.ParticleSystem(
+        position=x, velocity=v, mass=m, interactions=[springs], integrator="semi_implicit_euler"
+    )  # fmt: skip
+    sim = ga.Simulation({"s": system}, dt=h, precision=precision)
+    assert sim.diagnostics().potential_energy == pytest.approx(energy, rel=tolerance)
+    sim.step(1)
+    found = (sim["s"].velocity.astype(float) - v.astype(sim.dtype)) / h
+    bound = tolerance if method == "explicit" else 0.02
+    assert np.abs(found - a).max() <= bound * np.abs(a).max()
+    for k, c in ((-3.0, 0.4), (3.0, -0.4), (3.3, 0.4)):
+        assert np.abs(found - pulls(x, v, m, pairs, rest, k, c)[0]).max() > 2 * bound * np.abs(a).max()
+    eps = np.finfo(sim.dtype).eps
+    scale = np.abs(m[:, None] * sim["s"].velocity).sum()
+    assert np.abs((m[:, None] * (sim["s"].velocity - v)).sum(0)).max() <= 8 * eps * scale
+
+
+@pytest.mark.parametrize("mode", [1, 2, 5, 8])
+def test_chain_has_its_modes(mode):
+    """N = 8 masses on 9 springs: w_j = 2 sqrt(k/m) sin(j pi / (2 (N + 1))), along the chain."""
+    N, k, m = 8, 40.0, 0.5
+    net = ga.chain((0, 0, 0), (N + 1.0, 0, 0), N + 2)
+    x = net.position.copy()
+    x[:, 0] += 1e-3 * np.sin(mode * np.pi * np.arange(N + 2) / (N + 1))
+    w = 2 * np.sqrt(k / m) * np.sin(mode * np.pi / (2 * (N + 1)))
+    period = 2 * np.pi / w
+    system = ga.ParticleSystem(
+        position=x, mass=m, interactions=[net.springs(k)], fixed=net.pinned("ends"), integrator="yoshida4"
+    )
+    sim = ga.Simulation({"s": system}, dt=period / 128, precision="f64")
+    at = 3 if mode != 5 else 1
+    sim.step(32)
+    before = sim["s"].position[at, 0] - at
+    speed = sim["s"].velocity[at, 0]
+    # a quarter of a period on, the displacement crosses zero: what is left over the speed is the error in time
+    assert abs(before / speed) / (period / 4) < 1e-4
+    assert abs(speed) == pytest.approx(abs(x[at, 0] - at) * w, rel=1e-4)
+
+
+def test_energy_momentum_and_the_ledger():
+    x, v, m, pairs, rest = web()
+
+    def account(dt, damping):
+        system = ga.ParticleSystem(
+            position=x, velocity=v, mass=m, interactions=[Springs(3.0, damping, "explicit", pairs, rest)],
+            integrator="leapfrog",
+        )  # fmt: skip
+        sim = ga.Simulation({"s": system}, dt=dt, precision="f64", ledger=True)
+        before = sim.diagnostics()
+        sim.step(round(0.4 / dt))
+        return before, sim.diagnostics(), sim.ledger()
+
+    residuals = []
+    for dt in (0.004, 0.002):
+        before, after, ledger = account(dt, 0.0)
+        assert np.abs(after.momentum - before.momentum).max() < 1e-12
+        assert np.abs(after.angular_momentum - before.angular_momentum).max() < 1e-11
+        assert not ledger.dissipated
+        residuals.append(abs(ledger.residual))
+    assert np.log2(residuals[0] / residuals[1]) == pytest.approx(2, abs=0.35)
+    before, after, ledger = account(0.002, 0.5)
+    lost = before.energy - after.energy
+    assert ledger.dissipated["s.springs"] == pytest.approx(lost, rel=1e-3) and lost > 1
+
+
+def hung(length=1.3, count=33, stiffness=2e6, dt=1 / 60, seconds=6.0, precision="f64"):
+    net = ga.rope((0, 0, 0), (1, 0, 0), count, length)
+    system = ga.ParticleSystem(
+        position=net.position, mass=0.01, interactions=[net.springs(stiffness, method="implicit")],
+        forces=[ga.forces.Gravity(), ga.forces.Damping(1.0)], fixed=net.pinned("ends"), integrator="semi_implicit_euler",
+    )  # fmt: skip
+    sim = ga.Simulation({"s": system}, dt=dt, precision=precision)
+    sim.step(round(seconds / dt))
+    return sim, net
+
+
+@pytest.mark.parametrize("dt", [1 / 60, 1 / 240])
+def test_rope_hangs_as_a_catenary(dt):
+    """y = a cosh((x - 1/2) / a) + c with 2 a sinh(1 / (2 a)) = length; its own length is kept within 0.1 %, at any step."""
+    length = 1.3
+    sim, net = hung(length, dt=dt)
+    x = sim["s"].position
+    assert np.linalg.norm(np.diff(x, axis=0), axis=1).sum() == pytest.approx(length, rel=1e-3)
+    a = 1.0
+    for _ in range(200):  # 2 a sinh(1 / (2 a)) falls with a
+        a += 0.05 * (2 * a * np.sinh(0.5 / a) - length)
+    y = a * (np.cosh((x[:, 0] - 0.5) / a) - np.cosh(0.5 / a))
+    assert np.abs(sim["s"].velocity).max() < 2e-3
+    assert np.abs(x[:, 1] - y).max() < 2e-3
+    assert np.array_equal(x[[0, -1]], net.position[[0, -1]])
+
+
+def test_stiffness_at_rest_depends_on_no_step():
+    """A weight on a stiff spring: it hangs m g / k below its rest, also where w dt is 60."""
+    drops = []
+    for dt in (1 / 30, 1 / 480):
+        net = ga.chain((0, 0, 0), (0, -1, 0), 2)
+        system = ga.ParticleSystem(
+            position=net.position, mass=0.3, interactions=[net.springs(1e6, 30.0, "implicit")],
+            forces=[ga.forces.Gravity((0, -9.81, 0))], fixed=[0], integrator="semi_implicit_euler",
+        )  # fmt: skip
+        sim = ga.Simulation({"s": system}, dt=dt, precision="f64")
+        sim.step(600)
+        drops.append(-1 - sim["s"].position[1, 1])
+    assert drops == pytest.approx([0.3 * 9.81 / 1e6] * 2, rel=1e-6)
+
+
+def test_implicit_momentum_and_ledger():
+    """Free springs far beyond the explicit limit: momentum to round-off, energy only ever lost, and the pins' pull booked."""
+    x, v, m, pairs, rest = web()
+    system = ga.ParticleSystem(
+        position=x, velocity=v, mass=m, interactions=[Springs(1e5, 5.0, "implicit", pairs, rest)], integrator="semi_implicit_euler"
+    )  # fmt: skip
+    sim = ga.Simulation({"s": system}, dt=0.05, precision="f64", ledger=True)
+    start = sim.diagnostics()
+    sim.step(50)
+    end, account = sim.diagnostics(), sim.ledger()
+    assert np.abs(end.momentum - start.momentum).max() < 1e-10
+    assert np.abs(account.momentum_residual).max() < 1e-10
+    assert end.energy < start.energy and account.residual <= 0
+    held, _ = hung(seconds=0.1)
+    assert np.isfinite(held["s"].position).all()
+
+
+def test_a_spring_that_is_too_stiff_for_the_step_is_a_warning():
+    net = ga.chain((0, 0, 0), (9, 0, 0), 10)
+
+    def run(dt, integrator="leapfrog"):
+        system = ga.ParticleSystem(
+            position=net.position + 1e-6 * np.random.default_rng(0).normal(size=(10, 3)) * [1, 0, 0],
+            mass=0.5, interactions=[net.springs(50.0)], integrator=integrator,
+        )  # fmt: skip
+        sim = ga.Simulation({"s": system}, dt=dt, precision="f64")
+        sim.step(400)
+        return np.abs(sim["s"].position - net.position).max()
+
+    limit = 2 / np.sqrt(4 * 50 / 0.5)  # w_max = 2 sqrt(k / m)
+    with pytest.warns(UserWarning, match=f"longest that is surely stable is {limit:.3g} s"):
+        assert not run(limit * 1.2) < 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert run(limit * 0.95) < 1e-4
+
+
+def test_a_spring_goes_with_the_first_end_that_dies():
+    from gen_art.preset import load_preset
+
+    preset = {
+        "version": 1, "clock": {"duration": 1, "fps": 25, "step": 0.01},
+        "systems": {"s": {
+            "integrator": "leapfrog", "interactions": {"springs": {"stiffness": 10, "pairs": [[0, 1]], "rest_length": 0.5}},
+            "emitters": {
+                "a": {"count": 1, "shape": [0, 0, 0], "lifetime": 0.2}, "b": {"count": 1, "shape": [1, 0, 0]},
+            },
+        }},
+    }  # fmt: skip
+    sim = ga.Simulation(load_preset(preset), precision="f64")
+    sim.step(20)
+    speed = sim["s"].velocity.copy()
+    assert sim["s"].count == 1 and abs(speed[0, 0]) > 0.1
+    sim.step(20)
+    assert np.array_equal(sim["s"].velocity, speed)
+
+
+@pytest.mark.parametrize("pinned,still", [("top", 8), ("corners", 2), ("none", 0)])
+def test_cloth_in_yaml(pinned, still):
+    from gen_art.preset import load_preset
+
+    preset = {
+        "version": 1, "clock": {"duration": 1, "step": "1/120"}, "medium": {"wind": [0, 0, 3]},
+        "forces": {"gravity": [0, -9.81, 0], "drag": {"linear": 0.002}},
+        "systems": {"sheet": {
+            "integrator": "semi_implicit_euler", "particle": {"mass": 0.002},
+            "interactions": {"springs": {"stiffness": 200, "method": "implicit"}},
+            "emitters": {"c": {"cloth": {"columns": 8, "rows": 6, "pinned": pinned}}},
+        }},
+    }  # fmt: skip
+    sim = ga.Simulation(load_preset(preset), ledger=True)
+    assert sim["sheet"].count == 48
+    assert sim.diagnostics().potential_energy == pytest.approx(0, abs=1e-6)
+    start = sim["sheet"].position.copy()
+    sim.step(60)
+    moved = np.abs(sim["sheet"].position - start).max(axis=1)
+    assert (moved == 0).sum() == still
+    assert sim["sheet"].position[:, 2].max() > 0.1  # the wind blows it out
+    assert np.abs(sim.ledger().momentum_residual).max() < 1e-5
+
+
+def test_snapshots_keep_nets(tmp_path):
+    net = ga.cloth((0, 0, 0), (1, 0, 0), (0, -1, 0), 5, 4)
+    system = ga.ParticleSystem(
+        position=net.position, mass=0.01, forces=[ga.forces.Gravity()], fixed=net.pinned("top"),
+        interactions=[net.springs(50.0, 0.01, "implicit")], integrator="semi_implicit_euler",
+    )  # fmt: skip
+    sim = ga.Simulation({"s": system}, dt=0.01)
+    sim.step(5)
+    sim.save(tmp_path / "net.gas")
+    again = ga.Simulation.restore(tmp_path / "net.gas")
+    sim.step(5)
+    again.step(5)
+    assert sim.digest() == again.digest()
+
+
+@pytest.mark.parametrize(
+    "make,sentence",
+    [
+        (lambda: Springs(1.0, pairs=[[0, 0]]), "joins particle 0 to itself"),
+        (lambda: Springs(1.0, pairs=[[0, 1], [1, 0]]), "contradict each other: particles 0 and 1"),
+        (lambda: Springs(1.0, pairs=[[0, 1]], rest_length=[1, 2]), "rest_length must be one number or 1 of them"),
+        (lambda: Springs(1.0, pairs=[0, 1]), r"shape \(m, 2\)"),
+        (lambda: Springs(1.0, rest_length=2.0), "go with pairs"),
+        (lambda: ga.rope((0, 0, 0), (1, 0, 0), 5, 0.9), "does not reach over 1 m"),
+        (lambda: ga.chain((0, 0, 0), (1, 0, 0), 1), "at least 2 points"),
+        (lambda: ga.cloth((0, 0, 0), (1, 0, 0), (0, 1, 0), 1, 4), "at least 2 columns"),
+        (lambda: ga.chain((0, 0, 0), (1, 0, 0), 3).pinned("top"), "no edge 'top': there are none, start, end, ends"),
+    ],
+)
+def test_bad_nets(make, sentence):
+    with pytest.raises(ga.UsageError, match=sentence):
+        make()
+
+
+@pytest.mark.parametrize(
+    "wanted,sentence",
+    [
+        (dict(interactions=[Springs(1.0, pairs=[[0, 7]])]), r"names particle 7, but 's' begins with 3 \(0 to 2\)"),
+        (dict(interactions=[Springs(1.0)]), "'s' has none; give pairs"),
+        (dict(interactions=[Springs(1.0, pairs=[[0, 1]])], mass=0.0), "particle 0 of 's' has no mass"),
+        (dict(interactions=[Springs(1.0, 0, "implicit", [[0, 1]])], integrator="rk4"), "give 's' that integrator"),
+        (dict(fixed=[5]), "fixed must be indices from 0 to 2"),
+        (dict(fixed=[1], velocity=np.ones((3, 3))), "fixed particles do not move"),
+    ],
+)
+def test_springs_that_cannot_be(wanted, sentence):
+    with pytest.raises(ga.UsageError, match=sentence):
+        ga.Simulation({"s": ga.ParticleSystem(position=np.eye(3), **wanted)}, dt=0.1)
