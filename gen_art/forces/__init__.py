@@ -13,6 +13,7 @@ from gen_art.forces.lift import Lift
 from gen_art.forces.random_driver import RandomDriver
 from gen_art.forces.spring import Spring
 from gen_art.forces.thrust import Thrust
+from gen_art.forces.vector_field import VectorField
 from gen_art.forces.wind import Wind
 
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "Spring",
     "ThermalLift",
     "Thrust",
+    "VectorField",
     "Vortex",
     "Wind",
     "force",

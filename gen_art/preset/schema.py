@@ -11,7 +11,7 @@ from gen_art.preset.camera import CameraSpec
 from gen_art.preset.clock import Clock
 from gen_art.preset.develop import DevelopSpec
 from gen_art.preset.emitter import Emitter, Particle
-from gen_art.preset.files import FOLDER
+from gen_art.preset.files import FOLDER, PresetFile
 from gen_art.preset.look import Look
 from gen_art.preset.registered import Many, class_schema, is_field, registry
 from gen_art.preset.types import Model, NotNegative, NotNegativeRange, Number, about, parsed
@@ -153,9 +153,13 @@ class Preset(Model):
 
     @property
     def files(self) -> list:
-        """The files it names, in the order of the systems: PresetFile."""
+        """The files it names, of looks in the order of the systems and then of forces and fields: PresetFile."""
         looks = (system.look for system in self.systems.values())
-        return [look.picture.image for look in looks if look is not None and look.picture is not None]
+        found = [look.picture.image for look in looks if look is not None and look.picture is not None]
+        laws = [*self.forces, *self.medium.terms]
+        for system in self.systems.values():
+            laws += [*system.forces, *(system.medium.terms if system.medium is not None else ())]
+        return found + [v for law in laws for v in law.values.values() if isinstance(v, PresetFile)]
 
     def resolved(self) -> dict:
         """The preset as plain data with overrides and knobs filled in; loads again to an equal preset."""

@@ -109,12 +109,32 @@ def thrust(p):
     return np.outer((0.6, 0.0, 0.8), 3.0 * 0.2 * share / p.mass)
 
 
+GRID = np.random.default_rng(7).normal(size=(4, 3, 5, 3))
+LOW, HIGH = np.array([-1.5, -1.0, -2.0]), np.array([1.0, 2.0, 1.5])
+
+
+def sampled(p):
+    """Trilinear blend, one axis after the other; nothing outside."""
+    g = (p.position.T - LOW) / (HIGH - LOW) * (np.array(GRID.shape[:3]) - 1)
+    out = np.zeros_like(g)
+    for n, at in enumerate(g):
+        if (at < 0).any() or (at > np.array(GRID.shape[:3]) - 1).any():
+            continue
+        block = GRID
+        for c in range(3):  # each blend takes the first axis away
+            k = min(int(at[c]), block.shape[0] - 2)
+            block = block[k] * (1 - (at[c] - k)) + block[k + 1] * (at[c] - k)
+        out[n] = block
+    return 1.7 * out.T
+
+
 # name: (instance, what it gives, the NumPy formula); "push" is compared after multiplying fields by charge / mass
 CASES = {
     "gravity": (F.Gravity((1.0, -9.81, 0.5)), "push", lambda p: np.tile(_column((1.0, -9.81, 0.5)), p.mass.size)),
     "height_gravity": (F.HeightGravity(3.0, 1.5, (0.1, 0.0, 0.0), (0.0, 3.0, 4.0)), "push", flat_gravity),
     "lift": (F.Lift(0.8, 0.6, (0.2, 0.0, 3.0), 1.3), "push", lift),
     "thrust": (F.Thrust((3.0, 0.0, 4.0), 3.0, 0.2, 0.5, 0.5), "push", thrust),
+    "vector_field": (F.VectorField(GRID, (LOW, HIGH), 1.7), "push", sampled),
     "driver": (F.Driver(0.7, 1.3, 0.4, (1.0, 2.0, 2.0)), "push", driver),
     "random_driver": (F.RandomDriver(1.4, 0.6, 3, 5), "push", random_driver),
     "wind": (F.Wind((1.0, 2.0, 3.0)), "push", lambda p: np.tile(_column((1.0, 2.0, 3.0)), p.mass.size)),
