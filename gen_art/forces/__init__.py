@@ -6,10 +6,12 @@ from gen_art.forces.central import CentralForce, Hernquist, PointGravity
 from gen_art.forces.curl_noise import CurlNoise
 from gen_art.forces.drag import Damping, Drag
 from gen_art.forces.driver import Driver
+from gen_art.forces.electric_sources import ElectricDipole, ElectricGrid, ElectricQuadrupole, ElectricWire
 from gen_art.forces.electromagnetic import ElectricField, MagneticField, MagneticMirror
 from gen_art.forces.flows import Aperture, Vortex
 from gen_art.forces.gravity import Gravity, HeightGravity
 from gen_art.forces.lift import Lift
+from gen_art.forces.magnetic_sources import MagneticDipole, MagneticGrid, MagneticLoop, MagneticWire
 from gen_art.forces.random_driver import RandomDriver
 from gen_art.forces.spring import Spring
 from gen_art.forces.thrust import Thrust
@@ -25,14 +27,22 @@ __all__ = [
     "Damping",
     "Drag",
     "Driver",
+    "ElectricDipole",
     "ElectricField",
+    "ElectricGrid",
+    "ElectricQuadrupole",
+    "ElectricWire",
     "Force",
     "Gravity",
     "HeightGravity",
     "Hernquist",
     "Lift",
+    "MagneticDipole",
     "MagneticField",
+    "MagneticGrid",
+    "MagneticLoop",
     "MagneticMirror",
+    "MagneticWire",
     "PointGravity",
     "RandomDriver",
     "Spring",
