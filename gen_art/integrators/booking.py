@@ -95,7 +95,7 @@ def _book(
                     pull += k * u
                 met = mean  # the mean velocity the drag has acted at
                 if ti.static(kicked):
-                    if total * h > 0.0:
+                    if total * h != 0.0:  # a part of a step may lead back
                         met = (pull - rest / (m * h)) / total
                 for d in ti.static(range(len(terms.dampings))):
                     u = medium_velocity(terms, L, d, j)
