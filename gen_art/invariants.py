@@ -17,7 +17,9 @@ def invariants(piece, system) -> tuple[list[str], dict[str, str]]:
     """What a system should conserve, and for what it does not, why: the ledger books the difference."""
     forces, interactions = forces_of(piece, system), system.interactions
     working = [force.name for force in forces if not force.conservative and force.does_work]
-    working += [one.name for one in interactions if not one.conservative or one.source_system]
+    working += [
+        one.name for one in interactions if not one.conservative or one.source_system or one.implicit or len(one.parts) > 1
+    ]
     outer = [force.name for force in forces]
     outer += [one.name for one in interactions if not one.reciprocal or one.source_system]
     mortal = [name for name, emitter in system.emitters.items() if _goes_on(system, emitter)]
