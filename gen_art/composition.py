@@ -56,7 +56,9 @@ class Composition:
             self.terms.append(self._place(force, force.values.get("medium") or default, name, index))
         self.colliders = [self._wall(one, default, colliders) for one in colliders]
         if sum(t.force.sides for t in self.colliders) > _SURFACES:
-            raise UsageError(f"a system can have {_SURFACES} surfaces to collide with (a box counts six): describe more as one sdf")
+            raise UsageError(
+                f"a system can have {_SURFACES} surfaces to collide with (a box counts six): describe more as one sdf"
+            )
         self.signature = (
             tuple((t.force.fixed, t.medium) for t in self.terms),
             tuple(tuple(t.force.fixed for t in medium) for medium in self.media),

@@ -26,8 +26,12 @@ class Collider(Parametric):
     sides: ClassVar[int] = 1
     repeat: ClassVar[None] = None
 
-    restitution: float = param(0.5, min=0, max=1, doc="speed after over speed before, along the normal; 1 is elastic, 0 slides")
-    friction: tuple = param((0.0, 0.0), kind="range", min=0, doc="coefficient of Coulomb friction; kinetic..static, if they differ")
+    restitution: float = param(
+        0.5, min=0, max=1, doc="speed after over speed before, along the normal; 1 is elastic, 0 slides"
+    )
+    friction: tuple = param(
+        (0.0, 0.0), kind="range", min=0, doc="coefficient of Coulomb friction; kinetic..static, if they differ"
+    )
     action: str = param("bounce", choices=ACTIONS, doc="what an impact does")
     velocity: tuple = param((0.0, 0.0, 0.0), unit="m/s", doc="the surface moves with it")
 
@@ -40,6 +44,12 @@ class Collider(Parametric):
     def prepare(self):
         pair = tuple(float(c) for c in self.values["friction"])
         self.values["friction"] = (min(pair), max(pair))
+
+    @property
+    def takes_energy(self) -> bool:
+        """Whether an impact changes the energy of a particle."""
+        elastic = self.values["restitution"] == 1.0 and self.values["friction"][1] == 0.0
+        return not (elastic and self.values["action"] == "bounce" and not any(self.values["velocity"]))
 
     @property
     def fixed(self) -> tuple:

@@ -32,7 +32,9 @@ class SDF(Collider):
             except (TypeError, ValueError):
                 raise UsageError("function must be a @ti.func or an array of distances") from None
             if grid.ndim != 3 or min(grid.shape) < 2:
-                raise UsageError(f"a grid of distances must have the shape (nx, ny, nz), each at least 2, not {grid.shape}")
+                raise UsageError(
+                    f"a grid of distances must have the shape (nx, ny, nz), each at least 2, not {grid.shape}"
+                )
             if not np.isfinite(grid).all():
                 raise UsageError("the grid of distances holds numbers that are not finite")
             for axis, low, high in zip("xyz", self.values["min"], self.values["max"]):

@@ -44,7 +44,9 @@ def collide(
 ):  # fmt: skip
     """Mend the step from G to X where its path meets a surface. With `books`, book to B (block b) and leave S alone;
     C then holds the change of velocity that conservative forces make in the step."""
-    for j in range(ti.min(WIDTH, n - i)):  # a bound that the compiler does not know: it would lay the body out again and again
+    for j in range(
+        ti.min(WIDTH, n - i)
+    ):  # a bound that the compiler does not know: it would lay the body out again and again
         if L.h[j] > 0.0:
             h, radius, m = L.h[j], S[8, i + j], S[6, i + j]
             x = ti.Vector([G.x0[j], G.x1[j], G.x2[j]])
@@ -56,7 +58,7 @@ def collide(
             pushed = x * 0.0  # out of walls
             U = x * 0.0  # velocity of the surface touched last
             left, now = h, L.t[j]
-            rests, last, died = 0, -1, 0
+            rests, last = 0, -1
             work, dissipated = h * 0.0, h * 0.0
             for c, wall in ti.static(enumerate(terms.walls)):  # what sticks stays
                 if ti.static(wall[0].values["action"] == "stick"):
@@ -146,9 +148,7 @@ def collide(
                                 action = ti.static(ACTIONS.index(wall[0].values["action"]))
                         if action == 1:
                             v = U
-                        elif action == 2:
-                            died = 1
-                        else:
+                        elif action == 0:
                             w, stays = reflected(numbers, v - U, normal, -a.dot(normal), h)
                             v = U + w
                             rests = ti.select(stays == 1, rests | (1 << which), 0)
@@ -185,5 +185,3 @@ def collide(
                             note(B, b, wall[3], work + extra, dissipated, x * 0.0)
                 X.x0[j], X.x1[j], X.x2[j] = x[0], x[1], x[2]
                 X.v0[j], X.v1[j], X.v2[j] = v[0], v[1], v[2]
-
-
