@@ -3,9 +3,9 @@
 All work on u = gamma v, du/dt = a + v x omega with omega = q B / m and a the electric and all other accelerations; each differs
 in the gamma it turns with. Boris keeps abs(u) in a magnetic field; Vay and Higuera-Cary also keep the drift in crossed fields.
 `exact` multiplies omega, and a across it, by tan(z) / z with z = abs(omega) h / (2 gamma): the angle of a step is then exact in
-uniform fields, and the drift is kept (Higuera and Cary's gamma
-is that of the mean of u before and after: the factor takes it into account). Sources: Boris (1970); Vay (2008), Phys. Plasmas 15, 056701; Higuera & Cary (2017),
-Phys. Plasmas 24, 052104; Birdsall & Langdon, Plasma Physics via Computer Simulation, section 4.3.
+uniform fields, and the drift is kept. Higuera and Cary's gamma is that of the mean of u before and after, which the factor
+takes into account. Sources: Boris (1970); Vay (2008), Phys. Plasmas 15, 056701; Higuera & Cary (2017), Phys. Plasmas 24,
+052104; Birdsall & Langdon, Plasma Physics via Computer Simulation, section 4.3.
 """
 
 from gen_art.elementary import cos, sin
@@ -21,7 +21,7 @@ def gamma_of(u, light):
 
 @ti.func
 def corrected(a, omega, h, gamma, share):
-    """(a, omega) with the correction of the phase; the angle of a step must be below 3 rad. share : the pusher's gamma / gamma."""
+    """(a, omega) with the correction of the phase, for steps below 3 rad. share : the pusher's gamma over gamma."""
     strength = omega.norm()
     z = ti.min(0.5 * h * strength / gamma, 1.5)
     factor = ti.select(z > 1e-6, sin(z) / (cos(z) * ti.max(z, 1e-6)), 1.0)

@@ -7,8 +7,8 @@ Each loop over lanes stands innermost, reads global memory and stores only to lo
 from gen_art.composition import Composition
 from gen_art.elementary import phi
 from gen_art.forces.base import term_acceleration
-from gen_art.particles.fixed import is_fixed
 from gen_art.integrators.pushers import corrected, relativistic
+from gen_art.particles.fixed import is_fixed
 from gen_art.runtime import impl, make_matrix, ti
 from gen_art.tracing import parameters, particle, traced
 
