@@ -18,7 +18,7 @@ from gen_art.preset.registered import in_degrees, is_field, parameters, registry
 FOLDER = Path(__file__).resolve().parent
 BEGIN, END = "<!-- tables: made by docs/make_reference.py, not by hand -->", "<!-- end of the tables -->"
 
-INTRODUCTION = """# Forces, shapes, velocities, emitters, interactions, integrators
+INTRODUCTION = """# Forces, shapes, velocities, emitters, interactions, colliders, integrators
 
 This page is made by `python docs/make_reference.py` from the classes themselves. A name is the key in YAML; in Python the
 class is `ga.forces.Gravity` and so on, with the parameters as arguments in the same order. The value of a key is a mapping
@@ -50,6 +50,13 @@ SECTIONS = (
         "A whole birth in one place: the name stands in the emitter itself, instead of shape and velocity.",
     ),
     ("interactions", "Interactions", "Forces between particles: `interactions:` of a system."),
+    (
+        "colliders",
+        "Colliders",
+        "Surfaces that particles do not pass: under `colliders:` of the preset, where they stand in the way of every system, or "
+        "of one system. A list of mappings makes several of a kind. A particle touches a surface with its radius. All take "
+        "`restitution`, `friction` (kinetic..static), `action` and `velocity`.",
+    ),
 )
 
 INTEGRATION = """## Integrators

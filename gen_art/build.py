@@ -24,6 +24,8 @@ def systems_of(preset) -> dict[str, ParticleSystem]:
             interactions=list(spec.interactions),
             colliders=[*(preset.colliders if spec.inherit_colliders else ()), *spec.colliders],
             integrator=spec.integrator,
+            speed_of_light=spec.speed_of_light,
+            exact_gyration=spec.exact_gyration,
             medium=medium,
             emitters=[_emission(key, emitter, spec.particle) for key, emitter in spec.emitters.items()],
             look=spec.look,

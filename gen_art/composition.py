@@ -35,6 +35,7 @@ class Composition:
     def __init__(self, forces=(), medium: Medium | None = None, colliders=()):
         default = medium or Medium()
         self._numbers: list[float] = []
+        self._tables: list[tuple[int, np.ndarray]] = []
         self.media: list[tuple[Term, ...]] = []
         self.terms: list[Term] = []
         known: list[Medium] = []
@@ -55,7 +56,9 @@ class Composition:
             self.terms.append(self._place(force, force.values.get("medium") or default, name, index))
         self.colliders = [self._wall(one, default, colliders) for one in colliders]
         if sum(t.force.sides for t in self.colliders) > _SURFACES:
-            raise UsageError(f"a system can have {_SURFACES} surfaces to collide with (a box counts six): describe more as one sdf")
+            raise UsageError(
+                f"a system can have {_SURFACES} surfaces to collide with (a box counts six): describe more as one sdf"
+            )
         self.signature = (
             tuple((t.force.fixed, t.medium) for t in self.terms),
             tuple(tuple(t.force.fixed for t in medium) for medium in self.media),
@@ -65,6 +68,9 @@ class Composition:
     def _place(self, force: Force, medium: Medium, name: str, index: int = -1) -> Term:
         term = Term(force, len(self._numbers), name, index)
         self._numbers += force.bound_numbers(medium)
+        if force.tabled:
+            self._tables.append((len(self._numbers), force.table()))
+            self._numbers += [0.0, 0.0]  # where the table lies: tables stand last, so that their sizes are in no kernel
         return term
 
     def _wall(self, one, medium: Medium, colliders) -> Term:
@@ -75,8 +81,12 @@ class Composition:
         return self._place(one, medium, one.name if which == 0 else f"{one.name}_{which + 1}")
 
     def numbers(self, dtype) -> np.ndarray:
-        """All run-time numbers, in the order of the terms' offsets."""
-        return np.array(self._numbers or [0.0], dtype)
+        """All run-time numbers, in the order of the terms' offsets, then the tables."""
+        head, start = list(self._numbers or [0.0]), len(self._numbers)
+        for place, table in self._tables:
+            head[place : place + 2] = divmod(start, 4096)  # in two parts: float32 holds whole numbers up to 2^24
+            start += len(table)
+        return np.concatenate([np.array(head, dtype), *(table.astype(dtype) for _, table in self._tables)])
 
     @property
     def pushes(self) -> list[Term]:

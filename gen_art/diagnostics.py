@@ -54,7 +54,7 @@ def _kernel(composition: Composition, channels: tuple, precision: str):
     @ti.kernel
     def measure(
         S: matrix, birth: ti.types.ndarray(ti.f64, 1), K: ti.types.ndarray(ti.u32, 2), Q: vector, time: ti.f64,
-        slots: ti.types.ndarray(ti.i32, 1), out: ti.types.ndarray(ti.f64, 2),
+        slots: ti.types.ndarray(ti.i32, 1), light: ti.f64, out: ti.types.ndarray(ti.f64, 2),
     ):  # fmt: skip
         ti.loop_config(block_dim=1)
         for b in range(out.shape[0]):
@@ -64,6 +64,11 @@ def _kernel(composition: Composition, channels: tuple, precision: str):
                 v = ti.Vector([S[3, i], S[4, i], S[5, i]])
                 X, V = ti.cast(x, ti.f64), ti.cast(v, ti.f64)
                 m = ti.cast(S[6, i], ti.f64)
+                kinetic = ti.cast(0.5, ti.f64) * V.dot(V)
+                if light > 0.0:  # momentum gamma m v, kinetic energy (gamma - 1) m c^2
+                    g = ti.cast(1.0, ti.f64) / ti.sqrt(ti.cast(1.0, ti.f64) - V.dot(V) / (light * light))
+                    kinetic = V.dot(V) * g * g / (g + ti.cast(1.0, ti.f64))
+                    V *= g
                 L = X.cross(V) * m
                 out[b, 0] = out[b, 0] + ti.cast(1.0, ti.f64)
                 out[b, 1] = out[b, 1] + m
@@ -72,7 +77,7 @@ def _kernel(composition: Composition, channels: tuple, precision: str):
                     out[b, 3 + c] = out[b, 3 + c] + m * V[c]
                     out[b, 6 + c] = out[b, 6 + c] + L[c]
                     out[b, 9 + c] = out[b, 9 + c] + m * X[c]
-                out[b, 12] = out[b, 12] + ti.cast(0.5, ti.f64) * m * V.dot(V)
+                out[b, 12] = out[b, 12] + m * kinetic
                 age = ti.cast(time - birth[i], real)
                 for j, entry in ti.static(enumerate(potentials)):
                     for repeat in range(repeats(Q, entry[2])):
@@ -92,7 +97,10 @@ def sums(sim, name: str, slots: np.ndarray) -> np.ndarray:
         return np.zeros(width)
     out = np.zeros((-(-len(slots) // _BLOCK), width))
     kernel = _kernel(system.composition, state.attributes, sim.precision)
-    kernel(state.floats, state.birth, state.key, sim._stepped[name].numbers, sim.time, slots.astype(np.int32), out)
+    kernel(
+        state.floats, state.birth, state.key, sim._stepped[name].numbers, sim.time, slots.astype(np.int32),
+        system.scheme.light, out,
+    )  # fmt: skip
     return out.sum(axis=0)
 
 

@@ -2,7 +2,7 @@
 
 from gen_art.integrators import scheme
 
-__all__ = ["advice", "expected_order", "forces_of", "invariants"]
+__all__ = ["advice", "colliders_of", "expected_order", "forces_of", "invariants"]
 
 _SMOOTH = {"curl_noise": 3}  # the order that a field with kinks in its second derivatives leaves to any scheme
 _ALONG_PATHS = 3  # children along a path stand on a cubic through their parent's step
@@ -13,13 +13,23 @@ def forces_of(piece, system) -> tuple:
     return (*(piece.forces if system.inherit_forces else ()), *system.forces)
 
 
+def colliders_of(piece, system) -> tuple:
+    """The colliders in the way of a system: the preset's shared ones, then its own."""
+    return (*(piece.colliders if system.inherit_colliders else ()), *system.colliders)
+
+
 def invariants(piece, system) -> tuple[list[str], dict[str, str]]:
     """What a system should conserve, and for what it does not, why: the ledger books the difference."""
     forces, interactions = forces_of(piece, system), system.interactions
     working = [force.name for force in forces if not force.conservative and force.does_work]
-    working += [one.name for one in interactions if not one.conservative or one.source_system]
+    working += [
+        one.name for one in interactions if not one.conservative or one.source_system or one.implicit or len(one.parts) > 1
+    ]
     outer = [force.name for force in forces]
     outer += [one.name for one in interactions if not one.reciprocal or one.source_system]
+    walls = colliders_of(piece, system)
+    working += [one.name for one in walls if one.takes_energy]
+    outer += [one.name for one in walls]
     mortal = [name for name, emitter in system.emitters.items() if _goes_on(system, emitter)]
     holds, booked = [], {}
     for quantity, reasons, why in (
@@ -50,7 +60,7 @@ def expected_order(piece, name: str, seen: tuple = ()) -> int:
     system = piece.systems[name]
     used = scheme(system.integrator)
     order = used.order
-    turned = [f for f in forces_of(piece, system) if f.depends_on_velocity and not (used.rotates and f.provides("magnetic"))]
+    turned = [f for f in forces_of(piece, system) if f.depends_on_velocity and not (used.pusher and f.provides("magnetic"))]
     if used.kind == "splitting" and turned:
         order = 1
     fields = (*forces_of(piece, system), *(system.medium or piece.medium).terms)
@@ -71,7 +81,7 @@ def advice(piece) -> list[str]:
         leaning = ", ".join(dict.fromkeys(f.name for f in forces if f.depends_on_velocity and f.name not in turning))
         holding = [f.name for f in forces if f.conservative and f.provides("potential")]
         holding += [one.name for one in system.interactions if one.conservative]
-        if turning and not used.rotates:
+        if turning and not used.pusher:
             what = (
                 f"does not keep the speed under {turning}"
                 if used.kind == "runge_kutta"

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from gen_art.diagnostics import diagnose, energy_of_pairs, living, sums
+from gen_art.errors import UsageError
 from gen_art.integrators.booking import make_booking
 from gen_art.integrators.books import BOOKS
 
@@ -89,6 +90,10 @@ class Bookkeeper:
         self.sim = sim
         self.books_of = {}
         for name, system in sim._members.items():
+            if system.scheme.light:
+                raise UsageError(
+                    f"system '{name}' is relativistic: the ledger keeps Newton's account, leave out speed_of_light"
+                )
             rows = len(system.composition.terms) + sum(len(one.parts) for one in system.interactions)
             rows += len(system.composition.colliders) + 2 * len(system.composition.burners)
             self.books_of[name] = np.zeros((rows, BOOKS))

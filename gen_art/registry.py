@@ -19,10 +19,10 @@ __all__ = ["Parameter", "Parametric", "Registry", "param", "suggest"]
 
 @dataclass(frozen=True)
 class Parameter:
-    """One typed parameter: `kind` is float, int, range, vector, bool, choice, text or array; the bounds are closed.
+    """One typed parameter: `kind` is float, int, range, vector, bool, choice, text, file or array; the bounds are closed.
 
     kinds float, int, range (low, high) and vector (3 numbers) reach kernels as run-time data; bool, choice and text are
-    fixed when the kernel is generated.
+    fixed when the kernel is generated; file (a name, or the data itself) is the class's own to read.
     """
 
     default: Any = None
@@ -110,6 +110,7 @@ class Parametric:
 
     name: ClassVar[str] = ""
     parameters: ClassVar[dict[str, Parameter]] = {}
+    tabled: ClassVar[bool] = False  # has a `table()` of further run-time numbers, read in a kernel as q.table(k)
 
     def __init_subclass__(cls, **kwargs):
         super().__init_subclass__(**kwargs)

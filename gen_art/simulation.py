@@ -246,7 +246,7 @@ class Simulation:
         stepper.stage(first, self.dt, 0, 1, np.array([0.0, 1.0, 0.0, 0.0], state.floats.dtype))
         for one in stepper.system.interactions:
             if one.implicit:
-                before = state.floats[3:6, : state.count].copy() if self._ledger else None
+                before = state.floats[3:6, : state.count].copy()
                 one.solve(state, self.dt, self.precision)
                 if self._ledger:
                     self._ledger.solved(name, one, state, before, self.dt)

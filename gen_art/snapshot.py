@@ -115,6 +115,8 @@ def _definition(system: ParticleSystem) -> dict:
         "colliders": [_law(c) for c in system.colliders],
         "medium": _medium(system.medium),
         "integrator": system.scheme.name,
+        "speed_of_light": system.scheme.light or None,
+        "exact_gyration": system.scheme.exact,
         "attributes": list(system.attribute_names),
     }
 
@@ -135,5 +137,7 @@ def _rebuilt(definition: dict) -> ParticleSystem:
         colliders=[law(COLLIDERS, c) for c in definition.get("colliders", ())],
         medium=medium(definition["medium"]),
         integrator=definition["integrator"],
+        speed_of_light=definition.get("speed_of_light"),
+        exact_gyration=definition.get("exact_gyration", False),
         attributes={name: np.zeros(0) for name in definition["attributes"]},
     )

@@ -1,7 +1,8 @@
 """What a composed kernel hands to a force while Taichi traces it: plain Python objects whose attributes are expressions.
 
 `View` carries them through ti.func calls by reference. `parameters(Q, cls, offset)` is the view `q` of one term's slice of
-the run-time parameter array; numbers that do not reach kernels (choices, flags) stand in it as Python constants.
+the run-time parameter array; numbers that do not reach kernels (choices, flags) stand in it as Python constants;
+`q.table(k)` reads the table of a class that has one.
 """
 
 from gen_art.runtime import impl, make_matrix, ti
@@ -39,6 +40,10 @@ def parameters(array, term, offset: int, index=0):
             view[name] = ti.cast(at(first), ti.i32) if kind == "int" else at(first)
         else:
             view[name] = make_matrix([at(first + c) for c in range(size)])
+    if term.tabled:
+        place = offset + sum(size for _, _, size in term.layout())
+        start = ti.cast(at(place), ti.i32) * 4096 + ti.cast(at(place + 1), ti.i32)
+        view["table"] = traced(lambda k: at(start + k))
     for name, parameter in term.parameters.items():
         if not parameter.size:
             view[name] = term.values[name]

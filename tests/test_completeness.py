@@ -13,7 +13,7 @@ from gen_art.preset.registered import parameters, registry
 from gen_art.preset.shipped import preset_names, presets_folder
 
 ROOT = Path(__file__).resolve().parent.parent
-KINDS = ("forces", "shapes", "velocities", "emitters", "interactions")
+KINDS = ("forces", "shapes", "velocities", "emitters", "interactions", "colliders")
 STILL_LIMIT, LOOP_LIMIT = 600_000, 1_000_000
 
 

@@ -4,6 +4,7 @@ from gen_art.colliders.base import COLLIDERS, Collider, collider
 from gen_art.colliders.box import Block, Box
 from gen_art.colliders.capsule import Capsule
 from gen_art.colliders.plane import Plane
+from gen_art.colliders.sdf import SDF
 from gen_art.colliders.sphere import Sphere
 
-__all__ = ["COLLIDERS", "Block", "Box", "Capsule", "Collider", "Plane", "Sphere", "collider"]
+__all__ = ["COLLIDERS", "SDF", "Block", "Box", "Capsule", "Collider", "Plane", "Sphere", "collider"]

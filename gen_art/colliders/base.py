@@ -4,10 +4,8 @@ from typing import ClassVar
 
 from gen_art.errors import UsageError
 from gen_art.registry import Parameter, Parametric, Registry, param
-from gen_art.runtime import impl, ti
-from gen_art.tracing import parameters, traced
 
-__all__ = ["ACTIONS", "COLLIDERS", "Collider", "collider", "surface"]
+__all__ = ["ACTIONS", "COLLIDERS", "Collider", "collider"]
 
 COLLIDERS = Registry("collider")
 collider = COLLIDERS  # as a decorator: @collider("torus")
@@ -21,15 +19,19 @@ class Collider(Parametric):
     distance(self, x, q, side)  m, from x to the surface, positive where particles may be, never steeper than 1
     gradient(self, x, q, side)  (3,) the unit gradient of the distance
 
-    q holds the run-time parameters and q.data(k), the numbers of `data()`. A particle touches where its distance is its
+    q holds the run-time parameters, and q.table(k) the numbers of a `table()`. A particle touches where its distance is its
     radius. The parameters below come after the subclass's own.
     """
 
     sides: ClassVar[int] = 1
     repeat: ClassVar[None] = None
 
-    restitution: float = param(0.5, min=0, max=1, doc="speed after over speed before, along the normal; 1 is elastic, 0 slides")
-    friction: tuple = param((0.0, 0.0), kind="range", min=0, doc="coefficient of Coulomb friction; kinetic..static, if they differ")
+    restitution: float = param(
+        0.5, min=0, max=1, doc="speed after over speed before, along the normal; 1 is elastic, 0 slides"
+    )
+    friction: tuple = param(
+        (0.0, 0.0), kind="range", min=0, doc="coefficient of Coulomb friction; kinetic..static, if they differ"
+    )
     action: str = param("bounce", choices=ACTIONS, doc="what an impact does")
     velocity: tuple = param((0.0, 0.0, 0.0), unit="m/s", doc="the surface moves with it")
 
@@ -43,9 +45,11 @@ class Collider(Parametric):
         pair = tuple(float(c) for c in self.values["friction"])
         self.values["friction"] = (min(pair), max(pair))
 
-    def data(self) -> list[float]:
-        """Further run-time numbers of the shape, such as a grid's."""
-        return []
+    @property
+    def takes_energy(self) -> bool:
+        """Whether an impact changes the energy of a particle."""
+        elastic = self.values["restitution"] == 1.0 and self.values["friction"][1] == 0.0
+        return not (elastic and self.values["action"] == "bounce" and not any(self.values["velocity"]))
 
     @property
     def fixed(self) -> tuple:
@@ -54,7 +58,7 @@ class Collider(Parametric):
         return (type(self), values)
 
     def bound_numbers(self, medium) -> list[float]:
-        return self.numbers() + self.data()
+        return self.numbers()
 
     def unit(self, key: str) -> None:
         """Give the vector `key` the length 1; UsageError if it is zero."""
@@ -63,12 +67,3 @@ class Collider(Parametric):
         if length == 0.0:
             raise UsageError(f"{type(self).__name__}: {key} must not be the zero vector: it says which way is out")
         self.values[key] = tuple(c / length for c in vector)
-
-
-@traced
-def surface(array, one: Collider, offset: int):
-    """The view `q` of a collider: its parameters, and `q.data(k)`, the k-th number of its data."""
-    q = parameters(array, one, offset)
-    first = offset + sum(size for _, _, size in one.layout())
-    q.data = traced(lambda k: impl.subscript(None, array, first + k))
-    return q

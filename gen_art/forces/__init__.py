@@ -6,13 +6,16 @@ from gen_art.forces.central import CentralForce, Hernquist, PointGravity
 from gen_art.forces.curl_noise import CurlNoise
 from gen_art.forces.drag import Damping, Drag
 from gen_art.forces.driver import Driver
+from gen_art.forces.electric_sources import ElectricDipole, ElectricGrid, ElectricQuadrupole, ElectricWire
 from gen_art.forces.electromagnetic import ElectricField, MagneticField, MagneticMirror
 from gen_art.forces.flows import Aperture, Vortex
 from gen_art.forces.gravity import Gravity, HeightGravity
 from gen_art.forces.lift import Lift
+from gen_art.forces.magnetic_sources import MagneticDipole, MagneticGrid, MagneticLoop, MagneticWire
 from gen_art.forces.random_driver import RandomDriver
 from gen_art.forces.spring import Spring
 from gen_art.forces.thrust import Thrust
+from gen_art.forces.vector_field import VectorField
 from gen_art.forces.wind import Wind
 
 __all__ = [
@@ -24,19 +27,28 @@ __all__ = [
     "Damping",
     "Drag",
     "Driver",
+    "ElectricDipole",
     "ElectricField",
+    "ElectricGrid",
+    "ElectricQuadrupole",
+    "ElectricWire",
     "Force",
     "Gravity",
     "HeightGravity",
     "Hernquist",
     "Lift",
+    "MagneticDipole",
     "MagneticField",
+    "MagneticGrid",
+    "MagneticLoop",
     "MagneticMirror",
+    "MagneticWire",
     "PointGravity",
     "RandomDriver",
     "Spring",
     "ThermalLift",
     "Thrust",
+    "VectorField",
     "Vortex",
     "Wind",
     "force",

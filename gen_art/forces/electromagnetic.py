@@ -1,6 +1,7 @@
 """Electric and magnetic fields on charges."""
 
 from gen_art.forces.base import Force, force
+from gen_art.forces.field_of import field_of
 from gen_art.registry import param
 from gen_art.runtime import ti
 
@@ -10,7 +11,11 @@ class ElectricField(Force):
     """A uniform electric field.
 
     F = q E,  U = -q E . x;  field : (3,) V/m.  Conservative.
+    In Python `field` may be a source instead: a force with an electric field, a @ti.func of (p, t, q), or a grid's path or array.
     """
+
+    def __new__(cls, field=None, *args, **options):
+        return field_of("electric", field, options) or super().__new__(cls)
 
     field: tuple = param((0.0, 0.0, 0.0), unit="V/m")
     conservative = True
@@ -29,7 +34,11 @@ class MagneticField(Force):
     """A uniform magnetic field.
 
     F = q v x B;  field : (3,) T.  Does no work. Use the `boris` integrator.
+    In Python `field` may be a source instead: a force with a magnetic field, a @ti.func of (p, t, q), or a grid's path or array.
     """
+
+    def __new__(cls, field=None, *args, **options):
+        return field_of("magnetic", field, options) or super().__new__(cls)
 
     field: tuple = param((0.0, 0.0, 0.0), unit="T")
     does_work = False

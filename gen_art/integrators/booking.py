@@ -95,7 +95,7 @@ def _book(
                     pull += k * u
                 met = mean  # the mean velocity the drag has acted at
                 if ti.static(kicked):
-                    if total * h > 0.0:
+                    if total * h != 0.0:  # a part of a step may lead back
                         met = (pull - rest / (m * h)) / total
                 for d in ti.static(range(len(terms.dampings))):
                     u = medium_velocity(terms, L, d, j)
@@ -126,7 +126,7 @@ def medium_velocity(terms: ti.template(), L: ti.template(), d: ti.template(), j)
 
 @cache
 def make_booking(
-    composition: Composition, kind: str, rotates: bool, mutual: tuple, staged: bool, channels: tuple, precision: str
+    composition: Composition, kind: str, rotates: tuple, mutual: tuple, staged: bool, channels: tuple, precision: str
 ):
     """The booking kernel of one system: as make_step's kernel, for one step, with B (blocks, rows x 5) f64 at the end.
 
@@ -135,7 +135,7 @@ def make_booking(
     """
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = Terms(composition, channels, len(mutual))
+    terms = Terms(composition, channels, len(mutual), rotates)
     terms.mutual = mutual
     names = terms.vectors
     splitting = kind == "splitting"
@@ -180,7 +180,7 @@ def make_booking(
                             for j in range(WIDTH):
                                 Y.v0[j], Y.v1[j], Y.v2[j] = X.v0[j], X.v1[j], X.v2[j]
                             accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
-                            kick(terms, rotates, L, X, S, i, P[1 + 3 * g])
+                            kick(terms, L, X, S, i, P[1 + 3 * g], P[P.shape[0] - 1])
                             _book(terms, B, b, L, X, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], True, C)
                             flight(terms, B, b, L, X, S, K, Q, i, n, P[2 + 3 * g], P[3 + 3 * g])
                     else:

@@ -9,12 +9,13 @@ friction acts on the way that the surface holds it back. Order 2, whatever the s
 its bits. Source: Andersen (1983), J. Comput. Phys. 52, 24, for RATTLE; Coulomb's law of friction.
 """
 
-from gen_art.colliders.base import surface
-from gen_art.colliders.impact import gap, meeting, reflected, settled, support
+from gen_art.colliders.base import ACTIONS
+from gen_art.colliders.impact import common, count, gap, gradient, meeting, owner, reflected, settled, support
 from gen_art.elementary import phi
 from gen_art.integrators.books import note
 from gen_art.integrators.terms import WIDTH
 from gen_art.runtime import is_f64, ti
+from gen_art.tracing import parameters
 
 __all__ = ["collide"]
 
@@ -43,8 +44,10 @@ def collide(
 ):  # fmt: skip
     """Mend the step from G to X where its path meets a surface. With `books`, book to B (block b) and leave S alone;
     C then holds the change of velocity that conservative forces make in the step."""
-    for j in range(WIDTH):
-        if i + j < n and L.h[j] > 0.0:
+    for j in range(
+        ti.min(WIDTH, n - i)
+    ):  # a bound that the compiler does not know: it would lay the body out again and again
+        if L.h[j] > 0.0:
             h, radius, m = L.h[j], S[8, i + j], S[6, i + j]
             x = ti.Vector([G.x0[j], G.x1[j], G.x2[j]])
             v = ti.Vector([G.v0[j], G.v1[j], G.v2[j]])
@@ -55,21 +58,23 @@ def collide(
             pushed = x * 0.0  # out of walls
             U = x * 0.0  # velocity of the surface touched last
             left, now = h, L.t[j]
-            rests, last, died = 0, -1, 0
+            rests, last = 0, -1
             work, dissipated = h * 0.0, h * 0.0
             for c, wall in ti.static(enumerate(terms.walls)):  # what sticks stays
                 if ti.static(wall[0].values["action"] == "stick"):
-                    q = surface(Q, wall[0], wall[1])
+                    q = parameters(Q, wall[0], wall[1])
                     for side in range(wall[0].sides):
                         near = radius * 1e-3 + x.norm() * ti.static(1e-14 if is_f64() else 1e-5)
                         if left > 0.0 and (v - q.velocity).norm() == 0.0:
-                            if ti.abs(gap(wall[0], q, side, x, now, radius)) <= near:
+                            if ti.abs(wall[0].distance(x - q.velocity * now, q, side) - radius) <= near:
                                 last, U, left = c, q.velocity, 0.0
                                 x += U * h
                                 if ti.static(books):
                                     work += m * (U - v1).dot(U)
                                     note(B, b, wall[3], 0.0, 0.0, m * (U - v1))
-            for event in range(_EVENTS):
+            event = 0
+            while left > 0.0 and event < _EVENTS:
+                event += 1
                 if left > 0.0:
                     path, hold, rub, along = a, x * 0.0, x * 0.0, x * 0.0
                     free = x + (v + drift) * left + a * (0.5 * left * left)
@@ -90,15 +95,14 @@ def collide(
                         path = a + (hold + rub) * (2.0 / (left * left))
                         if kinetic > 0.0 and path.dot(along) < 0.0 and w.dot(along) > 0.0 and not slow:
                             stop = -w.dot(along) / path.dot(along)
-                    first, which, face = 2.0 * left, -1, 0
+                    first, which = 2.0 * left, -1
                     if sticks == 0:
-                        for c, wall in ti.static(enumerate(terms.walls)):
-                            q = surface(Q, wall[0], wall[1])
-                            for side in range(wall[0].sides):
-                                if (rests >> (wall[2] + side)) & 1 == 0:
-                                    t = meeting(wall[0], q, side, x, v + drift, path, left, now, radius)
-                                    if t <= left and t < first:
-                                        first, which, face = t, c, side
+                        for k in range(count(terms.walls)):
+                            if (rests >> k) & 1 == 0:
+                                _, W = common(terms.walls, Q, k)
+                                t = meeting(terms.walls, Q, k, x - W * now, v + drift - W, path, left, radius)
+                                if t <= left and t < first:
+                                    first, which = t, k
                     if stop < first and stop < left:
                         which = -1
                     t = ti.min(ti.min(first, stop), left)
@@ -130,47 +134,46 @@ def collide(
                         drift *= 0.0
                     left -= t
                     if which >= 0:
+                        numbers, W = common(terms.walls, Q, which)
+                        U = W
+                        last = owner(terms.walls, which)
+                        normal = gradient(terms.walls, Q, which, x - U * now)
+                        inside = ti.max(radius - gap(terms.walls, Q, which, x - U * now), 0.0)
+                        x += normal * inside
+                        pushed += normal * inside
+                        old = v
+                        action = 0  # bounce
                         for c, wall in ti.static(enumerate(terms.walls)):
-                            if which == c:
-                                q = surface(Q, wall[0], wall[1])
-                                U, last = q.velocity, c
-                                normal = wall[0].gradient(x - U * now, q, face)
-                                inside = ti.max(-gap(wall[0], q, face, x, now, radius), 0.0)
-                                x += normal * inside
-                                pushed += normal * inside
-                                old = v
-                                if ti.static(wall[0].values["action"] == "kill"):
-                                    died = 1
-                                elif ti.static(wall[0].values["action"] == "stick"):
-                                    v = U
-                                else:
-                                    w, stays = reflected(wall[0], q, v - U, normal, -a.dot(normal), h)
-                                    v = U + w
-                                    if stays == 1:
-                                        rests |= 1 << (wall[2] + face)
-                                        v = settled(terms.walls, Q, rests, x, v, now)
-                                    else:
-                                        rests = 0
-                                answer = response(terms, L, S, i, j, old, v, left)
-                                if ti.static(books):
-                                    change = v - old
-                                    work += m * change.dot(U)
-                                    dissipated += 0.5 * m * ((old - U).dot(old - U) - (v - U).dot(v - U))
-                                    spent = change + answer * left
-                                    if died == 1:
-                                        spent = a * -left
+                            if last == c:
+                                action = ti.static(ACTIONS.index(wall[0].values["action"]))
+                        if action == 1:
+                            v = U
+                        elif action == 0:
+                            w, stays = reflected(numbers, v - U, normal, -a.dot(normal), h)
+                            v = U + w
+                            rests = ti.select(stays == 1, rests | (1 << which), 0)
+                        answer = response(terms, L, S, i, j, old, v, left)
+                        if ti.static(books):
+                            change = v - old
+                            work += m * change.dot(U)
+                            dissipated += 0.5 * m * ((old - U).dot(old - U) - (v - U).dot(v - U))
+                            spent = change + answer * left
+                            if action == 1:
+                                spent = change - a * left
+                                work -= m * left * a.dot(U)
+                            if action == 2:
+                                spent = a * -left
+                            for c, wall in ti.static(enumerate(terms.walls)):
+                                if last == c:
                                     note(B, b, wall[3], 0.0, 0.0, m * spent)
-                                if ti.static(wall[0].values["action"] == "stick"):
-                                    if ti.static(books):
-                                        work -= m * left * a.dot(U)
-                                        note(B, b, wall[3], 0.0, 0.0, m * (a + answer) * -left)
-                                    x += U * left
-                                    left = 0.0
-                                a += answer
-                                if died == 1:
-                                    if ti.static(not books):
-                                        S[9, i + j] = L.age[j] + h - left
-                                    left = 0.0
+                        a += answer
+                        if action == 1:
+                            x += U * left
+                        if action == 2:
+                            if ti.static(not books):
+                                S[9, i + j] = L.age[j] + h - left
+                        if action > 0:
+                            left = 0.0
             if last >= 0:
                 if ti.static(books):
                     extra = pushed.dot(ti.Vector([C.c0[j], C.c1[j], C.c2[j]])) * (-m / h)
@@ -182,5 +185,3 @@ def collide(
                             note(B, b, wall[3], work + extra, dissipated, x * 0.0)
                 X.x0[j], X.x1[j], X.x2[j] = x[0], x[1], x[2]
                 X.v0[j], X.v1[j], X.v2[j] = v[0], v[1], v[2]
-
-

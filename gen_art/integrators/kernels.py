@@ -21,7 +21,7 @@ BLOCK = 1024
 
 @cache
 def make_step(
-    composition: Composition, kind: str, rotates: bool, pairs: int, staged: bool, channels: tuple, precision: str
+    composition: Composition, kind: str, rotates: tuple, pairs: int, staged: bool, channels: tuple, precision: str
 ):
     """The step kernel of one system; `channels` names the declared attributes. Numbers are never in the key.
 
@@ -35,9 +35,9 @@ def make_step(
     `staged`: launches may hold a part of the stages; Runge-Kutta then keeps its stage states in R.
     """
     real = runtime.DTYPES[precision]
-    terms = Terms(composition, channels, pairs)
+    terms = Terms(composition, channels, pairs, rotates)
     if kind == "splitting":
-        return runtime.kernel(_splitting(terms, rotates, staged, real), precision)
+        return runtime.kernel(_splitting(terms, staged, real), precision)
     return runtime.kernel(_runge_kutta(terms, staged, real), precision)
 
 
@@ -50,7 +50,7 @@ def drift(L: ti.template(), X: ti.template(), fraction):
         X.x2[j] += h * X.v2[j]
 
 
-def _splitting(terms: Terms, rotates: bool, resumes: bool, real):
+def _splitting(terms: Terms, resumes: bool, real):
     matrix = ti.types.ndarray(real, 2)
     vector = ti.types.ndarray(real, 1)
     names = terms.vectors
@@ -92,7 +92,7 @@ def _splitting(terms: Terms, rotates: bool, resumes: bool, real):
                             drift(L, X, P[0])
                         for g in range(ti.max(stage0, 0), stage1):
                             accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
-                            kick(terms, rotates, L, X, S, i, P[1 + 3 * g])
+                            kick(terms, L, X, S, i, P[1 + 3 * g], P[P.shape[0] - 1])
                             drift(L, X, P[3 + 3 * g])
                         if ti.static(len(terms.walls) > 0):
                             if stage1 == (P.shape[0] - 1) // 3:
@@ -106,7 +106,9 @@ def _splitting(terms: Terms, rotates: bool, resumes: bool, real):
 
 
 @ti.func
-def begin_step(resumes: ti.template(), G: ti.template(), X: ti.template(), R: ti.template(), P: ti.template(), i, stage0):
+def begin_step(
+    resumes: ti.template(), G: ti.template(), X: ti.template(), R: ti.template(), P: ti.template(), i, stage0
+):
     """Take the state at the start of the step into G: X at its first launch, which keeps it in R for the others."""
     if ti.static(resumes):
         if stage0 < 0 or (stage0 == 0 and P[0] == 0.0):

@@ -6,12 +6,13 @@ fraction of dt that leads to the next stage's state, and its time.
 Sources: Hairer, Lubich, Wanner, Geometric Numerical Integration; Yoshida (1990), Phys. Lett. A 150, 262; Boris (1970).
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 from gen_art.errors import UsageError
 from gen_art.registry import suggest
 
-__all__ = ["INTEGRATORS", "Scheme", "scheme"]
+__all__ = ["INTEGRATORS", "Scheme", "charged", "scheme"]
 
 
 @dataclass(frozen=True)
@@ -23,13 +24,20 @@ class Scheme:
     kind: str
     stages: tuple[tuple[float, float, float], ...]
     first_drift: float = 0.0
-    rotates: bool = False
+    pusher: str = ""
+    light: float = 0.0
+    exact: bool = False
     doc: str = ""
 
     @property
+    def rotates(self) -> tuple[str, bool, bool]:
+        """What turns the velocity in a magnetic field: (pusher, relativistic, exact phase); no pusher: a plain kick."""
+        return self.pusher, self.light > 0, self.exact
+
+    @property
     def numbers(self) -> list[float]:
-        """The scheme's run-time numbers for its kernel: the first drift, then each stage's three."""
-        return [self.first_drift, *(c for stage in self.stages for c in stage)]
+        """The scheme's run-time numbers for its kernel: the first drift, then each stage's three, then the speed of light."""
+        return [self.first_drift, *(c for stage in self.stages for c in stage), self.light]
 
 
 _CBRT2 = 2.0 ** (1.0 / 3.0)
@@ -73,11 +81,48 @@ INTEGRATORS = {
             "splitting",
             ((1.0, 0.5, 0.5),),
             0.5,
-            rotates=True,
+            pusher="boris",
             doc="for magnetic fields; keeps the speed exactly",
+        ),
+        Scheme(
+            "vay",
+            2,
+            "splitting",
+            ((1.0, 0.5, 0.5),),
+            0.5,
+            pusher="vay",
+            doc="for fast charges: keeps the drift in crossed fields at any speed; boris where speed_of_light is left out",
+        ),
+        Scheme(
+            "higuera_cary",
+            2,
+            "splitting",
+            ((1.0, 0.5, 0.5),),
+            0.5,
+            pusher="higuera_cary",
+            doc="for fast charges: keeps phase space and the drift; boris where speed_of_light is left out",
         ),
     )
 }
+
+
+def charged(used: Scheme, forces, light: float | None, exact: bool) -> Scheme:
+    """The scheme with a speed of light, m/s, and the exact phase. Raises UsageError for what cannot be combined."""
+    pushers = ", ".join(name for name, s in INTEGRATORS.items() if s.pusher)
+    if (light is not None or exact) and not used.pusher:
+        what = "speed_of_light" if light is not None else "exact_gyration"
+        raise UsageError(f"{what} needs an integrator for charges ({pushers}), not {used.name}")
+    if light is not None and not (math.isfinite(light) and light > 0):
+        raise UsageError(f"speed_of_light must be above 0 m/s, not {light}")
+    if light is not None:
+        for one in forces:
+            if one.provides("damping"):
+                raise UsageError(f"{one.name} is not relativistic: leave out speed_of_light, or {one.name}")
+            if one.provides("mass_rate") or one.provides("mass_loss"):
+                raise UsageError(
+                    f"{one.name} takes mass, which a relativistic particle keeps: leave out speed_of_light"
+                )
+    return replace(used, light=float(light or 0.0), exact=bool(exact))
 
 
 def scheme(name: str) -> Scheme:

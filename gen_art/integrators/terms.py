@@ -7,6 +7,7 @@ Each loop over lanes stands innermost, reads global memory and stores only to lo
 from gen_art.composition import Composition
 from gen_art.elementary import phi
 from gen_art.forces.base import term_acceleration
+from gen_art.integrators.pushers import corrected, relativistic
 from gen_art.particles.fixed import is_fixed
 from gen_art.runtime import impl, make_matrix, ti
 from gen_art.tracing import parameters, particle, traced
@@ -44,7 +45,8 @@ class Terms:
 
     _data_oriented = True
 
-    def __init__(self, composition: Composition, channels: tuple, pairs: int):
+    def __init__(self, composition: Composition, channels: tuple, pairs: int, rotates: tuple = ("", False, False)):
+        self.pusher, self.relativistic, self.exact = rotates
         index = {id(t): k for k, t in enumerate(composition.terms)}
         entry = lambda t: (t.force, t.offset, t.count_offset(), index.get(id(t), -1))  # noqa: E731
         self.pushes = [(*entry(t), t.medium) for t in composition.pushes]  # and the medium it looks at, or -1
@@ -313,18 +315,25 @@ def rotated(v, omega, h):
 
 
 @ti.func
-def kick(
-    terms: ti.template(), rotates: ti.template(), L: ti.template(), X: ti.template(), S: ti.template(), i, fraction
-):
-    """Advance the tile's velocities by a fraction of each lane's step under what `accumulate` left in L."""
+def kick(terms: ti.template(), L: ti.template(), X: ti.template(), S: ti.template(), i, fraction, light):
+    """Advance the tile's velocities by a fraction of each lane's step under what `accumulate` left in L; light : c, m/s."""
     for j in range(WIDTH):
         v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
         h = fraction * L.h[j]
-        if ti.static(len(terms.magnetics) == 0):
+        if ti.static(terms.relativistic):
+            omega = v * 0.0
+            if ti.static(len(terms.magnetics) > 0):
+                omega = ti.Vector([L.b0[j], L.b1[j], L.b2[j]]) * specific_charge(terms, L, S, i, j)
+            v = relativistic(terms, v, ti.Vector([L.a0[j], L.a1[j], L.a2[j]]), omega, h, light)
+        elif ti.static(len(terms.magnetics) == 0):
             v = push(terms, L, j, v, h)
         else:
             omega = ti.Vector([L.b0[j], L.b1[j], L.b2[j]]) * specific_charge(terms, L, S, i, j)
-            if ti.static(rotates):
+            if ti.static(terms.pusher != ""):
+                if ti.static(terms.exact):
+                    a, turn = corrected(ti.Vector([L.a0[j], L.a1[j], L.a2[j]]), omega, h, 1.0, 1.0)
+                    L.a0[j], L.a1[j], L.a2[j] = a[0], a[1], a[2]
+                    omega = turn
                 v = push(terms, L, j, v, 0.5 * h)
                 v = rotated(v, omega, h)
                 v = push(terms, L, j, v, 0.5 * h)

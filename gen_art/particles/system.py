@@ -6,6 +6,7 @@ from gen_art.composition import Composition
 from gen_art.emitters.emission import Emission
 from gen_art.errors import UsageError
 from gen_art.integrators import scheme
+from gen_art.integrators.schemes import charged
 from gen_art.interactions import Interaction
 from gen_art.medium import Medium
 from gen_art.particles.fixed import FIXED
@@ -23,6 +24,8 @@ class ParticleSystem:
     medium : the ga.Medium that drag pulls towards     attributes : further (n,) numbers by name, seen by forces as p.name
     fixed : which particles stay where they are whatever pulls at them: indices, or (n,) bool
     emitters : Emission objects (a preset makes them)     look : how it is drawn
+    speed_of_light : m/s, makes boris, vay and higuera_cary relativistic     exact_gyration : they turn by the exact angle in
+    uniform fields, up to 3 rad a step
     Raises UsageError for arrays of the wrong shape or with numbers that are not finite, and for unknown laws.
 
     In a simulation: count, ids, keys, emitter, position, velocity, mass, charge, radius, age are read-only NumPy copies
@@ -41,6 +44,8 @@ class ParticleSystem:
         interactions=(),
         colliders=(),
         integrator: str = "leapfrog",
+        speed_of_light: float | None = None,
+        exact_gyration: bool = False,
         medium: Medium | None = None,
         attributes=None,
         fixed=None,
@@ -48,12 +53,14 @@ class ParticleSystem:
         look=None,
     ):
         self.colliders = list(colliders)
+        if self.colliders and speed_of_light:
+            raise UsageError("colliders bounce slow particles: leave out speed_of_light, or the colliders")
         self.forces, self.interactions = list(forces), list(interactions)
         for one in self.interactions:
             if not isinstance(one, Interaction):
                 raise UsageError(f"interactions must be such as ga.interactions.SelfGravity(...), not {one!r}")
         self.medium = medium or Medium()
-        self.scheme = scheme(integrator)
+        self.scheme = charged(scheme(integrator), self.forces, speed_of_light, exact_gyration)
         self.composition = Composition(self.forces, self.medium, self.colliders)
         self.emitters: list[Emission] = list(emitters)
         self.look = look
@@ -62,6 +69,8 @@ class ParticleSystem:
             one.check_mass(lightest)
         self.name = ""
         self._initial = self._arrays(position, velocity, mass, charge, radius, dict(attributes or {}))
+        if self._initial and speed_of_light and (np.linalg.norm(self._initial["velocity"], axis=0) >= speed_of_light).any():
+            raise UsageError(f"velocity must be below the speed of light, {speed_of_light:g} m/s")
         self._attributes = dict(attributes or {})
         self._fixed = self._which(fixed)
         self._state: Particles | None = None

@@ -6,7 +6,7 @@ from pathlib import Path, PurePosixPath
 from gen_art.errors import UsageError
 from gen_art.preset.types import parsed
 
-__all__ = ["FOLDER", "ImageFile", "PresetFile"]
+__all__ = ["FOLDER", "ImageFile", "PresetFile", "inside"]
 
 FOLDER: ContextVar[Path] = ContextVar("folder", default=Path())  # of the preset that is being read
 LARGEST = 64_000_000  # pixels of a picture that is read
@@ -24,7 +24,8 @@ class PresetFile(str):
         return made
 
 
-def _inside(value) -> PresetFile:
+def inside(value) -> PresetFile:
+    """The file of that name in the preset's folder or below; UsageError if there is none or it leads elsewhere."""
     if isinstance(value, PresetFile):
         return value
     if not isinstance(value, str) or not value:
@@ -44,7 +45,7 @@ def _inside(value) -> PresetFile:
 def _image(value) -> PresetFile:
     from PIL import Image, UnidentifiedImageError
 
-    file = _inside(value)
+    file = inside(value)
     try:
         with Image.open(file.place) as picture:
             width, height = picture.size

@@ -27,7 +27,7 @@ def open_source(preset: str | Path) -> tuple[Source, str]:
     if str(preset) == "-":
         return read_bytes(sys.stdin.buffer.read(1_000_000), "<stdin>"), "stdin"
     path = find(str(preset))
-    shipped = path.parent == presets_folder()
+    shipped = path.is_relative_to(presets_folder())
     return read_file(path, path.name if shipped else str(preset)), path.stem
 
 

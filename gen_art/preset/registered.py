@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from pydantic_core import core_schema
 
 from gen_art.errors import UsageError
+from gen_art.preset.files import inside
 from gen_art.preset.types import collected
 from gen_art.preset.values import Range, number, shown, vector
 from gen_art.registry import Parameter, Parametric, Registry, suggest
@@ -92,6 +93,8 @@ def _value(parameter: Parameter, value: Any) -> Any:
     if kind == "choice" and value not in parameter.choices:
         choices = [str(choice) for choice in parameter.choices]
         raise UsageError(f"must be one of {', '.join(choices)}; not {shown(value)}{suggest(str(value), choices)}")
+    if kind == "file":
+        return inside(value)
     if kind == "text" and not isinstance(value, str):
         raise UsageError(f"must be text, not {shown(value)}")
     return value
@@ -286,7 +289,7 @@ def _parameter_schema(parameter: Parameter) -> dict:
         one = {"type": "boolean"}
     elif parameter.kind == "choice":
         one = {"enum": list(parameter.choices)}
-    elif parameter.kind == "text":
+    elif parameter.kind in ("text", "file"):
         one = {"type": "string"}
     unit = "degrees" if in_degrees(parameter) else parameter.unit
     description = " ".join(part for part in (parameter.doc, f"[{unit}]" if unit else "") if part)

@@ -11,10 +11,10 @@ from gen_art.preset.camera import CameraSpec
 from gen_art.preset.clock import Clock
 from gen_art.preset.develop import DevelopSpec
 from gen_art.preset.emitter import Emitter, Particle
-from gen_art.preset.files import FOLDER
+from gen_art.preset.files import FOLDER, PresetFile
 from gen_art.preset.look import Look
 from gen_art.preset.registered import Many, class_schema, is_field, registry
-from gen_art.preset.types import Model, NotNegative, NotNegativeRange, Number, about, parsed
+from gen_art.preset.types import Model, NotNegative, NotNegativeRange, Number, Positive, about, parsed
 from gen_art.preset.values import shown
 from gen_art.registry import suggest
 
@@ -89,6 +89,10 @@ class System(Model):
     integrator: Annotated[str, parsed(_integrator, {"type": "string"})] = about(
         "velocity_verlet", "the scheme of a time step"
     )
+    speed_of_light: Positive | None = about(
+        None, "makes boris, vay and higuera_cary relativistic; Newton's mechanics when left out", unit="m/s"
+    )
+    exact_gyration: bool = about(False, "charges turn by the exact angle in uniform fields, up to 3 rad a step")
     forces: Annotated[Any, Many("forces")] = about((), "forces on this system alone")
     inherit_forces: bool = about(True, "whether the preset's shared forces act on it too")
     medium: Medium | None = about(None, "its own medium; the preset's when left out")
@@ -97,6 +101,13 @@ class System(Model):
     inherit_colliders: bool = about(True, "whether the preset's shared colliders are there for it too")
     emitters: dict[str, Emitter] = about({}, "where its particles come from")
     look: Look | None = about(None, "how it is drawn; not at all when null")
+
+    @model_validator(mode="after")
+    def _charged(self):
+        from gen_art.integrators.schemes import charged, scheme
+
+        charged(scheme(self.integrator), self.forces, self.speed_of_light, self.exact_gyration)
+        return self
 
 
 class Gallery(Model):
@@ -153,9 +164,13 @@ class Preset(Model):
 
     @property
     def files(self) -> list:
-        """The files it names, in the order of the systems: PresetFile."""
+        """The files it names, of looks in the order of the systems and then of forces and fields: PresetFile."""
         looks = (system.look for system in self.systems.values())
-        return [look.picture.image for look in looks if look is not None and look.picture is not None]
+        found = [look.picture.image for look in looks if look is not None and look.picture is not None]
+        laws = [*self.forces, *self.medium.terms]
+        for system in self.systems.values():
+            laws += [*system.forces, *(system.medium.terms if system.medium is not None else ())]
+        return found + [v for law in laws for v in law.values.values() if isinstance(v, PresetFile)]
 
     def resolved(self) -> dict:
         """The preset as plain data with overrides and knobs filled in; loads again to an equal preset."""

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from gen_art.errors import UsageError
 
-__all__ = ["find", "preset_names", "presets_folder"]
+__all__ = ["course_names", "find", "preset_names", "presets_folder"]
 
 
 def presets_folder() -> Path:
@@ -16,18 +16,24 @@ def presets_folder() -> Path:
 
 
 def preset_names() -> list[str]:
+    """The pieces: what the gallery shows."""
     return sorted(path.stem for path in presets_folder().glob("*.yaml"))
+
+
+def course_names() -> list[str]:
+    """The small presets that show one law each, by the name they are called by: course/NAME."""
+    return sorted(f"course/{path.stem}" for path in (presets_folder() / "course").glob("*.yaml"))
 
 
 def find(name: str) -> Path:
     """The file of a shipped preset's name or of a path; UsageError, with the nearest name, for neither."""
     shipped = presets_folder() / f"{name}.yaml"
-    if name in preset_names():
+    if name in preset_names() or name in course_names():
         return shipped
     path = Path(name)
     if path.suffix.lower() in (".yaml", ".yml") or len(path.parts) > 1 or path.exists():
         return path
-    near = difflib.get_close_matches(name, preset_names(), n=1)
+    near = difflib.get_close_matches(name, [*preset_names(), *course_names()], n=1)
     raise UsageError(
         f"there is no preset '{name}'{f'; did you mean {near[0]!r}?' if near else ''} "
         "(`gen-art list` names them; a file of your own is given by its path)"

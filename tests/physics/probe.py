@@ -68,6 +68,5 @@ def probe(force, p, precision="f64", medium=None):
                         out[8, i] = force.potential(p, t, q)
 
     assert term.offset == 0 or medium is not None
-    numbers = np.array(force.bound_numbers(medium or Medium()) or [0.0], dtype)
-    runtime.kernel(kernel, precision)(S, p.key, p.age.astype(dtype), numbers, p.time, out, count)
+    runtime.kernel(kernel, precision)(S, p.key, p.age.astype(dtype), composition.numbers(dtype), p.time, out, count)
     return out[:3], out[3:6], out[6:8], out[8]

@@ -109,12 +109,87 @@ def thrust(p):
     return np.outer((0.6, 0.0, 0.8), 3.0 * 0.2 * share / p.mass)
 
 
+GRID = np.random.default_rng(7).normal(size=(4, 3, 5, 3))
+LOW, HIGH = np.array([-1.5, -1.0, -2.0]), np.array([1.0, 2.0, 1.5])
+
+
+def sampled(p):
+    """Trilinear blend, one axis after the other; nothing outside."""
+    g = (p.position.T - LOW) / (HIGH - LOW) * (np.array(GRID.shape[:3]) - 1)
+    out = np.zeros_like(g)
+    for n, at in enumerate(g):
+        if (at < 0).any() or (at > np.array(GRID.shape[:3]) - 1).any():
+            continue
+        block = GRID
+        for c in range(3):  # each blend takes the first axis away
+            k = min(int(at[c]), block.shape[0] - 2)
+            block = block[k] * (1 - (at[c] - k)) + block[k + 1] * (at[c] - k)
+        out[n] = block
+    return 1.7 * out.T
+
+
+def magnetic_dipole(p):
+    m, r = np.array([0.4, -1.0, 0.7]) * 1e7, (p.position - _column((0.1, 0, 0))).T
+    s2 = (r * r).sum(1)[:, None] + 0.3**2
+    return 1e-7 * ((3 * (r @ m)[:, None] * r + (2 * 0.09 - (s2 - 0.09)) * m) / s2**2.5).T
+
+
+def _from_axis(p, center, n):
+    n = np.array(n) / np.linalg.norm(n)
+    r = p.position - _column(center)
+    z = n @ r
+    return n, z, r - np.outer(n, z)
+
+
+def magnetic_wire(p):
+    n, _, rho = _from_axis(p, (0.1, 0, 0), (1.0, 2.0, 2.0))
+    return np.cross(n, rho.T).T * 2e-7 * 3e6 / ((rho**2).sum(0) + 0.2**2)
+
+
+def magnetic_loop(p):
+    """Biot and Savart, summed around the loop: the trapezoidal rule converges exponentially."""
+    n = np.array([0.0, 0.6, 0.8])
+    e = np.array([1.0, 0, 0])
+    phi = np.linspace(0, 2 * np.pi, 4000, endpoint=False)[:, None]
+    at = np.array([0.1, 0, 0]) + 0.9 * (np.cos(phi) * e + np.sin(phi) * np.cross(n, e))
+    dl = 0.9 * (-np.sin(phi) * e + np.cos(phi) * np.cross(n, e)) * 2 * np.pi / len(phi)
+    r = p.position.T[:, None] - at
+    return (1e-7 * 4e6 * np.cross(dl, r) / (np.linalg.norm(r, axis=2) ** 3)[..., None]).sum(1).T
+
+
+def electric_dipole(p):
+    d, r = np.array([0.4, -1.0, 0.7]), (p.position - _column((0.1, 0, 0))).T
+    s = np.sqrt((r * r).sum(1) + 0.3**2)[:, None]
+    return 8.9875517923 * (3 * (r @ d)[:, None] * r / s**5 - d / s**3).T * p.charge / p.mass
+
+
+def electric_wire(p):
+    _, _, rho = _from_axis(p, (0.1, 0, 0), (1.0, 2.0, 2.0))
+    return 2 * 8.9875517923 * 0.7 * rho / ((rho**2).sum(0) + 0.2**2) * p.charge / p.mass
+
+
+def electric_quadrupole(p):
+    n, z, rho = _from_axis(p, (0.1, 0, 0), (1.0, 2.0, 2.0))
+    return -3.0 / (2 * 0.8**2) * (2 * np.outer(n, z) - rho) * p.charge / p.mass
+
+
 # name: (instance, what it gives, the NumPy formula); "push" is compared after multiplying fields by charge / mass
 CASES = {
     "gravity": (F.Gravity((1.0, -9.81, 0.5)), "push", lambda p: np.tile(_column((1.0, -9.81, 0.5)), p.mass.size)),
     "height_gravity": (F.HeightGravity(3.0, 1.5, (0.1, 0.0, 0.0), (0.0, 3.0, 4.0)), "push", flat_gravity),
     "lift": (F.Lift(0.8, 0.6, (0.2, 0.0, 3.0), 1.3), "push", lift),
     "thrust": (F.Thrust((3.0, 0.0, 4.0), 3.0, 0.2, 0.5, 0.5), "push", thrust),
+    "vector_field": (F.VectorField(GRID, (LOW, HIGH), 1.7), "push", sampled),
+    "magnetic_dipole": (F.MagneticDipole((4e6, -1e7, 7e6), (0.1, 0.0, 0.0), 0.3), "magnetic", magnetic_dipole),
+    "magnetic_wire": (F.MagneticWire(3e6, (0.1, 0.0, 0.0), (1.0, 2.0, 2.0), 0.2), "magnetic", magnetic_wire),
+    "magnetic_loop": (F.MagneticLoop(4e6, 0.9, (0.1, 0.0, 0.0), (0.0, 3.0, 4.0)), "magnetic", magnetic_loop),
+    "magnetic_grid": (F.MagneticGrid(GRID, (LOW, HIGH), 1.7), "magnetic", sampled),
+    "electric_dipole": (F.ElectricDipole((4e-10, -1e-9, 7e-10), (0.1, 0.0, 0.0), 0.3), "push", electric_dipole),
+    "electric_wire": (F.ElectricWire(0.7e-9, (0.1, 0.0, 0.0), (1.0, 2.0, 2.0), 0.2), "push", electric_wire),
+    "electric_quadrupole": (
+        F.ElectricQuadrupole(3.0, 0.8, (0.1, 0.0, 0.0), (1.0, 2.0, 2.0)), "push", electric_quadrupole
+    ),
+    "electric_grid": (F.ElectricGrid(GRID, (LOW, HIGH), 1.7), "push", lambda p: sampled(p) * p.charge / p.mass),
     "driver": (F.Driver(0.7, 1.3, 0.4, (1.0, 2.0, 2.0)), "push", driver),
     "random_driver": (F.RandomDriver(1.4, 0.6, 3, 5), "push", random_driver),
     "wind": (F.Wind((1.0, 2.0, 3.0)), "push", lambda p: np.tile(_column((1.0, 2.0, 3.0)), p.mass.size)),

@@ -74,10 +74,10 @@ def test_wrong_arguments_are_sentences(name):
     for key, parameter in cls.parameters.items():
         if parameter.kind == "float":
             with pytest.raises(ga.UsageError, match="finite"):
-                cls(**{key: float("nan")})
+                cls(**{**CASES[name][0].values, key: float("nan")})
         if parameter.kind == "vector":
             with pytest.raises(ga.UsageError, match="three numbers"):
-                cls(**{key: (1.0, 2.0)})
+                cls(**{**CASES[name][0].values, key: (1.0, 2.0)})
 
 
 def test_exponent_minus_one_has_a_logarithmic_potential():

@@ -1,0 +1,97 @@
+"""Any shape, by its signed distance: a function, or a grid of numbers."""
+
+import numpy as np
+
+from gen_art.colliders.base import Collider, collider
+from gen_art.errors import UsageError
+from gen_art.registry import param
+from gen_art.runtime import real, ti
+
+
+@collider("sdf")
+class SDF(Collider):
+    """A shape given by its signed distance: a @ti.func of the place x, or a grid of distances between min and max.
+
+    distance = function(x), or the grid, trilinear between its points;  normal = its central differences over 2 step
+
+    function : returns m, positive outside, never steeper than 1; or an array (nx, ny, nz), at least 2 points an axis, in Python
+    min, max : m, the corners of the grid; beyond them its border goes on     step : m, above 0; below the size of features
+    """
+
+    function: object = param(doc="a @ti.func of x, or an array of distances")
+    min: tuple = param((-1.0, -1.0, -1.0), unit="m", doc="where the grid begins")
+    max: tuple = param((1.0, 1.0, 1.0), unit="m", doc="where the grid ends")
+    step: float = param(1e-3, unit="m", min=1e-30, doc="over which the normal is measured")
+
+    def prepare(self):
+        super().prepare()
+        self.grid = None
+        if not callable(self.values["function"]):
+            try:
+                grid = np.asarray(self.values["function"], np.float64)
+            except (TypeError, ValueError):
+                raise UsageError("function must be a @ti.func or an array of distances") from None
+            if grid.ndim != 3 or min(grid.shape) < 2:
+                raise UsageError(
+                    f"a grid of distances must have the shape (nx, ny, nz), each at least 2, not {grid.shape}"
+                )
+            if not np.isfinite(grid).all():
+                raise UsageError("the grid of distances holds numbers that are not finite")
+            for axis, low, high in zip("xyz", self.values["min"], self.values["max"]):
+                if low >= high:
+                    raise UsageError(f"min must be below max on every axis: {axis} runs from {low:g} to {high:g}")
+            self.grid = grid
+
+    @property
+    def tabled(self) -> bool:
+        return self.grid is not None
+
+    def table(self) -> np.ndarray:
+        assert self.grid is not None
+        return np.concatenate([np.array(self.grid.shape, float), self.grid.ravel()])
+
+    @property
+    def fixed(self) -> tuple:
+        return (*super().fixed, None if self.tabled else self.values["function"])
+
+    @ti.func
+    def sampled(self, x, q):
+        place = ti.Vector([0, 0, 0])
+        share = x * 0.0
+        size = ti.Vector([ti.cast(q.table(0), ti.i32), ti.cast(q.table(1), ti.i32), ti.cast(q.table(2), ti.i32)])
+        for axis in ti.static(range(3)):
+            most = size[axis] - 1
+            at = (x[axis] - q.min[axis]) / (q.max[axis] - q.min[axis]) * most
+            at = ti.min(ti.max(at, 0.0), ti.cast(most, real()))
+            place[axis] = ti.min(ti.cast(at, ti.i32), most - 1)
+            share[axis] = at - place[axis]
+        d = share[0] * 0.0
+        for corner in range(8):
+            weight = share[0] * 0.0 + 1.0
+            index = 0
+            for axis in ti.static(range(3)):
+                far = (corner >> axis) & 1
+                weight *= ti.select(far == 1, share[axis], 1.0 - share[axis])
+                index = index * size[axis] + place[axis] + far
+            d += weight * q.table(3 + index)
+        return d
+
+    @ti.func
+    def distance(self, x, q, side):
+        d = x[0]
+        if ti.static(self.tabled):
+            d = self.sampled(x, q)
+        else:
+            d = self.values["function"](x)
+        return d
+
+    @ti.func
+    def gradient(self, x, q, side):
+        n = x * 0.0
+        for axis in ti.static(range(3)):
+            way = x * 0.0
+            way[axis] = q.step
+            n[axis] = self.distance(x + way, q, side) - self.distance(x - way, q, side)
+        length = n.norm()
+        up = ti.Vector([0.0, 1.0, 0.0])
+        return ti.select(length > 0.0, n / ti.select(length > 0.0, length, 1.0), up)

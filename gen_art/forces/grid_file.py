@@ -1,0 +1,62 @@
+"""Grids of vectors from a .npy file, a picture's two channels or an array, checked before they are used."""
+
+from pathlib import Path
+
+import numpy as np
+
+from gen_art.errors import UsageError
+
+__all__ = ["read_grid"]
+
+LARGEST = 2**24  # vectors: 256^3
+_SHAPE = "(nx, ny, nz, 3): a vector for each place of a grid"
+
+
+def read_grid(given) -> np.ndarray:
+    """(nx, ny, nz, 3) float64 of a path or an array. Raises UsageError for what is no such grid.
+
+    A .npy file or array has that shape. A picture gives (width, height, 1, 3): red is x, green is y, 0 to 255 for -1 to 1 with
+    128 for 0, its bottom row the lowest y.
+    """
+    if not isinstance(given, (str, Path)):
+        return _checked(np.asarray(given), "field")
+    path = Path(getattr(given, "place", given))
+    if not path.is_file():
+        raise UsageError(f"{given}: there is no such file")
+    return _checked(_array(path, given) if path.suffix.lower() == ".npy" else _picture(path, given), str(given))
+
+
+def _array(path: Path, name) -> np.ndarray:
+    try:
+        array = np.load(path, mmap_mode="r", allow_pickle=False)
+    except (OSError, ValueError, EOFError) as error:
+        raise UsageError(f"{name}: is not a NumPy array of numbers (.npy)") from error
+    return array
+
+
+def _picture(path: Path, name) -> np.ndarray:
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with Image.open(path) as picture:
+            if picture.width * picture.height > LARGEST:
+                raise UsageError(f"{name}: has more than {LARGEST:,} pixels")
+            pixels = np.asarray(picture.convert("RGB"), np.float64)
+    except (UnidentifiedImageError, OSError, SyntaxError, Image.DecompressionBombError) as error:
+        raise UsageError(f"{name}: is neither a NumPy array (.npy) nor a picture") from error
+    vectors = np.zeros((picture.width, picture.height, 1, 3))
+    vectors[..., 0, :2] = np.maximum((pixels[::-1, :, :2].transpose(1, 0, 2) - 128.0) / 127.0, -1.0)
+    return vectors
+
+
+def _checked(array: np.ndarray, name: str) -> np.ndarray:
+    if array.ndim != 4 or array.shape[3] != 3 or 0 in array.shape:
+        raise UsageError(f"{name}: a grid must have the shape {_SHAPE}, not {array.shape}")
+    if array.size > 3 * LARGEST:
+        raise UsageError(f"{name}: a grid has at most {LARGEST:,} vectors, not {array.size // 3:,}")
+    if array.dtype.kind not in "fiu":
+        raise UsageError(f"{name}: a grid holds real numbers, not {array.dtype}")
+    numbers = np.array(array, np.float64)
+    if not np.isfinite(numbers).all():
+        raise UsageError(f"{name}: the grid holds numbers that are not finite")
+    return numbers
