@@ -273,3 +273,23 @@ def test_bad_nets(make, sentence):
 def test_springs_that_cannot_be(wanted, sentence):
     with pytest.raises(ga.UsageError, match=sentence):
         ga.Simulation({"s": ga.ParticleSystem(position=np.eye(3), **wanted)}, dt=0.1)
+
+
+@pytest.mark.parametrize("name, length", [("chain", 2.0), ("rope", 3.0)])
+def test_rows_of_particles_in_yaml_lie_as_the_builders_lay_them(name, length):
+    row = {"start": [0, 0, 0], "end": [2, 0, 0], "count": 9, "pinned": "start"}
+    piece = ga.load_preset({
+        "name": "row", "version": 1, "clock": {"duration": 1, "fps": 10, "step": 0.01},
+        "systems": {"row": {
+            "interactions": {"springs": {"stiffness": 50}}, "particle": {"mass": 0.1},
+            "emitters": {"e": {name: {**row, "length": length} if name == "rope" else row}},
+        }},
+    })  # fmt: skip
+    sim = ga.Simulation(piece, precision="f64")
+    net = ga.chain((0, 0, 0), (2, 0, 0), 9) if name == "chain" else ga.rope((0, 0, 0), (2, 0, 0), 9, length)
+    assert np.allclose(sim["row"].position, net.position, atol=1e-15)
+    assert np.sum(net.rest_length[:8]) == pytest.approx(length)
+    moved = np.linalg.norm(np.diff(sim["row"].position, axis=0), axis=1)
+    assert moved == pytest.approx(np.full(8, length / 8))
+    sim.step(20)
+    assert np.array_equal(sim["row"].position[0], net.position[0]), "pinned"
