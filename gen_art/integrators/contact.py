@@ -15,11 +15,17 @@ from gen_art.elementary import phi
 from gen_art.integrators.books import note
 from gen_art.integrators.terms import WIDTH
 from gen_art.runtime import is_f64, ti
-from gen_art.tracing import parameters
+from gen_art.tracing import parameters, traced
 
 __all__ = ["collide"]
 
 _EVENTS = 16  # impacts in a step; after that a particle waits for the next one
+
+
+@traced
+def number_of_action(one) -> int:
+    """0 bounce, 1 stick, 2 kill. (A function: Taichi takes `a = ti.static(...)` for another name, not for a value.)"""
+    return ACTIONS.index(one.values["action"])
 
 
 @ti.func
@@ -145,7 +151,7 @@ def collide(
                         action = 0  # bounce
                         for c, wall in ti.static(enumerate(terms.walls)):
                             if last == c:
-                                action = ti.static(ACTIONS.index(wall[0].values["action"]))
+                                action = number_of_action(wall[0])
                         if action == 1:
                             v = U
                         elif action == 0:
