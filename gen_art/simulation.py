@@ -181,6 +181,8 @@ class Simulation:
         self.steps_done += steps
         if self._eventful:
             self._give_children(first, t0, t1, before)
+        else:
+            self._behind = {name: (s.state.next_id, s.state.next_id) for name, s in self._members.items()}
         if self._ledger:
             self._ledger.after_step(t0, t1)
         return steps
