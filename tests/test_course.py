@@ -7,7 +7,7 @@ import gen_art as ga
 from gen_art.preset.load import load_preset
 from gen_art.preset.shipped import course_names, presets_folder
 
-_STEPS = 24
+_STEPS, _TRIES = 24, 40
 
 
 def test_there_are_some_and_they_go_by_their_name():
@@ -27,12 +27,16 @@ def test_it_says_what_it_shows(name):
 
 @pytest.mark.parametrize("name", course_names())
 def test_it_runs_and_draws(name):
-    """A few steps from the start, in a tiny frame: something moves and something is lit."""
+    """From the start until something can be seen, in a tiny frame."""
     piece = load_preset(name)
     sim = ga.Simulation(piece)
-    sim.step(_STEPS)
+    for _ in range(_TRIES):
+        sim.step(_STEPS)
+        light = ga.render_frame(sim, size=(64, 36))
+        assert np.isfinite(light).all()
+        if light[..., :3].max() > 0:
+            break
+    else:
+        raise AssertionError(f"nothing to be seen after {sim.time:g} s")
     for system in piece.systems:
         assert np.isfinite(sim[system].position).all()
-    assert sum(sim[system].count for system in piece.systems) > 0
-    light = ga.render_frame(sim, size=(64, 36))
-    assert np.isfinite(light).all() and light[..., :3].max() > 0
