@@ -13,8 +13,8 @@ from gen_art.preset.shipped import course_names, presets_folder
 def test_there_are_some_and_they_go_by_their_name():
     assert {"course/bouncing_balls", "course/obstacles", "course/gas_in_a_box"} <= set(course_names())
     assert load_preset("course/bouncing_balls").name == "bouncing_balls"
-    with pytest.raises(ga.UsageError, match="did you mean 'course/obstacles'"):
-        load_preset("course/obstacle")
+    with pytest.raises(ga.UsageError, match="did you mean 'course/bouncing_balls'"):
+        load_preset("course_bouncing_balls")
 
 
 @pytest.mark.parametrize("name", course_names())
