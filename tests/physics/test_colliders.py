@@ -183,6 +183,7 @@ def test_inside_a_sphere_energy_and_angular_momentum_stay():
     assert np.linalg.norm(sim["s"].position[0]) <= 1 - R + 1e-12
 
 
+@pytest.mark.proof
 def test_sliding_in_a_bowl_and_off_a_ball():
     """A small swing has the pendulum's period; from the top of a ball one leaves where cos = 2/3."""
     length, angle = 1 - R, 0.05
@@ -202,6 +203,7 @@ def _ball(x):
     return x.norm() - 0.5
 
 
+@pytest.mark.proof
 def test_the_same_ball_four_ways():
     """As a sphere, as a capsule without length, as a function and as a grid."""
     g = np.linspace(-1, 1, 41)
@@ -261,6 +263,7 @@ CASES = {
 }
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("case", CASES)
 def test_order_two_with_forces_that_vary(case):
     options, order = CASES[case]
@@ -277,7 +280,12 @@ def test_order_two_with_forces_that_vary(case):
     assert orders.mean() == pytest.approx(order, abs=0.4), errors
 
 
-@pytest.mark.parametrize("integrator", ["leapfrog", "position_verlet", "yoshida4", "rk4"])
+PROOF = pytest.mark.proof  # the compiler takes its time over colliders and pair forces together
+
+
+@pytest.mark.parametrize(
+    "integrator", ["leapfrog", *(pytest.param(name, marks=PROOF) for name in ("position_verlet", "yoshida4", "rk4"))]
+)
 def test_the_ledger_closes_with_pair_forces_and_drag(integrator):
     r = np.random.default_rng(1)
 
