@@ -78,8 +78,6 @@ def test_a_sequence_holds_the_stills_and_reruns(tmp_path):
 
 
 def test_layers_of_depth_and_motion(tmp_path):
-    if not hasattr(Run, "layers"):
-        pytest.skip("the run has no layers")
     (path,) = job.still(piece(), tmp_path / "a.exr", 0.3)
     channels, _ = read(path)
     assert {"Z", "velocity.x", "velocity.y"} <= set(channels)
