@@ -10,7 +10,8 @@ What it does over and over, and what is done here instead:
 - whether a function stands in a class is read off the source around it: here off the calling frame, and, while Taichi
   itself is imported, off one line of that source.
 
-What is traced, the cache keys and the error messages stay as they were.
+What is traced, the cache keys and the error messages stay as they were; but a function with branches or loops can be used
+inside a real function, where Taichi 1.7.4 puts them in the wrong place.
 """
 
 import ast
@@ -91,6 +92,8 @@ def _tree_and_context(self, excluded_parameters=(), is_kernel=True, args=None, i
     if is_kernel or is_real_function:
         for slot in self.template_slot_locations:
             variables[self.arguments[slot].name] = args[slot]
+    else:  # Taichi's own way lays the branches and loops of a function out in the kernel, where a real function uses it
+        rest["ast_builder"] = impl.get_runtime().compiling_callable.ast_builder()
     context = ASTTransformerContext(
         excluded_parameters=excluded_parameters,
         is_kernel=is_kernel,

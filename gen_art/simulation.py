@@ -82,9 +82,15 @@ class Simulation:
     def _check(self) -> None:
         for name, system in self._members.items():
             for emission in system.emitters:
-                if emission.event is not None and emission.event.system not in self._members:
+                event = emission.event
+                if event is None:
+                    continue
+                if event.system not in self._members:
+                    raise UsageError(f"emitter '{emission.name}' listens to '{event.system}', which is no system here")
+                if event.kind == "impact" and not self._members[event.system].tells_impacts:
                     raise UsageError(
-                        f"emitter '{emission.name}' listens to '{emission.event.system}', which is no system here"
+                        f"emitter '{emission.name}' listens to impacts of '{event.system}', but none of its colliders has "
+                        "`action: emit`"
                     )
             for one in system.interactions:
                 other = one.source_system

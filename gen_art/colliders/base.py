@@ -4,13 +4,14 @@ from typing import ClassVar
 
 from gen_art.errors import UsageError
 from gen_art.registry import Parameter, Parametric, Registry, param
+from gen_art.runtime import ti
 
 __all__ = ["ACTIONS", "COLLIDERS", "Collider", "collider"]
 
 COLLIDERS = Registry("collider")
 collider = COLLIDERS  # as a decorator: @collider("torus")
 
-ACTIONS = ("bounce", "stick", "kill")
+ACTIONS = ("bounce", "stick", "kill", "emit")
 
 
 class Collider(Parametric):
@@ -18,6 +19,7 @@ class Collider(Parametric):
 
     distance(self, x, q, side)  m, from x to the surface, positive where particles may be, never steeper than 1
     gradient(self, x, q, side)  (3,) the unit gradient of the distance
+    nearest(self, x, q)         m, the least distance of all sides; needed where there are several
 
     q holds the run-time parameters, and q.table(k) the numbers of a `table()`. A particle touches where its distance is its
     radius. The parameters below come after the subclass's own.
@@ -32,8 +34,12 @@ class Collider(Parametric):
     friction: tuple = param(
         (0.0, 0.0), kind="range", min=0, doc="coefficient of Coulomb friction; kinetic..static, if they differ"
     )
-    action: str = param("bounce", choices=ACTIONS, doc="what an impact does")
+    action: str = param(
+        "bounce", choices=ACTIONS, doc="what an impact does; emit: a bounce that `from: SYSTEM.impact` listens to"
+    )
     velocity: tuple = param((0.0, 0.0, 0.0), unit="m/s", doc="the surface moves with it")
+    angular_velocity: tuple = param((0.0, 0.0, 0.0), unit="rad/s", doc="it turns about the pivot, right-handed")
+    pivot: tuple = param((0.0, 0.0, 0.0), unit="m", doc="where its axis goes through at time 0")
 
     def __init_subclass__(cls, **kwargs):
         super().__init_subclass__(**kwargs)
@@ -49,13 +55,23 @@ class Collider(Parametric):
     def takes_energy(self) -> bool:
         """Whether an impact changes the energy of a particle."""
         elastic = self.values["restitution"] == 1.0 and self.values["friction"][1] == 0.0
-        return not (elastic and self.values["action"] == "bounce" and not any(self.values["velocity"]))
+        moves = any(self.values["velocity"]) or self.turns
+        return not (elastic and self.values["action"] == "bounce" and not moves)
+
+    @property
+    def turns(self) -> bool:
+        return any(self.values["angular_velocity"])
 
     @property
     def fixed(self) -> tuple:
         """What is generated into the kernel: the class and its choices and flags. Numbers are never in it."""
         values = tuple((k, self.values[k]) for k, p in self.parameters.items() if p.kind in ("bool", "choice", "text"))
-        return (type(self), values)
+        return (type(self), values, self.turns)
+
+    @ti.func
+    def nearest(self, x, q):
+        """m, from x to the nearest of the sides."""
+        return self.distance(x, q, 0)
 
     def bound_numbers(self, medium) -> list[float]:
         return self.numbers()

@@ -25,6 +25,10 @@ class Box(Collider):
         corners(self)
 
     @ti.func
+    def nearest(self, x, q):
+        return ti.min(x - q.min, q.max - x).min()
+
+    @ti.func
     def distance(self, x, q, side):
         d = x[0] - q.min[0]
         for axis in ti.static(range(3)):

@@ -52,7 +52,7 @@ class Kind:
 
 @dataclass(frozen=True)
 class Event:
-    """Births fed by another system: `kind` is birth, death or path; only parents of these tags, if any are named."""
+    """Births fed by another system: `kind` is birth, death, impact or path; only parents of these tags, if any are named."""
 
     system: str
     kind: str

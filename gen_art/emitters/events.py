@@ -1,4 +1,4 @@
-"""Births fed by what happens to other particles: at their birth, at their death, along their path.
+"""Births fed by what happens to other particles: at their birth, at their death, along their path, where they strike.
 
 Children of a step are made at its end, one generation a step, in the order of their times and their parents' keys.
 """
@@ -58,6 +58,9 @@ def children(emission: Emission, system: str, parents: Particles, window: Window
         choice = emission.choose(keys)
     else:
         moment = death if event.kind == "death" else birth
+        if event.kind == "impact":  # the last of a step; a particle that has struck nothing has no such age
+            age = parents.floats[parents.channels["impact"], :n].astype(np.float64)
+            moment = np.where(age > 0, birth + age, np.inf)
         happened = (moment <= window.t1) & ((moment > window.t0) | fresh)
         picked = np.flatnonzero(eligible & happened & np.isfinite(moment))
         if not len(picked):
@@ -73,6 +76,8 @@ def children(emission: Emission, system: str, parents: Particles, window: Window
         ordinal = _count_up(counts)
         when = moment[parent]
         origin = parents.floats[:6, parent].astype(np.float64)
+        if event.kind == "impact":  # it has flown on since
+            origin[:3] -= origin[3:] * (np.minimum(window.t1, death[parent]) - when)
     if not len(parent):
         return []
     if not event.inherit:

@@ -135,7 +135,7 @@ def make_booking(
     """
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = Terms(composition, channels, len(mutual), rotates)
+    terms = Terms(composition, channels, len(mutual), rotates, real)
     terms.mutual = mutual
     names = terms.vectors
     splitting = kind == "splitting"

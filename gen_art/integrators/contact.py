@@ -10,11 +10,12 @@ its bits. Source: Andersen (1983), J. Comput. Phys. 52, 24, for RATTLE; Coulomb'
 """
 
 from gen_art.colliders.base import ACTIONS
-from gen_art.colliders.impact import common, count, gap, gradient, meeting, owner, reflected, settled, support
+from gen_art.colliders.impact import meeting, reflected, settled, support
+from gen_art.colliders.surface import carried, clear, common, count, owner, turning
 from gen_art.elementary import phi
 from gen_art.integrators.books import note
 from gen_art.integrators.terms import WIDTH
-from gen_art.runtime import is_f64, ti
+from gen_art.runtime import is_f64, real, ti
 from gen_art.tracing import parameters, traced
 
 __all__ = ["collide"]
@@ -24,7 +25,7 @@ _EVENTS = 16  # impacts in a step; after that a particle waits for the next one
 
 @traced
 def number_of_action(one) -> int:
-    """0 bounce, 1 stick, 2 kill. (A function: Taichi takes `a = ti.static(...)` for another name, not for a value.)"""
+    """0 bounce, 1 stick, 2 kill, 3 emit. (A function: Taichi takes `a = ti.static(...)` for another name, not for a value.)"""
     return ACTIONS.index(one.values["action"])
 
 
@@ -61,23 +62,34 @@ def collide(
             v1 = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
             a = (v1 - v) / h
             drift = (x1 - x) / h - 0.5 * (v + v1)
+            reach = x.norm() * ti.static(1e-14 if is_f64() else 1e-5) + radius * 1e-3
+            near, swing = 0, h * 0.0  # most do not come near a wall; how fast turning walls move where the particle is
+            for wall in ti.static(terms.walls):
+                q = parameters(Q, wall[0], wall[1])
+                pace = (v + drift - q.velocity).norm() + a.norm() * h
+                swung = turning(wall[0], q, x, L.t[j])
+                if ti.static(wall[0].turns):
+                    swung += pace * h * q.angular_velocity.norm()
+                swing = ti.max(swing, swung)
+                if clear(wall[0], q, x, L.t[j]) - radius <= (pace + swung) * h + reach:
+                    near = 1
             pushed = x * 0.0  # out of walls
             U = x * 0.0  # velocity of the surface touched last
-            left, now = h, L.t[j]
-            rests, last = 0, -1
+            left, now = h * ti.cast(near, real()), L.t[j]
+            rests, last, touched = 0, -1, 0
             work, dissipated = h * 0.0, h * 0.0
             for c, wall in ti.static(enumerate(terms.walls)):  # what sticks stays
                 if ti.static(wall[0].values["action"] == "stick"):
                     q = parameters(Q, wall[0], wall[1])
                     for side in range(wall[0].sides):
-                        near = radius * 1e-3 + x.norm() * ti.static(1e-14 if is_f64() else 1e-5)
-                        if left > 0.0 and (v - q.velocity).norm() == 0.0:
-                            if ti.abs(wall[0].distance(x - q.velocity * now, q, side) - radius) <= near:
-                                last, U, left = c, q.velocity, 0.0
-                                x += U * h
+                        _, W = common(terms.walls, Q, wall[2] + side, x, now)
+                        if left > 0.0 and (v - W).norm() <= ti.static(1e-12 if is_f64() else 1e-5) * W.norm():
+                            if ti.abs(terms.surface(Q, wall[2] + side, x, now, 0)[3] - radius) <= reach:
+                                last, U, left = c, W, 0.0
+                                x, v = carried(terms.walls, Q, wall[2] + side, x, now, h)
                                 if ti.static(books):
-                                    work += m * (U - v1).dot(U)
-                                    note(B, b, wall[3], 0.0, 0.0, m * (U - v1))
+                                    work += m * (v - v1).dot(U)
+                                    note(B, b, wall[3], 0.0, 0.0, m * (v - v1))
             event = 0
             while left > 0.0 and event < _EVENTS:
                 event += 1
@@ -88,9 +100,12 @@ def collide(
                     sticks = 0
                     stop = 2.0 * left
                     if rests != 0:
-                        hold, kinetic, static = support(terms.walls, Q, rests, x, free, now, left, radius)
+                        hold, kinetic, static = support(
+                            terms.surface, terms.walls, Q, rests, x, free, now, left, radius
+                        )
                         w = v - U
-                        slide = free + hold - x - U * left
+                        ridden, _ = carried(terms.walls, Q, touched, x, now, left)
+                        slide = free + hold - ridden
                         slow = w.norm() <= ti.static(1e-9 if is_f64() else 1e-4) * a.norm() * h
                         if slow and static > 0.0 and slide.norm() <= static:
                             sticks = 1
@@ -105,8 +120,8 @@ def collide(
                     if sticks == 0:
                         for k in range(count(terms.walls)):
                             if (rests >> k) & 1 == 0:
-                                _, W = common(terms.walls, Q, k)
-                                t = meeting(terms.walls, Q, k, x - W * now, v + drift - W, path, left, radius)
+                                _, W = common(terms.walls, Q, k, x, now)
+                                t = meeting(terms.surface, Q, k, x, v + drift, W, swing, path, now, left, radius)
                                 if t <= left and t < first:
                                     first, which = t, k
                     if stop < first and stop < left:
@@ -116,8 +131,7 @@ def collide(
                     whole = left
                     if last >= 0 or which >= 0:  # else nothing has happened, and the scheme's end stands
                         if sticks == 1:
-                            x += U * t
-                            v = U
+                            x, v = carried(terms.walls, Q, touched, x, now, t)
                         elif t == left and which < 0:
                             x = free + hold + rub
                             v = fall + (hold + 2.0 * rub) / left
@@ -129,7 +143,7 @@ def collide(
                             if which < 0 and t < left:
                                 v -= along * (v - U).dot(along)
                             if sticks == 0:
-                                v = settled(terms.walls, Q, rests, x, v, now)
+                                v = settled(terms.surface, terms.walls, Q, rests, x, v, now)
                             if ti.static(books):
                                 gained = m * (v - fall)
                                 work += gained.dot(U)
@@ -140,21 +154,29 @@ def collide(
                         drift *= 0.0
                     left -= t
                     if which >= 0:
-                        numbers, W = common(terms.walls, Q, which)
+                        numbers, W = common(terms.walls, Q, which, x, now)
                         U = W
-                        last = owner(terms.walls, which)
-                        normal = gradient(terms.walls, Q, which, x - U * now)
-                        inside = ti.max(radius - gap(terms.walls, Q, which, x - U * now), 0.0)
+                        last, touched = owner(terms.walls, which), which
+                        on = terms.surface(Q, which, x, now, 1)
+                        normal = ti.Vector([on[0], on[1], on[2]])
+                        inside = ti.max(radius - on[3], 0.0)
                         x += normal * inside
                         pushed += normal * inside
                         old = v
+                        place = x
                         action = 0  # bounce
                         for c, wall in ti.static(enumerate(terms.walls)):
                             if last == c:
                                 action = number_of_action(wall[0])
                         if action == 1:
-                            v = U
-                        elif action == 0:
+                            place, v = carried(terms.walls, Q, which, x, now, left)
+                        elif action != 2:
+                            if action == 3:
+                                if (U - v).dot(normal) > ti.max(
+                                    -a.dot(normal), 0.0
+                                ) * h:  # it arrives, and does not lie there
+                                    if ti.static(not books and "impact" in terms.rows):
+                                        S[ti.static(terms.rows["impact"]), i + j] = L.age[j] + h - left
                             w, stays = reflected(numbers, v - U, normal, -a.dot(normal), h)
                             v = U + w
                             rests = ti.select(stays == 1, rests | (1 << which), 0)
@@ -174,11 +196,11 @@ def collide(
                                     note(B, b, wall[3], 0.0, 0.0, m * spent)
                         a += answer
                         if action == 1:
-                            x += U * left
+                            x = place
                         if action == 2:
                             if ti.static(not books):
                                 S[9, i + j] = L.age[j] + h - left
-                        if action > 0:
+                        if action == 1 or action == 2:
                             left = 0.0
             if last >= 0:
                 if ti.static(books):

@@ -35,7 +35,7 @@ def make_step(
     `staged`: launches may hold a part of the stages; Runge-Kutta then keeps its stage states in R.
     """
     real = runtime.DTYPES[precision]
-    terms = Terms(composition, channels, pairs, rotates)
+    terms = Terms(composition, channels, pairs, rotates, real)
     if kind == "splitting":
         return runtime.kernel(_splitting(terms, staged, real), precision)
     return runtime.kernel(_runge_kutta(terms, staged, real), precision)

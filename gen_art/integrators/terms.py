@@ -4,6 +4,7 @@ Each loop over lanes stands innermost, reads global memory and stores only to lo
 (octaves) are run-time loops outside it.
 """
 
+from gen_art.colliders.surface import make_surface
 from gen_art.composition import Composition
 from gen_art.elementary import phi
 from gen_art.forces.base import term_acceleration
@@ -45,7 +46,7 @@ class Terms:
 
     _data_oriented = True
 
-    def __init__(self, composition: Composition, channels: tuple, pairs: int, rotates: tuple = ("", False, False)):
+    def __init__(self, composition: Composition, channels: tuple, pairs: int, rotates: tuple, real):
         self.pusher, self.relativistic, self.exact = rotates
         index = {id(t): k for k, t in enumerate(composition.terms)}
         entry = lambda t: (t.force, t.offset, t.count_offset(), index.get(id(t), -1))  # noqa: E731
@@ -60,6 +61,7 @@ class Terms:
         for k, t in enumerate(composition.colliders):
             self.walls.append((t.force, t.offset, bit, len(composition.terms) + pairs + k))
             bit += t.force.sides
+        self.surface = make_surface(self.walls, real) if self.walls else None
         self.burners = [entry(t) for t in composition.burners]
         self.potentials = [entry(t) for t in composition.potentials]
         self.exhaust = (
@@ -67,6 +69,7 @@ class Terms:
         )  # the ledger's row of the first burner's exhaust
         self.start = "x0 x1 x2 v0 v1 v2" if self.walls else ""  # what collisions keep of the start of a step
         self.worked = not all(t.force.conservative or not t.force.does_work for t in composition.terms)
+        self.worked = self.worked or any(wall[0].turns for wall in self.walls)
         self.quadratic = any(t.force.quadratic_damping for t in composition.dampings)
         self.count = len(composition.terms)
         self.only_magnetic = len(self.magnetics) == 1 and not self.dampings

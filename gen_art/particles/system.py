@@ -69,7 +69,11 @@ class ParticleSystem:
             one.check_mass(lightest)
         self.name = ""
         self._initial = self._arrays(position, velocity, mass, charge, radius, dict(attributes or {}))
-        if self._initial and speed_of_light and (np.linalg.norm(self._initial["velocity"], axis=0) >= speed_of_light).any():
+        if (
+            self._initial
+            and speed_of_light
+            and (np.linalg.norm(self._initial["velocity"], axis=0) >= speed_of_light).any()
+        ):
             raise UsageError(f"velocity must be below the speed of light, {speed_of_light:g} m/s")
         self._attributes = dict(attributes or {})
         self._fixed = self._which(fixed)
@@ -124,12 +128,19 @@ class ParticleSystem:
         return chosen
 
     @property
+    def tells_impacts(self) -> bool:
+        """Whether impacts on one of its colliders feed births; `impact` is then the age at a particle's last one, s."""
+        return any(one.values["action"] == "emit" for one in self.colliders)
+
+    @property
     def attribute_names(self) -> tuple[str, ...]:
         """Declared attributes, in order of name: of the arrays and of every kind of birth."""
         names = set(self._attributes)
         for emission in self.emitters:
             for kind in emission.kinds:
                 names |= set(kind.attributes) - {"mass", "charge", "radius", "lifetime", "density"}
+        if self.tells_impacts:
+            names.add("impact")
         return tuple(sorted(names))
 
     def _join(self, name: str, dtype, key: np.uint64, time) -> None:

@@ -38,7 +38,7 @@ __all__ = [
     "Velocity",
 ]
 
-EVENTS = ("birth", "death", "path")
+EVENTS = ("birth", "death", "impact", "path")
 
 Shape = Annotated[Any, One("shapes", bare="point")]
 Velocity = Annotated[Any, One("velocities", bare="constant")]
@@ -116,16 +116,17 @@ class Pulse(Model):
 
 
 class FromEvent(Model):
-    """Fed by what happens in another system: `shells.death`, `.birth`, or `.path` (along the way of the living)."""
+    """Fed by what happens in another system: `shells.death`, `.birth`, `.impact` (on a collider whose
+    action is emit) or `.path` (along the way of the living)."""
 
-    event: str = about(..., "SYSTEM.death, SYSTEM.birth or SYSTEM.path")
+    event: str = about(..., "SYSTEM.death, SYSTEM.birth, SYSTEM.impact or SYSTEM.path")
     tag: Words = about((), "only from particles of emitters (or choices) with one of these tags")
     inherit: Literal["velocity", "none"] = about("none", "whether the parent's velocity is added")
     balance: Literal["pairs", "none"] = about(
         "none", "pairs: velocities cancel two by two, the burst carries no momentum"
     )
 
-    short_form = {"type": "string", "description": "SYSTEM.death, SYSTEM.birth or SYSTEM.path"}
+    short_form = {"type": "string", "description": "SYSTEM.death, SYSTEM.birth, SYSTEM.impact or SYSTEM.path"}
 
     @classmethod
     def from_short(cls, value):
@@ -136,7 +137,9 @@ class FromEvent(Model):
         system, dot, event = self.event.rpartition(".")
         if not dot or not system or event not in EVENTS:
             near = suggest(event, EVENTS) if dot else ""
-            raise UsageError(f"must be SYSTEM.birth, SYSTEM.death or SYSTEM.path, not {shown(self.event)}{near}")
+            raise UsageError(
+                f"must be SYSTEM.birth, SYSTEM.death, SYSTEM.impact or SYSTEM.path, not {shown(self.event)}{near}"
+            )
         return self
 
     @property

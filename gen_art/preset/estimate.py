@@ -182,7 +182,8 @@ class _Census:
             return _integral(
                 emitter.rate, max(start, first), min(stop, _FOREVER if emitter.stop is None else emitter.stop)
             )
-        table = {"death": died, "birth": births, "path": self.alive}[emitter.source.kind]
+        # how often a particle strikes is not known before it has: once is assumed, when it is born
+        table = {"death": died, "birth": births, "impact": births, "path": self.alive}[emitter.source.kind]
         total = sum(
             number
             for (system, _, tag), number in table.items()

@@ -52,6 +52,27 @@ def _wrong(x: F1):
         x[i] = wrong(x[i])
 
 
+@ti.func
+def branching(x, k):
+    y = x
+    if k == 1:
+        y = -x
+    for _ in range(k):
+        y *= 2.0
+    return y
+
+
+@ti.real_func
+def called(x: ti.f32, k: ti.i32) -> ti.f32:
+    return branching(x, k)
+
+
+@ti.kernel
+def _calls(x: F1):
+    for i in range(x.shape[0]):
+        x[i] = called(x[i], i)
+
+
 @pytest.fixture(autouse=True)
 def started():
     runtime.init()
@@ -139,3 +160,9 @@ runtime.finish()
         files.append({path.name for path in tmp_path.rglob("*.tic")} | {path.name for path in tmp_path.rglob("*.ll")})
     assert digests[0] == digests[1]
     assert files[0] and files[0] == files[1]
+
+
+def test_branches_and_loops_stay_inside_the_real_function_that_uses_them():
+    x = np.ones(4, np.float32)
+    runtime.kernel(_calls)(x)
+    assert x.tolist() == [1.0, -2.0, 4.0, 8.0]

@@ -1,0 +1,137 @@
+"""The surfaces of one system as a single function of place and time, and where each of them moves to.
+
+`walls` are the colliders of a system as (collider, offset of its numbers, number of its first surface, row in the ledger);
+a surface is a side of one, numbered through all of them.
+"""
+
+from gen_art.elementary import cos, sin
+from gen_art.runtime import ti
+from gen_art.tracing import parameters, traced
+
+__all__ = ["carried", "clear", "common", "count", "make_surface", "owner", "turning"]
+
+COMMON = (
+    12  # restitution, kinetic and static friction, velocity, angular velocity, pivot: the last parameters of a collider
+)
+
+
+@traced
+def count(walls) -> int:
+    """How many surfaces there are."""
+    return sum(wall[0].sides for wall in walls)
+
+
+@ti.func
+def owner(walls: ti.template(), s):
+    """Which collider surface s belongs to."""
+    which = 0
+    for c, wall in ti.static(enumerate(walls)):
+        if s >= wall[2]:
+            which = c
+    return which
+
+
+@ti.func
+def turned(v, axis, angle):
+    """v turned about the unit axis (Rodrigues' formula)."""
+    c, s = cos(angle), sin(angle)
+    return v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1.0 - c))
+
+
+@ti.func
+def _into(one: ti.template(), q: ti.template(), x, t):
+    """The place x at time t as the collider stood at time 0, and the axis and angle it has turned by since."""
+    y = x - q.velocity * t
+    axis, angle = x * 0.0, t * 0.0
+    if ti.static(one.turns):
+        rate = q.angular_velocity.norm()
+        axis = q.angular_velocity / ti.max(rate, 1e-30)
+        angle = rate * t
+        y = q.pivot + turned(y - q.pivot, axis, -angle)
+    return y, axis, angle
+
+
+def make_surface(walls, real):
+    """surface(Q, s, x, t, wanted): the distance of the place x (m) at time t (s) from surface s, and, where `wanted` is 1,
+    its unit normal there, as (normal, distance).
+
+    A real function, called rather than laid out: kernels with colliders compile in a fraction of the time. One for each
+    kernel: Taichi 1.7.4 finds a kernel with several of them again in its cache only by chance.
+    """
+    vector, numbers = ti.types.vector(3, real), ti.types.ndarray(real, 1)
+
+    @ti.real_func
+    def surface(Q: numbers, s: ti.i32, x: vector, t: real, wanted: ti.i32) -> ti.types.vector(4, real):
+        result = ti.Vector([x[0], x[1], x[2], t])
+        for wall in ti.static(walls):
+            if wall[2] <= s and s < wall[2] + wall[0].sides:
+                q = parameters(Q, wall[0], wall[1])
+                y, axis, angle = _into(wall[0], q, x, t)
+                result[3] = wall[0].distance(y, q, s - wall[2])
+                if wanted == 1:
+                    n = wall[0].gradient(y, q, s - wall[2])
+                    if ti.static(wall[0].turns):
+                        n = turned(n, axis, angle)
+                    result[0], result[1], result[2] = n[0], n[1], n[2]
+        return result
+
+    return surface
+
+
+@ti.func
+def clear(one: ti.template(), q: ti.template(), x, t):
+    """The distance of the place x at time t from the nearest side of a collider."""
+    y, _, _ = _into(one, q, x, t)
+    return one.nearest(y, q)
+
+
+@ti.func
+def turning(one: ti.template(), q: ti.template(), x, t):
+    """How fast the collider's turning moves what is at the place x at time t, m/s."""
+    speed = t * 0.0
+    if ti.static(one.turns):
+        speed = q.angular_velocity.cross(x - q.pivot - q.velocity * t).norm()
+    return speed
+
+
+@traced
+def _first_common(wall) -> int:
+    return wall[1] + sum(size for _, _, size in wall[0].layout()) - COMMON
+
+
+@traced
+def _any_turns(walls) -> bool:
+    return any(wall[0].turns for wall in walls)
+
+
+@ti.func
+def common(walls: ti.template(), Q: ti.template(), s, x, t):
+    """((restitution, kinetic, static friction), velocity at the place x and time t) of surface s."""
+    k = 0
+    for wall in ti.static(walls):
+        if s >= wall[2]:
+            k = _first_common(wall)
+    U = ti.Vector([Q[k + 3], Q[k + 4], Q[k + 5]])
+    if ti.static(_any_turns(walls)):
+        rate, pivot = ti.Vector([Q[k + 6], Q[k + 7], Q[k + 8]]), ti.Vector([Q[k + 9], Q[k + 10], Q[k + 11]])
+        U += rate.cross(x - pivot - U * t)
+    return ti.Vector([Q[k], Q[k + 1], Q[k + 2]]), U
+
+
+@ti.func
+def carried(walls: ti.template(), Q: ti.template(), s, x, t, h):
+    """Where what rides on surface s from the place x at time t is after h, and its velocity there."""
+    _, U = common(walls, Q, s, x, t)
+    y = x + U * h
+    if ti.static(_any_turns(walls)):
+        k = 0
+        for wall in ti.static(walls):
+            if s >= wall[2]:
+                k = _first_common(wall)
+        velocity = ti.Vector([Q[k + 3], Q[k + 4], Q[k + 5]])
+        spin, pivot = ti.Vector([Q[k + 6], Q[k + 7], Q[k + 8]]), ti.Vector([Q[k + 9], Q[k + 10], Q[k + 11]])
+        rate = spin.norm()
+        arm = turned(x - pivot - velocity * t, spin / ti.max(rate, 1e-30), rate * h)
+        y = pivot + velocity * (t + h) + arm
+        U = velocity + spin.cross(arm)
+    return y, U
