@@ -48,7 +48,7 @@ class Diagnostics:
 def _kernel(composition: Composition, channels: tuple, precision: str):
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = Terms(composition, channels, 0, ("", False, False), real)
+    terms = Terms(composition, channels, 0, real=real)
     potentials = [(t.force, t.offset, t.count_offset()) for t in composition.potentials]
 
     @ti.kernel

@@ -1,5 +1,6 @@
 """Forces on single particles, and the velocity fields of a medium."""
 
+from gen_art.forces.aircraft import Aircraft
 from gen_art.forces.base import FORCES, Force, force
 from gen_art.forces.buoyancy import Buoyancy, ThermalLift
 from gen_art.forces.central import CentralForce, Hernquist, PointGravity
@@ -14,13 +15,16 @@ from gen_art.forces.lift import Lift
 from gen_art.forces.magnetic_sources import MagneticDipole, MagneticGrid, MagneticLoop, MagneticWire
 from gen_art.forces.random_driver import RandomDriver
 from gen_art.forces.spring import Spring
+from gen_art.forces.submarine import Ballast, Propeller
 from gen_art.forces.thrust import Thrust
 from gen_art.forces.vector_field import VectorField
 from gen_art.forces.wind import Wind
 
 __all__ = [
     "FORCES",
+    "Aircraft",
     "Aperture",
+    "Ballast",
     "Buoyancy",
     "CentralForce",
     "CurlNoise",
@@ -44,6 +48,7 @@ __all__ = [
     "MagneticMirror",
     "MagneticWire",
     "PointGravity",
+    "Propeller",
     "RandomDriver",
     "Spring",
     "ThermalLift",

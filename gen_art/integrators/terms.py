@@ -46,7 +46,9 @@ class Terms:
 
     _data_oriented = True
 
-    def __init__(self, composition: Composition, channels: tuple, pairs: int, rotates: tuple, real):
+    def __init__(
+        self, composition: Composition, channels: tuple, pairs: int, rotates: tuple = ("", False, False), real=None
+    ):
         self.pusher, self.relativistic, self.exact = rotates
         index = {id(t): k for k, t in enumerate(composition.terms)}
         entry = lambda t: (t.force, t.offset, t.count_offset(), index.get(id(t), -1))  # noqa: E731

@@ -76,6 +76,32 @@ def lift(p):
     return (0.5 * 1.3 * (w * w).sum(1) * 0.6 * 0.8 * across.T) / p.mass
 
 
+def aircraft(p):
+    w = (p.velocity - p.flow).T
+    speed = np.linalg.norm(w, axis=1)[:, None]
+    ahead = w / speed
+    up = np.array([0.0, 3.0, 4.0]) / 5
+    above = up - (ahead @ up)[:, None] * ahead
+    above /= np.linalg.norm(above, axis=1)[:, None]
+    across = np.cos(0.3) * above + np.sin(0.3) * np.cross(ahead, above)
+    lift = 4.5 * 0.1
+    drag = 0.03 + lift**2 / (np.pi * 0.8 * 7.0)
+    pressure = 0.5 * 1.3 * speed**2 * 0.6
+    return ((pressure * lift * across - pressure * drag * ahead) + 0.4 * 2.0 * ahead).T / p.mass
+
+
+def ballast(p):
+    g = np.array([0.0, -3.0, -4.0])
+    height = np.array([0.0, 0.6, 0.8]) @ p.position
+    share = np.clip(0.5 + (0.1 - height) / 2.0, 0, 1)
+    return -np.outer(g, 1.3 * (0.9 - 0.25 * 0.4) * share) / p.mass
+
+
+def propeller(p):
+    way = np.array([np.cos(0.2) * np.cos(0.7), np.sin(0.2), -np.cos(0.2) * np.sin(0.7)])
+    return np.outer(way, 0.3 * 2.5 / p.mass)
+
+
 def driver(p):
     n = np.array([1.0, 2.0, 2.0]) / 3.0
     return np.outer(n, 0.7 * np.cos(2 * np.pi * 1.3 * p.time + 0.4) / p.mass)
@@ -177,6 +203,20 @@ def electric_quadrupole(p):
 CASES = {
     "gravity": (F.Gravity((1.0, -9.81, 0.5)), "push", lambda p: np.tile(_column((1.0, -9.81, 0.5)), p.mass.size)),
     "height_gravity": (F.HeightGravity(3.0, 1.5, (0.1, 0.0, 0.0), (0.0, 3.0, 4.0)), "push", flat_gravity),
+    "aircraft": (
+        F.Aircraft(
+            area=0.6, lift_slope=4.5, drag_coefficient=0.03, aspect_ratio=7.0, max_thrust=2.0, angle_of_attack=0.1, bank=0.3,
+            throttle=0.4, up=(0.0, 3.0, 4.0), density=1.3,
+        ),
+        "push",
+        aircraft,
+    ),
+    "ballast": (
+        F.Ballast(volume=0.9, tanks=0.4, flooded=0.25, density=1.3, gravity=(0.0, -3.0, -4.0), surface=0.1, height=2.0),
+        "push",
+        ballast,
+    ),
+    "propeller": (F.Propeller(max_thrust=2.5, throttle=0.3, heading=0.7, pitch=0.2), "push", propeller),
     "lift": (F.Lift(0.8, 0.6, (0.2, 0.0, 3.0), 1.3), "push", lift),
     "thrust": (F.Thrust((3.0, 0.0, 4.0), 3.0, 0.2, 0.5, 0.5), "push", thrust),
     "vector_field": (F.VectorField(GRID, (LOW, HIGH), 1.7), "push", sampled),

@@ -1,0 +1,119 @@
+"""Control inputs recorded over time: a table of numbers that a force reads as it goes."""
+
+import csv
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from gen_art.errors import UsageError
+from gen_art.forces.base import Force
+from gen_art.registry import param
+from gen_art.runtime import ti
+
+__all__ = ["Controlled", "read_controls"]
+
+LARGEST = 1_000_000  # rows
+
+
+def read_controls(given, names: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """{"time": (n,), name: (n,)} float64 of a .csv file, whose first line names the columns, or of a mapping of arrays.
+
+    time in s, rising; of `names` those that are there. Raises UsageError for what is no such table.
+    """
+    columns = dict(given) if isinstance(given, Mapping) else _read(given)
+    label = "controls" if isinstance(given, Mapping) else str(given)
+    unknown = set(columns) - {"time", *names}
+    if "time" not in columns or unknown:
+        what = f"has no column {', '.join(sorted(unknown))} to give" if unknown else "needs a column `time`"
+        raise UsageError(f"{label}: {what}; the columns are time, {', '.join(names)}")
+    table = {name: np.asarray(column, np.float64) for name, column in columns.items()}
+    time = table["time"]
+    for name, column in table.items():
+        if column.ndim != 1 or len(column) != len(time) or not 1 <= len(column) <= LARGEST:
+            raise UsageError(f"{label}: columns must be lists of one length, from 1 to {LARGEST:,}: {name} is not")
+        if not np.isfinite(column).all():
+            raise UsageError(f"{label}: {name} holds numbers that are not finite")
+    if (np.diff(time) <= 0).any():
+        at = int(np.flatnonzero(np.diff(time) <= 0)[0])
+        raise UsageError(
+            f"{label}: times must rise from row to row, but {time[at]:g} s is followed by {time[at + 1]:g} s"
+        )
+    return table
+
+
+def _read(given) -> dict[str, list[float]]:
+    path = Path(getattr(given, "place", given))
+    if not path.is_file():
+        raise UsageError(f"{given}: there is no such file")
+    try:
+        with open(path, newline="", encoding="utf-8-sig") as file:
+            rows = [row for row in csv.reader(file, skipinitialspace=True) if row and not row[0].startswith("#")]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise UsageError(f"{given}: cannot be read as a table of comma-separated numbers") from error
+    if len(rows) < 2:
+        raise UsageError(f"{given}: needs a line of names and at least one of numbers")
+    names = [name.strip() for name in rows[0]]
+    columns: dict[str, list[float]] = {name: [] for name in names}
+    if len(columns) < len(names):
+        raise UsageError(f"{given}: names a column twice")
+    for number, row in enumerate(rows[1:], 2):
+        if len(row) != len(names):
+            raise UsageError(f"{given}: row {number} has {len(row)} numbers for {len(names)} columns")
+        for name, word in zip(names, row):
+            try:
+                columns[name].append(float(word))
+            except ValueError:
+                raise UsageError(f"{given}: row {number}: {word!r} is not a number") from None
+    return columns
+
+
+class Controlled(Force):
+    """What forces with control inputs have in common. Each name in `inputs` is a parameter, and may be a column.
+
+    The value between two rows is on the line through them; before the first and after the last it is theirs.
+    """
+
+    controls: object = param(
+        None, kind="file", doc="a .csv file of a column `time` (s) and columns of inputs, or a mapping"
+    )
+    inputs: ClassVar[tuple[str, ...]] = ()
+    tabled = True
+
+    def prepare(self):
+        given = self.values["controls"]
+        table = {"time": np.zeros(1)} if given is None else read_controls(given, self.inputs)
+        columns = []
+        for name in self.inputs:
+            if name in table:
+                parameter = self.parameters[name]
+                factor = math.pi / 180 if parameter.unit == "rad" else 1.0
+                column = table[name] * factor
+                for value in (float(column.min()), float(column.max())):
+                    parameter.check(value)
+            else:
+                column = np.full(len(table["time"]), self.values[name])
+            columns.append(column)
+        self._table = np.concatenate([[len(table["time"])], table["time"], *columns])
+
+    def table(self) -> np.ndarray:
+        return self._table
+
+    @ti.func
+    def recorded(self, k: ti.template(), t, q):
+        """Input number k at time t."""
+        n = ti.cast(q.table(0), ti.i32)
+        low, high = 0, n - 1
+        while high - low > 1:
+            middle = (low + high) // 2
+            if q.table(1 + middle) <= t:
+                low = middle
+            else:
+                high = middle
+        begin, end = q.table(1 + low), q.table(1 + high)
+        share = ti.select(end > begin, (t - begin) / ti.select(end > begin, end - begin, 1.0), 0.0)
+        share = ti.min(ti.max(share, 0.0), 1.0)
+        at = 1 + n * (k + 1)
+        return q.table(at + low) * (1.0 - share) + q.table(at + high) * share

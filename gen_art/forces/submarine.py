@@ -1,0 +1,72 @@
+"""A submarine: a hull that floats, tanks that flood, and a propeller."""
+
+from gen_art.elementary import cos, sin
+from gen_art.errors import UsageError
+from gen_art.forces.base import force
+from gen_art.forces.controls import Controlled
+from gen_art.registry import param
+from gen_art.runtime import ti
+
+
+@force("ballast")
+class Ballast(Controlled):
+    """Upthrust on a hull with ballast tanks, at depth and where it comes out of the water.
+
+    F = -density gravity (volume - flooded tanks) s,  s = 1/2 + (surface - y) / height from 0 (dry) to 1 (covered),
+    y the particle's place along -gravity: a flooded tank is counted as water, not as hull (lost buoyancy)
+
+    volume, tanks : m^3, of the hull and of the tanks in it     flooded : 0 (blown) to 1 (full)     density : kg/m^3, of the water
+    gravity : (3,) m/s^2     surface : m, the height of the surface     height : m, of the hull, along gravity
+    controls : a .csv file with the columns time (s) and flooded.  It hovers where mass = density (volume - flooded tanks), and
+    bobs at w^2 = density g (volume - flooded tanks) / (mass height). Books its work.
+    Source: Rawson & Tupper, Basic Ship Theory, chapter 3.
+    """
+
+    volume: float = param(1.0, unit="m^3", min=0, doc="of the hull")
+    tanks: float = param(0.2, unit="m^3", min=0, doc="of the ballast tanks in it")
+    flooded: float = param(0.0, min=0, max=1, doc="share of the tanks that holds water")
+    density: float = param(1025.0, unit="kg/m^3", min=0, doc="of the water")
+    gravity: tuple = param((0.0, -9.81, 0.0), unit="m/s^2")
+    surface: float = param(0.0, unit="m", doc="height of the surface")
+    height: float = param(1.0, unit="m", min=1e-30, doc="of the hull")
+    inputs = ("flooded",)
+
+    def prepare(self):
+        super().prepare()
+        if self.values["tanks"] > self.values["volume"]:
+            raise UsageError(
+                f"ballast: tanks of {self.values['tanks']:g} m^3 do not fit in a hull of {self.values['volume']:g} m^3"
+            )
+        if not any(self.values["gravity"]):
+            raise UsageError("ballast: gravity must not be the null vector")
+
+    @ti.func
+    def force(self, p, t, q):
+        g = q.gravity.norm()
+        y = -p.position.dot(q.gravity) / g
+        share = ti.min(ti.max(0.5 + (q.surface - y) / q.height, 0.0), 1.0)
+        return q.gravity * (-q.density * (q.volume - self.recorded(0, t, q) * q.tanks) * share)
+
+
+@force("propeller")
+class Propeller(Controlled):
+    """A propeller's push, in a heading and at a pitch that are steered.
+
+    F = throttle max_thrust (cos(pitch) cos(heading), sin(pitch), -cos(pitch) sin(heading))
+
+    throttle : -1 (astern) to 1     max_thrust : N     heading : degrees in YAML and in the file (radians in Python), from x
+    towards -z, to the left seen from above     pitch : degrees, upwards
+    controls : a .csv file with the columns time (s) and any of throttle, heading, pitch. Takes no mass; books its work.
+    """
+
+    max_thrust: float = param(100.0, unit="N", min=0)
+    throttle: float = param(1.0, min=-1, max=1)
+    heading: float = param(0.0, unit="rad")
+    pitch: float = param(0.0, unit="rad", min=-1.5707963267948966, max=1.5707963267948966)
+    inputs = ("throttle", "heading", "pitch")
+
+    @ti.func
+    def force(self, p, t, q):
+        push, heading, pitch = self.recorded(0, t, q) * q.max_thrust, self.recorded(1, t, q), self.recorded(2, t, q)
+        level = cos(pitch)
+        return ti.Vector([level * cos(heading), sin(pitch), -level * sin(heading)]) * push
