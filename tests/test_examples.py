@@ -84,3 +84,21 @@ def test_through_the_command_line(tmp_path):
 def test_orbit(capsys):
     runpy.run_path(str(EXAMPLES / "orbit.py"), run_name="__main__")
     assert "energy -1.5" in capsys.readouterr().out
+
+
+def test_the_flight_simulator_finds_the_phugoid_and_flies_a_file(capsys, monkeypatch):
+    script = str(EXAMPLES / "flight_simulator.py")
+    monkeypatch.setattr(sys, "argv", [script])
+    runpy.run_path(script, run_name="__main__")
+    measured, theory = (float(x) for x in re.findall(r"(\d+\.\d+) s", capsys.readouterr().out))
+    assert measured == pytest.approx(theory, rel=0.01)
+    monkeypatch.setattr(sys, "argv", [script, str(ROOT / "presets" / "course" / "display.csv")])
+    runpy.run_path(script, run_name="__main__")
+    assert len(capsys.readouterr().out.splitlines()) == 12
+
+
+def test_the_submarine_hovers_dives_and_surfaces():
+    log = np.array(runpy.run_path(str(EXAMPLES / "submarine.py"))["dive"](seconds=240.0))
+    depth = log[:, 1]
+    assert depth[1] == pytest.approx(30, abs=1e-6)
+    assert depth.max() > 100 and depth[-1] < 6  # afloat: its middle at most as deep as it is high
