@@ -1,7 +1,8 @@
-"""Direct summation of a central law over all pairs: what mutual gravity, Coulomb's law and the power laws share.
+"""Summation of a central law over all pairs: what mutual gravity, Coulomb's law and the power laws share.
 
 The targets are the lanes and the sources the inner run-time loop, so that it vectorises. A law is chosen when the kernel
 is generated: "square" for the inverse square, which needs no logarithm, "power" for the rest, "log" for its potential.
+Inverse squares of many particles may be summed by a tree instead.
 """
 
 from functools import cache
@@ -19,6 +20,7 @@ __all__ = ["DirectSum"]
 
 _LANES = 16
 _BLOCK = 256  # targets a task
+_MANY = 50_000**2  # pairs beyond which `auto` takes the tree
 _CHUNK = 256  # sources summed before they join the total: keeps float32 sums of many thousands accurate
 
 
@@ -43,12 +45,32 @@ class DirectSum(Interaction):
         if self.values.get("sources") == "":
             raise UsageError("sources must name a system")
 
+    def by_tree(self, pairs: int) -> bool:
+        """Whether so many pairs are summed by the tree."""
+        method = self.values.get("method", "direct")
+        return method == "tree" or (method == "auto" and pairs > _MANY)
+
     def accelerate(self, pull: Pull, out: np.ndarray) -> None:
         k, n, softening = self.law
         amounts = pull.sources.floats[pull.sources.channels[self.amount], : pull.m]
+        if self.by_tree(pull.n * pull.m):
+            sources = None if self.source_system is None else pull.source_rows[:3, : pull.m]
+            out[:, : pull.n] = k * self._tree(pull.rows[:3, : pull.n], sources, amounts, pull.precision)[:3]
+            self._weigh(pull, out)
+            return
         sources = np.ascontiguousarray(np.concatenate([pull.source_rows[:3, : pull.m], amounts[None]]))
         numbers = np.array([k, softening**2, n], out.dtype)
         _accelerator("square" if n == -2 else "power", pull.precision)(pull.rows, sources, out, pull.n, numbers)
+        self._weigh(pull, out)
+
+    def _tree(self, targets, sources, amounts, precision):
+        from gen_art.interactions.tree import pull as by_tree
+
+        softening, theta = self.values["softening"], self.values["theta"]
+        return by_tree(np.ascontiguousarray(targets), sources, amounts, softening, theta, precision)
+
+    def _weigh(self, pull: Pull, out: np.ndarray) -> None:
+        """From the field to accelerations, where it does not act on mass."""
         if self.amount != "mass":
             mass, own = pull.state.floats[6, : pull.n], pull.state.floats[pull.state.channels[self.amount], : pull.n]
             if ((mass == 0) & (own != 0)).any():
@@ -64,6 +86,9 @@ class DirectSum(Interaction):
         k, n, softening = self.law
         dtype = state.floats.dtype
         amounts = state.floats[state.channels[self.amount], slots]
+        if self.by_tree(count * count):
+            field = self._tree(state.floats[:3, slots], None, amounts, precision)[3]
+            return float(-0.5 * k * np.sum(amounts.astype(np.float64) * field))
         positions = np.zeros((3, -(-count // _LANES) * _LANES), dtype)
         positions[:, :count] = state.floats[:3, slots]
         sources = np.ascontiguousarray(np.concatenate([positions[:, :count], amounts[None]]))

@@ -1,0 +1,178 @@
+"""The tree against the sum over all pairs: its errors, its momentum, its energy, its bits."""
+
+import os
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import gen_art as ga
+from gen_art import runtime
+from gen_art.interactions import tree
+from gen_art.interactions.octree import grow
+
+I = ga.interactions
+
+
+def plummer(n, seed=0):
+    r = np.random.default_rng(seed)
+    radius = (r.uniform(0, 0.999, n) ** (-2 / 3) - 1) ** -0.5
+    way = r.normal(size=(3, n))
+    return way / np.linalg.norm(way, axis=0) * radius
+
+
+def exact(x, sources, amounts, soft, of):
+    """(4, len(of)): gradient and value of the sum of amounts / s at the targets `of`, none acting on itself."""
+    out = np.zeros((4, len(of)))
+    for k, i in enumerate(of):
+        d = sources - x[:, i : i + 1]
+        r2 = (d * d).sum(0)
+        g = np.where(r2 > 0, (r2 + soft**2 + (r2 == 0)) ** -0.5, 0.0)
+        out[:3, k], out[3, k] = (amounts * g**3 * d).sum(1), (amounts * g).sum()
+    return out
+
+
+def errors(found, right):
+    e = np.linalg.norm(found[:3] - right[:3], axis=0) / np.linalg.norm(right[:3], axis=0)
+    return np.sqrt((e**2).mean()), np.quantile(e, 0.99)
+
+
+@pytest.fixture(autouse=True)
+def started():
+    runtime.init()
+
+
+@pytest.mark.parametrize("n", [8000, pytest.param(32_000, marks=pytest.mark.proof)])
+@pytest.mark.parametrize("precision", ["f64", "f32"])
+def test_forces_and_momentum(n, precision):
+    dtype = np.float64 if precision == "f64" else np.float32
+    x, m = plummer(n).astype(dtype), (np.random.default_rng(1).uniform(0.5, 1.5, n) / n).astype(dtype)
+    of = np.arange(0, n, n // 500)
+    found = tree.pull(x, None, m, 0.01, 0.36, precision)
+    rms, worst = errors(found[:, of], exact(x.astype(float), x.astype(float), m.astype(float), 0.01, of))
+    assert rms <= 3e-3 and worst <= 1.5e-2
+    force = m * found[:3].astype(np.float64)
+    assert np.abs(force.sum(1)).max() <= 1e-6 * np.abs(force).sum()
+
+
+def test_errors_fall_with_theta_and_every_order_counts(monkeypatch):
+    x, m = plummer(4000), np.full(4000, 1 / 4000)
+    of = np.arange(0, 4000, 10)
+    right = exact(x, x, m, 0.01, of)
+    coarse, fine = (errors(tree.pull(x, None, m, 0.01, theta, "f64")[:, of], right)[0] for theta in (0.4, 0.2))
+    assert fine < coarse / 6  # third order: 8, in the mean
+    r = np.random.default_rng(4)  # a rod, seen from afar by a small crowd: its quadrupole counts
+    rod, crowd = (
+        r.uniform(-1, 1, (3, 300)) * [[1.0], [0.1], [0.1]],
+        r.uniform(-0.1, 0.1, (3, 50)) + [[4.0], [2.0], [0.0]],
+    )
+    right = exact(crowd, rod, np.ones(300), 0.01, np.arange(50))
+    whole = errors(tree.pull(crowd, rod, np.ones(300), 0.01, 0.5, "f64"), right)[0]
+    kernels = tree.tree_kernels("f64")
+
+    def without_quadrupoles(P, begin, end, M):
+        kernels.gather(P, begin, end, M)
+        M[:, 8:] = 0
+
+    monkeypatch.setattr(
+        tree, "tree_kernels", lambda precision: SimpleNamespace(**{**vars(kernels), "gather": without_quadrupoles})
+    )
+    assert errors(tree.pull(crowd, rod, np.ones(300), 0.01, 0.5, "f64"), right)[0] > 5 * whole  # the mutant
+
+
+@pytest.mark.parametrize("law,k", [("self_gravity", 1.0), ("coulomb", 1.0)])
+def test_the_interactions_use_it_and_know_its_energy(law, k):
+    r = np.random.default_rng(2)
+    n, h = 3000, 1e-3
+    x, m, q = r.normal(size=(n, 3)), r.uniform(0.5, 1.5, n), r.choice([-1.0, 1.0], n)
+
+    def sim(method):
+        one = I.SelfGravity(G=k, softening=0.02, method=method) if law == "self_gravity" else I.Coulomb(k, 0.02, method)
+        system = ga.ParticleSystem(position=x, mass=m, charge=q, interactions=[one], integrator="semi_implicit_euler")
+        return ga.Simulation({"s": system}, dt=h, precision="f64")
+
+    a, b = sim("direct"), sim("tree")
+    assert b.diagnostics().potential_energy == pytest.approx(a.diagnostics().potential_energy, rel=2e-3)
+    a.step(1)
+    b.step(1)
+    v, w = a["s"].velocity, b["s"].velocity
+    assert np.sqrt(((v - w) ** 2).sum() / (v**2).sum()) <= 3e-3
+    assert np.abs((m[:, None] * w).sum(0)).max() <= 1e-6 * np.abs(m[:, None] * w).sum()
+
+
+def test_a_field_of_others_and_of_massless_targets():
+    r = np.random.default_rng(3)
+    x, y, m = r.normal(size=(3, 2000)) * 2, r.normal(size=(3, 1500)), r.uniform(0.5, 1.5, 1500)
+    found = tree.pull(x, y, m, 0.05, 0.36, "f64")
+    rms, worst = errors(found, exact(x, y, m, 0.05, np.arange(2000)))
+    assert rms <= 3e-3 and worst <= 1.5e-2
+
+
+def test_energy_of_a_steady_sphere():
+    n = 4000
+    x = plummer(n, 5).T
+    r = np.random.default_rng(6)
+    speed = np.sqrt(2.0) * (1 + (x**2).sum(1)) ** -0.25
+    q = r.uniform(
+        size=(40, n)
+    )  # velocities of Plummer's distribution function, by rejection (Aarseth, Henon & Wielen 1974)
+    height = r.uniform(0, 0.1, (40, n))
+    ok = height < q**2 * (1 - q**2) ** 3.5
+    share = q[ok.argmax(0), np.arange(n)]
+    way = r.normal(size=(n, 3))
+    v = way / np.linalg.norm(way, axis=1)[:, None] * (share * speed)[:, None]
+    stars = ga.ParticleSystem(
+        position=x, velocity=v, mass=1 / n, interactions=[I.SelfGravity(G=1.0, softening=0.05, method="tree")]
+    )
+    sim = ga.Simulation({"s": stars}, dt=0.02, precision="f32")
+    start = sim.diagnostics()
+    sim.step(50)
+    end = sim.diagnostics()
+    assert abs(end.energy / start.energy - 1) < 1e-3
+    assert np.abs(end.momentum - start.momentum).max() < 1e-6
+
+
+def test_every_particle_has_one_leaf_even_where_many_share_a_place():
+    r = np.random.default_rng(7)
+    x = np.concatenate([r.normal(size=(3, 500)), np.zeros((3, 200)), np.full((3, 3), 1e6)], axis=1)
+    made = grow(x)
+    leaves = made.leaves
+    covered = np.sort(np.concatenate([np.arange(made.begin[c], made.end[c]) for c in leaves]))
+    assert np.array_equal(covered, np.arange(703)) and np.array_equal(np.sort(made.order), np.arange(703))
+    found = tree.pull(x, None, np.ones(703), 0.1, 0.36, "f64")
+    rms, _ = errors(found[:, :700], exact(x, x, np.ones(703), 0.1, np.arange(700)))
+    assert np.isfinite(found).all() and rms < 3e-3
+
+
+SCRIPT = """
+import sys
+import numpy as np
+import gen_art as ga
+r = np.random.default_rng(0)
+s = ga.ParticleSystem(position=r.normal(size=(3000, 3)), mass=1.0, interactions=[ga.interactions.SelfGravity(G=1e-4, softening=0.1, method="tree")])
+sim = ga.Simulation({"s": s}, dt=0.01, threads=int(sys.argv[1]))
+sim.step(3)
+print(sim.digest())
+"""
+
+
+def test_thread_counts_give_the_same_bits():
+    runs = [
+        subprocess.run(
+            [sys.executable, "-c", SCRIPT, str(n)], capture_output=True, text=True, env=dict(os.environ), check=True
+        ).stdout
+        for n in (1, 2, 4)
+    ]
+    assert runs[0] and len(set(runs)) == 1
+
+
+def test_what_it_cannot_do_is_a_sentence():
+    for make, words in (
+        (lambda: I.SelfGravity(theta=2.0), "theta must be from 0.05 to 1"),
+        (lambda: I.SelfGravity(order=5), "order must be from 3 to 3"),
+        (lambda: I.Coulomb(method="trees"), "auto, direct, tree"),
+    ):
+        with pytest.raises(ga.UsageError, match=words):
+            make()
