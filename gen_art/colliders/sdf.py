@@ -1,9 +1,12 @@
 """Any shape, by its signed distance: a function, or a grid of numbers."""
 
+from pathlib import Path
+
 import numpy as np
 
 from gen_art.colliders.base import Collider, collider
 from gen_art.errors import UsageError
+from gen_art.forces.grid_file import read_array
 from gen_art.registry import param
 from gen_art.runtime import real, ti
 
@@ -14,11 +17,14 @@ class SDF(Collider):
 
     distance = function(x), or the grid, trilinear between its points;  normal = its central differences over 2 step
 
-    function : returns m, positive outside, never steeper than 1; or an array (nx, ny, nz), at least 2 points an axis, in Python
+    function : returns m, positive outside, never steeper than 1; or an array (nx, ny, nz), at least 2 points an axis, or the name of
+    a .npy file that holds it
     min, max : m, the corners of the grid; beyond them its border goes on     step : m, above 0; below the size of features
     """
 
-    function: object = param(doc="a @ti.func of x, or an array of distances")
+    function: object = param(
+        kind="file", doc="a .npy file (nx, ny, nz) of distances in m, an array, or a @ti.func of x"
+    )
     min: tuple = param((-1.0, -1.0, -1.0), unit="m", doc="where the grid begins")
     max: tuple = param((1.0, 1.0, 1.0), unit="m", doc="where the grid ends")
     step: float = param(1e-3, unit="m", min=1e-30, doc="over which the normal is measured")
@@ -26,11 +32,13 @@ class SDF(Collider):
     def prepare(self):
         super().prepare()
         self.grid = None
-        if not callable(self.values["function"]):
+        given = self.values["function"]
+        if not callable(given):
+            grid = read_array(given) if isinstance(given, (str, Path)) else given
             try:
-                grid = np.asarray(self.values["function"], np.float64)
+                grid = np.asarray(grid, np.float64)
             except (TypeError, ValueError):
-                raise UsageError("function must be a @ti.func or an array of distances") from None
+                raise UsageError("function must be a @ti.func, a .npy file or an array of distances") from None
             if grid.ndim != 3 or min(grid.shape) < 2:
                 raise UsageError(
                     f"a grid of distances must have the shape (nx, ny, nz), each at least 2, not {grid.shape}"

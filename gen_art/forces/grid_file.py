@@ -6,7 +6,7 @@ import numpy as np
 
 from gen_art.errors import UsageError
 
-__all__ = ["read_grid"]
+__all__ = ["read_array", "read_grid"]
 
 LARGEST = 2**24  # vectors: 256^3
 _SHAPE = "(nx, ny, nz, 3): a vector for each place of a grid"
@@ -21,17 +21,24 @@ def read_grid(given) -> np.ndarray:
     if not isinstance(given, (str, Path)):
         return _checked(np.asarray(given), "field")
     path = Path(getattr(given, "place", given))
-    if not path.is_file():
-        raise UsageError(f"{given}: there is no such file")
-    return _checked(_array(path, given) if path.suffix.lower() == ".npy" else _picture(path, given), str(given))
+    return _checked(
+        _picture(path, given) if _exists(path, given).suffix.lower() != ".npy" else read_array(given), str(given)
+    )
 
 
-def _array(path: Path, name) -> np.ndarray:
+def read_array(given) -> np.ndarray:
+    """The array in a .npy file, not yet read. Raises UsageError for what is none."""
+    path = _exists(Path(getattr(given, "place", given)), given)
     try:
-        array = np.load(path, mmap_mode="r", allow_pickle=False)
+        return np.load(path, mmap_mode="r", allow_pickle=False)
     except (OSError, ValueError, EOFError) as error:
-        raise UsageError(f"{name}: is not a NumPy array of numbers (.npy)") from error
-    return array
+        raise UsageError(f"{given}: is not a NumPy array of numbers (.npy)") from error
+
+
+def _exists(path: Path, name) -> Path:
+    if not path.is_file():
+        raise UsageError(f"{name}: there is no such file")
+    return path
 
 
 def _picture(path: Path, name) -> np.ndarray:

@@ -412,6 +412,36 @@ def test_from_a_preset_and_back_from_a_snapshot(tmp_path):
     assert made.digest() == again.digest()
 
 
+def test_a_shape_from_a_file_in_yaml_and_in_a_snapshot(tmp_path):
+    axis = np.linspace(-1, 1, 21)
+    x, y, z = np.meshgrid(axis, axis, axis, indexing="ij")
+    np.save(tmp_path / "ball.npy", np.sqrt(x * x + y * y + z * z) - 0.5)
+    (tmp_path / "a.yaml").write_text("""
+version: 1
+clock: {duration: 1, fps: 20, step: 0.01}
+forces: {gravity: [0, -9.81, 0]}
+colliders: {sdf: {function: ball.npy, min: [-1, -1, -1], max: [1, 1, 1], step: 0.02}}
+systems: {a: {emitters: {e: {count: 1, shape: {point: [0, 0.9, 0]}}}}}
+""")
+    sim = ga.Simulation(ga.load_preset(tmp_path / "a.yaml"))
+    made = simulation(
+        [[0, 0.9, 0]], None, [C.SDF(str(tmp_path / "ball.npy"), step=0.02)], ledger=False, precision="f32"
+    )
+    grid = np.load(tmp_path / "ball.npy")
+    given = simulation([[0, 0.9, 0]], None, [C.SDF(grid, step=0.02)], ledger=False, precision="f32")
+    for one in (sim, made, given):
+        one.step(60)
+    assert sim["a"].position[0, 1] > 0.45 and np.array_equal(sim["a"].position, made["s"].position)
+    assert np.array_equal(given["s"].position, made["s"].position)
+    given.save(tmp_path / "s.gas")
+    again = ga.Simulation.restore(tmp_path / "s.gas")
+    given.step(10)
+    again.step(10)
+    assert given.digest() == again.digest()
+    with pytest.raises(ga.UsageError, match="a function cannot be saved"):
+        simulation([[0, 0.9, 0]], None, [C.SDF(_ball)], ledger=False).save(tmp_path / "t.gas")
+
+
 @pytest.mark.parametrize("make,words", [
     (lambda: C.Plane((0, 0, 0), (0, 0, 0)), "zero vector"),
     (lambda: C.Box((1, 0, 0), (0, 1, 1)), "min must be below max"),
@@ -423,7 +453,8 @@ def test_from_a_preset_and_back_from_a_snapshot(tmp_path):
     (lambda: C.Plane(action="explode"), "bounce, stick, kill"),
     (lambda: C.SDF(np.zeros((1, 4, 4))), "at least 2"),
     (lambda: C.SDF(np.full((3, 3, 3), np.nan)), "not finite"),
-    (lambda: C.SDF("ball"), "a @ti.func or an array"),
+    (lambda: C.SDF("ball"), "there is no such file"),
+    (lambda: C.SDF({}), "a @ti.func, a .npy file or an array"),
     (lambda: ga.ParticleSystem(position=[[0, 0, 0]], colliders=[F.Gravity()]), "ga.colliders.Plane"),
     (lambda: ga.ParticleSystem(position=[[0, 0, 0]], colliders=[C.Box() for _ in range(6)]), "31 surfaces"),
     (lambda: ga.ParticleSystem(position=[[0, 0, 0]], colliders=[C.Box()], integrator="boris", speed_of_light=1.0), "leave out speed_of_light"),
