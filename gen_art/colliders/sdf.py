@@ -17,8 +17,8 @@ class SDF(Collider):
 
     distance = function(x), or the grid, trilinear between its points;  normal = its central differences over 2 step
 
-    function : returns m, positive outside, never steeper than 1; or an array (nx, ny, nz), at least 2 points an axis, or the name of
-    a .npy file that holds it
+    function : returns m, positive outside, never steeper than 1; or an array (nx, ny, nz), at least 2 points an axis, or
+    the name of a .npy file that holds it
     min, max : m, the corners of the grid; beyond them its border goes on     step : m, above 0; below the size of features
     """
 

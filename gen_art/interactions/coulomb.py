@@ -15,7 +15,7 @@ class Coulomb(DirectSum):
 
     k : N m^2/C^2, 1 / (4 pi epsilon_0) when left out     softening : m, >= 0
     method : "direct", every pair; "tree", cells at a distance as a whole: forces to about 3 parts in a thousand, momentum to
-    round-off; "auto", the tree beyond 50,000 particles     theta : of the tree, 0.05 to 1: how large two cells may look from each
+    round-off; "auto", the tree beyond 30,000 particles     theta : of the tree, 0.05 to 1: how large two cells may look from each
     other to act as a whole; less is more exact
     sources : the name of another system, whose field then acts without reaction (booked in the ledger)
     Conservative and reciprocal, unless `sources` is given; magnetism and delay are left out. Source: CODATA 2018.

@@ -20,7 +20,7 @@ __all__ = ["DirectSum"]
 
 _LANES = 16
 _BLOCK = 256  # targets a task
-_MANY = 50_000**2  # pairs beyond which `auto` takes the tree
+_MANY = 30_000**2  # pairs beyond which `auto` takes the tree
 _CHUNK = 256  # sources summed before they join the total: keeps float32 sums of many thousands accurate
 
 
@@ -63,11 +63,11 @@ class DirectSum(Interaction):
         _accelerator("square" if n == -2 else "power", pull.precision)(pull.rows, sources, out, pull.n, numbers)
         self._weigh(pull, out)
 
-    def _tree(self, targets, sources, amounts, precision):
+    def _tree(self, targets, sources, amounts, precision, valued=False):
         from gen_art.interactions.tree import pull as by_tree
 
         softening, theta = self.values["softening"], self.values["theta"]
-        return by_tree(np.ascontiguousarray(targets), sources, amounts, softening, theta, precision)
+        return by_tree(np.ascontiguousarray(targets), sources, amounts, softening, theta, precision, valued)
 
     def _weigh(self, pull: Pull, out: np.ndarray) -> None:
         """From the field to accelerations, where it does not act on mass."""
@@ -87,7 +87,7 @@ class DirectSum(Interaction):
         dtype = state.floats.dtype
         amounts = state.floats[state.channels[self.amount], slots]
         if self.by_tree(count * count):
-            field = self._tree(state.floats[:3, slots], None, amounts, precision)[3]
+            field = self._tree(state.floats[:3, slots], None, amounts, precision, valued=True)[3]
             return float(-0.5 * k * np.sum(amounts.astype(np.float64) * field))
         positions = np.zeros((3, -(-count // _LANES) * _LANES), dtype)
         positions[:, :count] = state.floats[:3, slots]

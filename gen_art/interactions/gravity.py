@@ -15,7 +15,7 @@ class SelfGravity(DirectSum):
 
     G : constant of gravitation in the preset's units, 6.6743e-11 m^3/kg/s^2 when left out     softening : m, >= 0
     method : "direct", every pair; "tree", cells at a distance as a whole: forces to about 3 parts in a thousand, momentum to
-    round-off; "auto", the tree beyond 50,000 particles     theta : of the tree, 0.05 to 1: how large two cells may look from each
+    round-off; "auto", the tree beyond 30,000 particles     theta : of the tree, 0.05 to 1: how large two cells may look from each
     other to act as a whole; less is more exact     order : 3, of its expansions
     sources : the name of another system, whose field then acts without reaction (booked in the ledger)
     Conservative and reciprocal, unless `sources` is given. Source: Dehnen & Read, Eur. Phys. J. Plus 126, 55 (2011).

@@ -34,8 +34,12 @@ class _Cells:
         tree_kernels(precision).gather(self.sorted, self.tree.begin, self.tree.end, self.moments)
 
 
-def pull(targets: np.ndarray, sources, amounts: np.ndarray, softening: float, theta: float, precision: str):
-    """(4, n): the gradient of ψ and ψ itself at `targets` (3, n), from `amounts` (m,) at `sources` (3, m).
+def pull(
+    targets: np.ndarray, sources, amounts: np.ndarray, softening: float, theta: float, precision: str, valued=False
+):
+    """(4, n): at `targets` (3, n) the gradient of ψ in the first three rows, or, where `valued`, ψ in the last.
+
+    amounts (m,) at `sources` (3, m) make it. The other rows are of no use.
 
     sources is None: the targets themselves, with their amounts; none then acts on itself.
     """
@@ -51,7 +55,7 @@ def pull(targets: np.ndarray, sources, amounts: np.ndarray, softening: float, th
     for first, last in zip(tree.levels, tree.levels[1:]):
         kernels.down(ours.moments, tree.child, tree.children, first, last, local)
     out = np.zeros((4, ours.sorted.shape[1]), targets.dtype)
-    kernels.near(
+    (kernels.value if valued else kernels.near)(
         ours.sorted, theirs.sorted, ours.moments, local, tree.leaves, tree.begin, tree.end, theirs.tree.begin,
         theirs.tree.end, near, near_first, numbers.astype(targets.dtype), int(alone), out,
     )  # fmt: skip

@@ -30,7 +30,7 @@ _THREE = [[[_third(i, j, k) for k in range(3)] for j in range(3)] for i in range
 
 @cache
 def tree_kernels(precision: str) -> SimpleNamespace:
-    """gather, walk, far, down, near; arrays as tree.py lays them out."""
+    """gather, walk, far, down, near and, for values instead of gradients, value; arrays as tree.py lays them out."""
     real = runtime.DTYPES[precision]
     matrix, whole, table = ti.types.ndarray(real, 2), ti.types.ndarray(ti.i32, 1), ti.types.ndarray(ti.i32, 2)
     double, exact = ti.types.ndarray(ti.f64, 2), ti.types.ndarray(ti.f64, 1)
@@ -206,47 +206,52 @@ def tree_kernels(precision: str) -> SimpleNamespace:
                     for m in range(COEFFICIENTS):
                         C[one, m] = C[one, m] + given[m]
 
-    @ti.kernel
-    def close(
-        P: matrix, S: matrix, M: double, C: double, leaves: whole, begin: whole, end: whole, first: whole, last: whole,
-        near: whole, at: whole, e2: vector, alone: ti.i32, out: matrix,
-    ):  # fmt: skip
-        ti.loop_config(block_dim=1)
-        for leaf in range(leaves.shape[0]):
-            c = leaves[leaf]
-            for i in range(begin[c], end[c]):
-                d = ti.cast(ti.Vector([P[0, i], P[1, i], P[2, i]]), ti.f64) - ti.Vector([M[c, 0], M[c, 1], M[c, 2]])
-                here = moved(C, c, d)
-                for k in ti.static(range(3)):
-                    out[k, i] = ti.cast(here[1 + k], real)
-                out[3, i] = ti.cast(here[0], real)
-            for tile in range((end[c] - begin[c] + _LANES - 1) // _LANES):
-                i = begin[c] + tile * _LANES
-                X, Y, Z = ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES)
-                A, B, D = ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES)
-                E = ti.Vector([0.0] * _LANES)
-                for k in range(_LANES):
-                    X[k], Y[k], Z[k] = P[0, i + k], P[1, i + k], P[2, i + k]
-                for n in range(at[c], at[c + 1]):
-                    s = near[n]
-                    for j in range(first[s], last[s]):
-                        xj, yj, zj, mj = S[0, j], S[1, j], S[2, j], S[3, j]
-                        own = ti.select(alone == 1, j - i, -1)
-                        for k in range(_LANES):
-                            dx, dy, dz = xj - X[k], yj - Y[k], zj - Z[k]
-                            r2 = dx * dx + dy * dy + dz * dz + e2[0]
-                            g = ti.select(r2 > 0.0, 1.0 / ti.sqrt(r2), 0.0)
-                            g = ti.select(k == own, 0.0, g)
-                            w = mj * g * g * g
-                            A[k] += w * dx
-                            B[k] += w * dy
-                            D[k] += w * dz
-                            E[k] += mj * g
-                for k in range(ti.min(_LANES, end[c] - i)):
-                    out[0, i + k] += A[k]
-                    out[1, i + k] += B[k]
-                    out[2, i + k] += D[k]
-                    out[3, i + k] += E[k]
+    def closing(valued: bool):
+        @ti.kernel
+        def close(
+            P: matrix, S: matrix, M: double, C: double, leaves: whole, begin: whole, end: whole, first: whole, last: whole,
+            near: whole, at: whole, e2: vector, alone: ti.i32, out: matrix,
+        ):  # fmt: skip
+            ti.loop_config(block_dim=1)
+            for leaf in range(leaves.shape[0]):
+                c = leaves[leaf]
+                for i in range(begin[c], end[c]):
+                    d = ti.cast(ti.Vector([P[0, i], P[1, i], P[2, i]]), ti.f64) - ti.Vector([M[c, 0], M[c, 1], M[c, 2]])
+                    here = moved(C, c, d)
+                    for k in ti.static(range(3)):
+                        out[k, i] = ti.cast(here[1 + k], real)
+                    out[3, i] = ti.cast(here[0], real)
+                for tile in range((end[c] - begin[c] + _LANES - 1) // _LANES):
+                    i = begin[c] + tile * _LANES
+                    X, Y, Z = ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES)
+                    A, B, D = ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES)
+                    E = ti.Vector([0.0] * _LANES)
+                    for k in range(_LANES):
+                        X[k], Y[k], Z[k] = P[0, i + k], P[1, i + k], P[2, i + k]
+                    for n in range(at[c], at[c + 1]):
+                        s = near[n]
+                        for j in range(first[s], last[s]):
+                            xj, yj, zj, mj = S[0, j], S[1, j], S[2, j], S[3, j]
+                            own = ti.select(alone == 1, j - i, -1)
+                            for k in range(_LANES):
+                                dx, dy, dz = xj - X[k], yj - Y[k], zj - Z[k]
+                                r2 = dx * dx + dy * dy + dz * dz + e2[0]
+                                g = ti.select(r2 > 0.0, 1.0 / ti.sqrt(r2), 0.0)
+                                g = ti.select(k == own, 0.0, g)
+                                if ti.static(valued):
+                                    E[k] += mj * g
+                                else:
+                                    w = mj * g * g * g
+                                    A[k] += w * dx
+                                    B[k] += w * dy
+                                    D[k] += w * dz
+                    for k in range(ti.min(_LANES, end[c] - i)):
+                        out[0, i + k] += A[k]
+                        out[1, i + k] += B[k]
+                        out[2, i + k] += D[k]
+                        out[3, i + k] += E[k]
 
-    made = {"gather": gather, "walk": walk, "far": expand, "down": down, "near": close}
+        return close
+
+    made = {"gather": gather, "walk": walk, "far": expand, "down": down, "near": closing(False), "value": closing(True)}
     return SimpleNamespace(**{name: runtime.kernel(one, precision) for name, one in made.items()})
