@@ -245,14 +245,15 @@ class Simulation:
     def _implicit_step(self, name: str, stepper: "_Stepper", first: int) -> None:
         """Kick, the implicit interactions' own change of velocities, drift: backward Euler in them."""
         state = stepper.system.state
-        stepper.stage(first, self.dt, 0, 1, np.array([0.0, 1.0, 0.0, 0.0], state.floats.dtype))
+        parts = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0], state.floats.dtype)  # one step, as two stages
+        stepper.stage(first, self.dt, 0, 1, parts)
         for one in stepper.system.interactions:
             if one.implicit:
                 before = state.floats[3:6, : state.count].copy()
                 one.solve(state, self.dt, self.precision)
                 if self._ledger:
                     self._ledger.solved(name, one, state, before, self.dt)
-        stepper.stage(first, self.dt, 0, 1, np.array([0.0, 0.0, 0.0, 1.0], state.floats.dtype))
+        stepper.stage(first, self.dt, 1, 2, parts)
 
     def _pull(self, name: str, stepper: "_Stepper", g: int) -> None:
         system = self._members[name]

@@ -106,7 +106,7 @@ INTEGRATORS = {
 }
 
 
-def charged(used: Scheme, forces, light: float | None, exact: bool) -> Scheme:
+def charged(used: Scheme, forces, light: float | None, exact: bool, interactions=(), colliders=()) -> Scheme:
     """The scheme with a speed of light, m/s, and the exact phase. Raises UsageError for what cannot be combined."""
     pushers = ", ".join(name for name, s in INTEGRATORS.items() if s.pusher)
     if (light is not None or exact) and not used.pusher:
@@ -122,6 +122,11 @@ def charged(used: Scheme, forces, light: float | None, exact: bool) -> Scheme:
                 raise UsageError(
                     f"{one.name} takes mass, which a relativistic particle keeps: leave out speed_of_light"
                 )
+        for one in interactions:
+            if one.implicit or len(one.parts) > 1:
+                raise UsageError(f"the losses of {one.name} are not relativistic: leave out speed_of_light, or the losses")
+        if colliders:
+            raise UsageError("colliders bounce slow particles: leave out speed_of_light, or the colliders")
     return replace(used, light=float(light or 0.0), exact=bool(exact))
 
 
