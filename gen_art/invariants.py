@@ -23,7 +23,9 @@ def invariants(piece, system) -> tuple[list[str], dict[str, str]]:
     forces, interactions = forces_of(piece, system), system.interactions
     working = [force.name for force in forces if not force.conservative and force.does_work]
     working += [
-        one.name for one in interactions if not one.conservative or one.source_system or one.implicit or len(one.parts) > 1
+        one.name
+        for one in interactions
+        if not one.conservative or one.source_system or one.implicit or len(one.parts) > 1
     ]
     outer = [force.name for force in forces]
     outer += [one.name for one in interactions if not one.reciprocal or one.source_system]
@@ -60,7 +62,9 @@ def expected_order(piece, name: str, seen: tuple = ()) -> int:
     system = piece.systems[name]
     used = scheme(system.integrator)
     order = used.order
-    turned = [f for f in forces_of(piece, system) if f.depends_on_velocity and not (used.pusher and f.provides("magnetic"))]
+    turned = [
+        f for f in forces_of(piece, system) if f.depends_on_velocity and not (used.pusher and f.provides("magnetic"))
+    ]
     if used.kind == "splitting" and turned:
         order = 1
     fields = (*forces_of(piece, system), *(system.medium or piece.medium).terms)

@@ -155,7 +155,8 @@ def _sums(sim, name: str) -> dict[str, tuple]:
     slots = living(sim, name)
     part, pairs = sums(sim, name, slots), energy_of_pairs(sim, name, slots)
     floats = sim.systems[name].floats[:, slots].astype(np.float64)
-    carried = floats[6] * np.linalg.norm(floats[3:6], axis=0)
+    speed, light = np.linalg.norm(floats[3:6], axis=0), sim[name].scheme.light
+    carried = floats[6] * speed / (np.sqrt(1 - (speed / light) ** 2) if light else 1.0)
     return {
         "energy": (part[12:].sum() + pairs, np.abs(part[12:]).sum() + abs(pairs)),
         "momentum": (part[3:6], carried.sum()),

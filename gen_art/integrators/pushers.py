@@ -11,12 +11,18 @@ takes into account. Sources: Boris (1970); Vay (2008), Phys. Plasmas 15, 056701;
 from gen_art.elementary import cos, sin
 from gen_art.runtime import is_f64, ti
 
-__all__ = ["corrected", "relativistic"]
+__all__ = ["corrected", "gamma_at", "relativistic"]
 
 
 @ti.func
 def gamma_of(u, light):
     return ti.sqrt(1.0 + u.dot(u) / (light * light))
+
+
+@ti.func
+def gamma_at(v, light):
+    """gamma of a velocity; rounded to the speed of light it is still finite."""
+    return 1.0 / ti.sqrt(1.0 - ti.min(v.dot(v) / (light * light), ti.static(1.0 - 1e-14 if is_f64() else 1.0 - 1e-6)))
 
 
 @ti.func
@@ -50,8 +56,7 @@ def after(u, tau, light):
 @ti.func
 def relativistic(terms: ti.template(), v, a, omega, h, light):
     """The velocity v after a kick over h."""
-    b2 = ti.min(v.dot(v) / (light * light), ti.static(1.0 - 1e-14 if is_f64() else 1.0 - 1e-6))
-    g = 1.0 / ti.sqrt(1.0 - b2)
+    g = gamma_at(v, light)
     u = v * g
     if ti.static(terms.exact):
         share = g * 0.0 + 1.0

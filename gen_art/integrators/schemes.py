@@ -124,7 +124,9 @@ def charged(used: Scheme, forces, light: float | None, exact: bool, interactions
                 )
         for one in interactions:
             if one.implicit or len(one.parts) > 1:
-                raise UsageError(f"the losses of {one.name} are not relativistic: leave out speed_of_light, or the losses")
+                raise UsageError(
+                    f"the losses of {one.name} are not relativistic: leave out speed_of_light, or the losses"
+                )
         if colliders:
             raise UsageError("colliders bounce slow particles: leave out speed_of_light, or the colliders")
     return replace(used, light=float(light or 0.0), exact=bool(exact))

@@ -69,7 +69,7 @@ class Terms:
         self.worked = not all(t.force.conservative or not t.force.does_work for t in composition.terms)
         self.quadratic = any(t.force.quadratic_damping for t in composition.dampings)
         self.count = len(composition.terms)
-        self.only_magnetic = len(self.magnetics) == 1 and not self.dampings
+        self.turns_alone = bool(self.magnetics) and not self.dampings
         names = ["a0 a1 a2 g0 g1 g2 h age t"]
         names += [f"k{d} q{d}" for d in range(len(self.dampings))]
         names += [f"u{m}0 u{m}1 u{m}2" for m in range(len(self.media))]

@@ -107,7 +107,12 @@ class System(Model):
         from gen_art.integrators.schemes import charged, scheme
 
         charged(
-            scheme(self.integrator), self.forces, self.speed_of_light, self.exact_gyration, self.interactions, self.colliders
+            scheme(self.integrator),
+            self.forces,
+            self.speed_of_light,
+            self.exact_gyration,
+            self.interactions,
+            self.colliders,
         )
         return self
 
