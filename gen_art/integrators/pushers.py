@@ -4,7 +4,9 @@ All work on u = gamma v, du/dt = a + v x omega with omega = q B / m and a the el
 in the gamma it turns with. Boris keeps abs(u) in a magnetic field; Vay and Higuera-Cary also keep the drift in crossed fields.
 `exact` multiplies omega, and a across it, by tan(z) / z with z = abs(omega) h / (2 gamma): the angle of a step is then exact in
 uniform fields, and the drift is kept. Higuera and Cary's gamma is that of the mean of u before and after, which the factor
-takes into account. Sources: Boris (1970); Vay (2008), Phys. Plasmas 15, 056701; Higuera & Cary (2017), Phys. Plasmas 24,
+takes into account. In a uniform field, at theta = abs(omega) dt / gamma a step, Boris's and Vay's circles are exact and their
+phase lags by theta^2 / 12; Higuera and Cary's circle is beta^2 theta^2 / 8 too small and their phase lags by theta^2
+(1 / 12 - beta^2 / 8); with `exact` the phase is exact and the circle theta^2 / 12 too small. Sources: Boris (1970); Vay (2008), Phys. Plasmas 15, 056701; Higuera & Cary (2017), Phys. Plasmas 24,
 052104; Birdsall & Langdon, Plasma Physics via Computer Simulation, section 4.3.
 """
 
