@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -127,6 +128,9 @@ class Simulation:
 
     def advance(self, seconds: float) -> None:
         """Advance by simulated seconds: a whole number of steps, else UsageError (a ValueError) names the nearest."""
+        self.step(self._steps_in(seconds))
+
+    def _steps_in(self, seconds: float) -> int:
         steps = seconds / self.dt
         if not math.isfinite(steps) or steps < 0:
             raise UsageError(f"cannot advance by {seconds} s")
@@ -135,7 +139,7 @@ class Simulation:
             raise UsageError(
                 f"{seconds} s is {steps:.6g} steps of {self.dt:g} s; the nearest is {nearest * self.dt:.12g} s"
             )
-        self.step(nearest)
+        return nearest
 
     def advance_to_frame(self, frame: int) -> None:
         """Advance to film frame k: simulated time preroll + speed k / fps. Raises UsageError if it lies behind."""
@@ -155,9 +159,10 @@ class Simulation:
             taken = self._advance(min(int(count), _BATCH))
             count -= taken
 
-    def _advance(self, most: int) -> int:
+    def _advance(self, most: int, move: Callable[[int], None] | None = None) -> int:
+        """Up to `most` steps in one launch; `move` moves the particles over one step in the place of their integrators."""
         paired = bool(self._joined)
-        steps = 1 if (self._eventful or paired or self._ledger) else self._batch(most)
+        steps = 1 if (move or self._eventful or paired or self._ledger) else self._batch(most)
         first, t0, t1 = self.steps_done, self.time, (self.steps_done + steps) * self.dt
         for system in self._members.values():
             if system.state.tidy(t0, system.name in self._joined):
@@ -173,7 +178,10 @@ class Simulation:
         before = {
             name: self._members[name].state.floats[:6, : self._members[name].state.count].copy() for name in parents
         }
-        if paired:
+        if move:
+            move(first)
+            self._pairs_at = -1
+        elif paired:
             self._paired_step(first)
         else:
             for stepper in self._stepped.values():

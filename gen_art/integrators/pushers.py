@@ -6,8 +6,9 @@ in the gamma it turns with. Boris keeps abs(u) in a magnetic field; Vay and Higu
 uniform fields, and the drift is kept. Higuera and Cary's gamma is that of the mean of u before and after, which the factor
 takes into account. In a uniform field, at theta = abs(omega) dt / gamma a step, Boris's and Vay's circles are exact and their
 phase lags by theta^2 / 12; Higuera and Cary's circle is beta^2 theta^2 / 8 too small and their phase lags by theta^2
-(1 / 12 - beta^2 / 8); with `exact` the phase is exact and the circle theta^2 / 12 too small. Sources: Boris (1970); Vay (2008), Phys. Plasmas 15, 056701; Higuera & Cary (2017), Phys. Plasmas 24,
-052104; Birdsall & Langdon, Plasma Physics via Computer Simulation, section 4.3.
+(1 / 12 - beta^2 / 8); with `exact` the phase is exact and the circle theta^2 / 12 too small.
+Sources: Boris (1970); Vay (2008), Phys. Plasmas 15, 056701; Higuera & Cary (2017), Phys. Plasmas 24, 052104; Birdsall &
+Langdon, Plasma Physics via Computer Simulation, section 4.3.
 """
 
 from gen_art.elementary import cos, sin
