@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from gen_art.errors import UsageError
 from gen_art.registry import suggest
 
-__all__ = ["INTEGRATORS", "Scheme", "charged", "scheme"]
+__all__ = ["INTEGRATORS", "Scheme", "charged", "reach", "scheme"]
 
 
 @dataclass(frozen=True)
@@ -130,6 +130,14 @@ def charged(used: Scheme, forces, light: float | None, exact: bool, interactions
         if colliders:
             raise UsageError("colliders bounce slow particles: leave out speed_of_light, or the colliders")
     return replace(used, light=float(light or 0.0), exact=bool(exact))
+
+
+def reach(used: Scheme) -> float:
+    """The largest w dt at which an oscillator's energy stays bounded; 0 where it grows at any step.
+
+    rk2's growth, (w dt)^4 / 8 a step, is counted as bounded up to 0.5.
+    """
+    return {"euler": 0.0, "rk2": 0.5, "rk4": 2.8284, "yoshida4": 1.5734}.get(used.name, 2.0)
 
 
 def scheme(name: str) -> Scheme:
