@@ -5,6 +5,7 @@ import pytest
 
 import gen_art as ga
 from gen_art.forces import FORCES
+from gen_art.forces.base import is_steady
 from tests.physics.probe import probe, states
 from tests.physics.references import CASES
 
@@ -131,3 +132,12 @@ def test_reading_a_parameter_in_a_kernel_says_what_to_write():
 def test_drag_by_cd_needs_a_density():
     with pytest.raises(ga.UsageError, match="density"):
         ga.ParticleSystem(position=np.zeros((1, 3)), forces=[ga.forces.Drag(cd=0.5)])
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_a_steady_force_knows_neither_time_nor_age_nor_velocity(name):
+    force = CASES[name][0]
+    p, later = states(), states()
+    later.time, later.age, later.velocity = 1.9, later.age + 0.4, 2 * later.velocity
+    same = all(np.array_equal(a, b) for a, b in zip(probe(force, p), probe(force, later)))
+    assert is_steady(force) == (same and not force.provides("magnetic"))

@@ -130,3 +130,34 @@ def test_symplectic_energy_error_stays_bounded_and_eulers_grows():
 def test_unknown_integrator_names_the_nearest():
     with pytest.raises(ga.UsageError, match="did you mean 'leapfrog'"):
         ga.ParticleSystem(position=np.zeros((1, 3)), integrator="leapfrg")
+
+
+class Stuck(ga.forces.Driver):
+    """A driver that claims to be steady: x = A cos(2 pi f t)."""
+
+    steady = True
+
+
+def digests(forces, **more):
+    """After 32 steps in one launch, one by one, and with the ledger, which takes them one by one too."""
+    r = np.random.default_rng(0)
+    start = {"position": r.normal(size=(60, 3)), "velocity": r.normal(size=(60, 3)), "forces": forces, **more}
+    found = []
+    for batch, ledger in ((32, False), (1, False), (32, True)):
+        sim = ga.Simulation({"s": ga.ParticleSystem(**start)}, dt=0.01, ledger=ledger)
+        for _ in range(32 // batch):
+            sim.step(batch)
+        found.append(sim.digest())
+    return found
+
+
+@pytest.mark.parametrize("integrator", ["leapfrog", "position_verlet", "semi_implicit_euler"])
+def test_what_leapfrog_keeps_from_step_to_step_changes_no_bit(integrator):
+    forces = [ga.forces.Spring(stiffness=3.0), ga.forces.PointGravity(GM=1.0, softening=0.1), ga.forces.Drag(0.1, 0.2)]
+    flow = ga.Medium(field=ga.forces.Vortex(circulation=3.0))
+    assert len(set(digests(forces, medium=flow, integrator=integrator))) == 1
+
+
+def test_a_force_that_is_not_steady_is_not_kept():
+    assert len(set(digests([ga.forces.Driver(1.0, 2.0)]))) == 1
+    assert len(set(digests([Stuck(1.0, 2.0)]))) == 2  # the mutant
