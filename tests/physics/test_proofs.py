@@ -1,5 +1,8 @@
 """The long proofs: the galaxy over its whole piece, a Plummer sphere in equilibrium, an orbit over ten thousand periods."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -247,3 +250,46 @@ def test_symplectic_drift_is_bounded_over_ten_thousand_periods(integrator):
     assert last <= 1.5 * first
     first, last = errors("rk4", 500)  # the mutant: a scheme that is not symplectic drifts
     assert last > 5 * first
+
+
+@pytest.mark.parametrize("charge", [1.0, -1.0])
+def test_a_gradient_makes_a_charge_drift(charge):
+    """About a wire, at m v_perp^2 / (2 q B rho) along it, within 1e-3: the path of the centre, x + m v x B / (q B^2)."""
+    B0, rho, speed = 100.0, 1.0, 0.5
+    ion = ga.ParticleSystem(
+        position=[[rho, 0, 0]], velocity=[[0, speed, 0]], charge=charge, integrator="boris", exact_gyration=True,
+        forces=[ga.forces.MagneticWire(B0 * rho / 2e-7)],
+    )  # fmt: skip
+    sim = ga.Simulation({"ion": ion}, dt=0.05 / B0, precision="f64")
+    centers = []
+    for _ in range(160):
+        sim.step(40)
+        x, v = sim["ion"].position[0], sim["ion"].velocity[0]
+        field = np.cross((0, 1.0, 0), (x[0], 0, x[2])) * B0 * rho / (x[0] ** 2 + x[2] ** 2)
+        centers.append(x + np.cross(v, field) / (charge * field @ field))
+    found = np.polyfit(np.arange(1, 161) * 40 * sim.dt, np.array(centers)[:, 1], 1)[0]
+    drift = speed**2 / (2 * B0 * rho)
+    assert found == pytest.approx(charge * drift, rel=1e-3)
+
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def test_every_proof_of_the_page_exists():
+    page = (ROOT / "docs" / "proofs.md").read_text(encoding="utf-8")
+    named = re.findall(r"`(test_\w+\.py)::(test_\w+)`", page)
+    assert len(named) > 50
+    texts = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("test_*.py")}
+    missing = [f"{file}::{test}" for file, test in named if f"\ndef {test}(" not in texts.get(file, "")]
+    assert not missing
+    rows = [line for line in page.splitlines() if line.startswith("| ") and not line.startswith("| system")]
+    assert all(re.search(r"`test_\w+\.py::", row) and row.count("|") == 5 for row in rows)
+    long = {
+        name
+        for name, text in texts.items()
+        for name in re.findall(r"\n@pytest.mark.proof\n(?:@.*\n)*def (test_\w+)", text)
+    }
+    for row in rows:
+        tests = re.findall(r"::(test_\w+)", row)
+        if all(test in long for test in tests):
+            assert "*long*" in row, row
