@@ -80,6 +80,7 @@ class _Part:
         self.rows = self.state.floats[:6].copy()
         self.out = np.zeros((6, self.state.capacity + PADDING), sim.dtype)
         self.y = self.rows[:, : self.n].astype(np.float64)
+        self.new = self.y  # the state at the end of the step in hand
         self.slopes = np.zeros((7, 6, self.n))
         self.kernel = make_slopes(self.system.composition, self.stepper.parts[-1], self.state.attributes, sim.precision)
 
