@@ -9,9 +9,11 @@ from gen_art.integrators.schemes import reach
 from gen_art.interactions import Interaction
 from gen_art.invariants import colliders_of, expected_order, forces_of
 
-__all__ = ["advice", "step_advice"]
+__all__ = ["FORETOLD", "advice", "gyration_advice", "step_advice"]
 
 _GYRATION = 0.1  # rad a step: the phase lags by its square / 12, a thousandth of a turn each turn
+_EXACT = 3.0  # rad a step, up to which exact_gyration is exact
+FORETOLD = ("magnetic_field", "magnetic_mirror")
 _SAMPLED = 1.0  # rad a step of a driver
 
 
@@ -87,18 +89,20 @@ def _lost_order(piece, name, system, used):
 
 
 def _gyration(piece, system, used, lightest, charge):
-    """The angle that uniform fields and the middle of mirrors turn a charge by, w dt."""
-    fields = [f for f in forces_of(piece, system) if f.name in ("magnetic_field", "magnetic_mirror")]
-    if not used.pusher or not charge or lightest <= 0:
-        return
-    strengths = [f.values["field"] if f.name == "magnetic_field" else (f.values["strength"],) for f in fields]
-    w = charge * sum(math.hypot(*strength) for strength in strengths) / lightest
-    dt = piece.clock.step
-    if w * dt > _GYRATION and not (system.exact_gyration and w * dt < 3.0):
-        uniform = all(f.name == "magnetic_field" for f in fields)
-        better = f"a step of at most {_GYRATION / w:.3g} s" + (
-            ", or exact_gyration: true" if uniform and w * dt < 3.0 else ""
-        )
+    """The angle that uniform fields and the middle of mirrors turn a charge by; the other fields' shows in an audit."""
+    fields = [f for f in forces_of(piece, system) if f.name in FORETOLD]
+    if used.pusher and charge and lightest > 0:
+        strengths = [f.values["field"] if f.name == "magnetic_field" else (f.values["strength"],) for f in fields]
+        w = charge * sum(math.hypot(*strength) for strength in strengths) / lightest
+        yield from gyration_advice(w, piece.clock.step, system.exact_gyration)
+
+
+def gyration_advice(w: float, dt: float, exact: bool):
+    """A sentence where charges turn by w dt, and so lag by more than a thousandth or so; w in 1/s."""
+    if w * dt > _GYRATION and not (exact and w * dt < _EXACT):
+        better = f"a step of at most {_GYRATION / w:.3g} s"
+        if w * dt < _EXACT:
+            better += ", or exact_gyration: true where the field varies little"
         lag = 1 - math.atan(w * dt / 2) / (w * dt / 2)
         yield f"charges turn by w dt = {w * dt:.3g} rad a step, and lag by {lag:.2%} of it; {better}"
 

@@ -66,7 +66,8 @@ SAID = {
     "quick gyration, exactly": (
         dict(forces=FIELD, integrator="boris", particle={"charge": 20}, exact_gyration=True), None
     ),
-    "quick gyration in a mirror": (dict(forces=MIRROR, integrator="boris", particle={"charge": 9}), r"at most 0\.00556 s$"),
+    "quick gyration in a mirror": (dict(forces=MIRROR, integrator="boris", particle={"charge": 9}), r"at most 0\.00556 s, or"),
+    "far too quick gyration": (dict(forces=FIELD, integrator="boris", particle={"charge": 900}), r"at most 5.56e-05 s$"),
     "slow gyration": (dict(forces=FIELD, integrator="boris", particle={"charge": 2}), None),
 }  # fmt: skip
 
@@ -104,6 +105,17 @@ def test_audit_says_it_too():
     )
     assert any("they need 8: a step of at most 0.00625 s" in sentence for sentence in found.warnings)
     assert "warning: " in found.text()
+
+
+def test_audit_says_how_far_charges_turn_where_they_are():
+    wire = {"magnetic_wire": {"current": 5e7, "center": [3, 0, 0]}}
+    given = dict(forces=wire, integrator="boris", particle={"charge": 2})
+    assert advice(piece(**given)) == []
+    found = audit(piece(**given), time=0.1, precision="f64").warnings
+    assert len(found) == 1 and re.search(r"s: charges turn by w dt = 0\.\d+ rad a step.* exact_gyration", found[0])
+    assert 0.1 < float(found[0].split("w dt = ")[1].split()[0]) < 5e7 * 2e-7 / 1.5 * 2 / 50
+    weak = {**given, "particle": {"charge": 0.1}}
+    assert audit(piece(**weak), time=0.1, precision="f64").warnings == []
 
 
 def test_inspect_says_it_and_lists_walls_and_pair_forces(tmp_path):
