@@ -1,6 +1,8 @@
 """Adaptive steps against Kepler's equation, SciPy's same pair, closed forms and small fixed steps."""
 
+import re
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -174,3 +176,13 @@ def test_a_fall_into_a_singularity_names_the_particle():
     with pytest.raises(ga.UsageError, match=r"below round-off at 1\.11\d* s for particle 1 of 's'.*softening"):
         ga.adaptive(sim, 4.0, rtol=1e-4)
     assert sim.digest() == before
+
+
+def test_the_code_of_the_page_takes_what_it_says():
+    page = (Path(__file__).resolve().parents[2] / "docs" / "integrators.md").read_text(encoding="utf-8")
+    code = re.search(r"```python\n(.*?)```", page, re.S).group(1)
+    names: dict = {}
+    exec(code, names)
+    said = int(re.search(r"# (\d+) evaluations", code).group(1))
+    assert names["effort"].evaluations == pytest.approx(said, rel=0.02)  # another libm may reject another step
+    assert np.linalg.norm(names["sim"]["comet"].position[0] - on_orbit(2 * np.pi, 0.9)) < 5e-8
