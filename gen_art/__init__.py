@@ -19,6 +19,7 @@ _NAMES = {
     "Simulation": "gen_art.simulation",
     "UsageError": "gen_art.errors",
     "Velocity": "gen_art.emitters.base",
+    "adaptive": "gen_art.adaptive_steps",
     "colliders": None,
     "chain": "gen_art.interactions.nets",
     "cloth": "gen_art.interactions.nets",

@@ -1,10 +1,13 @@
-"""What a system's laws promise, read from the flags of its forces: what is conserved, the order, and the better choice."""
+"""What a system's laws promise, read from the flags of its forces: what is conserved, and the order."""
 
+from gen_art.forces.base import burns
 from gen_art.integrators import scheme
 
-__all__ = ["advice", "colliders_of", "expected_order", "forces_of", "invariants"]
+__all__ = ["colliders_of", "expected_order", "forces_of", "invariants"]
 
 _SMOOTH = {"curl_noise": 3}  # the order that a field with kinks in its second derivatives leaves to any scheme
+_PREDICTED = 3  # quadratic drag takes its rate at a predicted middle
+_IMPACTS = 2  # of the path inside a step
 _ALONG_PATHS = 3  # children along a path stand on a cubic through their parent's step
 
 
@@ -38,7 +41,7 @@ def invariants(piece, system) -> tuple[list[str], dict[str, str]]:
         ("energy", working, "worked on by "),
         ("momentum", outer, "pushed by "),
         ("angular momentum", outer, "turned by "),
-        ("mass", [], ""),
+        ("mass", [force.name for force in forces if burns(force)], "burnt by "),
         ("charge", [], ""),
     ):
         if reasons:
@@ -67,6 +70,12 @@ def expected_order(piece, name: str, seen: tuple = ()) -> int:
     ]
     if used.kind == "splitting" and turned:
         order = 1
+    if used.kind == "splitting" and any(
+        f.provides("damping") and f.quadratic_damping for f in forces_of(piece, system)
+    ):
+        order = min(order, _PREDICTED)
+    if colliders_of(piece, system) or any(one.name == "contacts" for one in system.interactions):
+        order = min(order, _IMPACTS)
     fields = (*forces_of(piece, system), *(system.medium or piece.medium).terms)
     order = min([order, *(_SMOOTH.get(field.name, order) for field in fields)])
     for emitter in system.emitters.values():
@@ -74,33 +83,3 @@ def expected_order(piece, name: str, seen: tuple = ()) -> int:
             order = min(order, expected_order(piece, emitter.source.system, (*seen, name)))
             order = min(order, _ALONG_PATHS) if emitter.source.kind == "path" else order
     return order
-
-
-def advice(piece) -> list[str]:
-    """Sentences about systems whose integrator does not suit their forces, each with the better choice."""
-    found = []
-    for name, system in piece.systems.items():
-        forces, used = forces_of(piece, system), scheme(system.integrator)
-        turning = ", ".join(dict.fromkeys(f.name for f in forces if f.provides("magnetic")))
-        leaning = ", ".join(dict.fromkeys(f.name for f in forces if f.depends_on_velocity and f.name not in turning))
-        holding = [f.name for f in forces if f.conservative and f.provides("potential")]
-        holding += [one.name for one in system.interactions if one.conservative]
-        if turning and not used.pusher:
-            what = (
-                f"does not keep the speed under {turning}"
-                if used.kind == "runge_kutta"
-                else f"takes {turning}, which depends on the velocity, as a plain kick: order 1, and the speed grows"
-            )
-            found.append(f"{name}: {used.name} {what}; boris turns the velocity exactly")
-        if leaning and used.kind == "splitting":
-            found.append(
-                f"{name}: {used.name} takes {leaning}, which depends on the velocity, as a plain kick: order 1; "
-                "rk2 has order 2, rk4 order 4"
-            )
-        if used.kind == "runge_kutta" and used.order == 1:
-            held = f" under {', '.join(dict.fromkeys(holding))}" if holding else ""
-            better = "boris" if turning else "leapfrog"
-            found.append(
-                f"{name}: explicit euler gains energy{held}, step by step; {better} has order 2 at the same cost"
-            )
-    return found

@@ -1,7 +1,8 @@
 """The ledger: the running account of mass, momentum, charge and energy.
 
 E(t) = E(0) + work + born - died - dissipated + residual, where E is the kinetic energy plus the time-independent potential
-of the living. Conservative forces book no work: the residual is the scheme's error. Every force books its impulse.
+of the living; with a speed of light (gamma - 1) m c^2, and momentum gamma m v.
+Conservative forces book no work: the residual is the scheme's error. Every force books its impulse.
 A collider books what it takes and, where it moves, works, and what outer forces work otherwise in the rest of a step for it.
 """
 
@@ -11,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from gen_art.diagnostics import diagnose, energy_of_pairs, living, sums
-from gen_art.errors import UsageError
 from gen_art.integrators.booking import make_booking
 from gen_art.integrators.books import BOOKS
 
@@ -90,10 +90,6 @@ class Bookkeeper:
         self.sim = sim
         self.books_of = {}
         for name, system in sim._members.items():
-            if system.scheme.light:
-                raise UsageError(
-                    f"system '{name}' is relativistic: the ledger keeps Newton's account, leave out speed_of_light"
-                )
             rows = len(system.composition.terms) + sum(len(one.parts) for one in system.interactions)
             rows += len(system.composition.colliders) + 2 * len(system.composition.burners)
             self.books_of[name] = np.zeros((rows, BOOKS))

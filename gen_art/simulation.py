@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -133,6 +134,9 @@ class Simulation:
 
     def advance(self, seconds: float) -> None:
         """Advance by simulated seconds: a whole number of steps, else UsageError (a ValueError) names the nearest."""
+        self.step(self._steps_in(seconds))
+
+    def _steps_in(self, seconds: float) -> int:
         steps = seconds / self.dt
         if not math.isfinite(steps) or steps < 0:
             raise UsageError(f"cannot advance by {seconds} s")
@@ -141,7 +145,7 @@ class Simulation:
             raise UsageError(
                 f"{seconds} s is {steps:.6g} steps of {self.dt:g} s; the nearest is {nearest * self.dt:.12g} s"
             )
-        self.step(nearest)
+        return nearest
 
     def advance_to_frame(self, frame: int) -> None:
         """Advance to film frame k: simulated time preroll + speed k / fps. Raises UsageError if it lies behind."""
@@ -161,9 +165,10 @@ class Simulation:
             taken = self._advance(min(int(count), _BATCH))
             count -= taken
 
-    def _advance(self, most: int) -> int:
+    def _advance(self, most: int, move: Callable[[int], None] | None = None) -> int:
+        """Up to `most` steps in one launch; `move` moves the particles over one step in the place of their integrators."""
         paired = bool(self._joined)
-        steps = 1 if (self._eventful or paired or self._ledger) else self._batch(most)
+        steps = 1 if (move or self._eventful or paired or self._ledger) else self._batch(most)
         first, t0, t1 = self.steps_done, self.time, (self.steps_done + steps) * self.dt
         for system in self._members.values():
             if system.state.tidy(t0, system.name in self._joined):
@@ -179,7 +184,10 @@ class Simulation:
         before = {
             name: self._members[name].state.floats[:6, : self._members[name].state.count].copy() for name in parents
         }
-        if paired:
+        if move:
+            move(first)
+            self._pairs_at = -1
+        elif paired:
             self._paired_step(first)
         else:
             for stepper in self._stepped.values():
@@ -251,14 +259,15 @@ class Simulation:
     def _implicit_step(self, name: str, stepper: "_Stepper", first: int) -> None:
         """Kick, the implicit interactions' own change of velocities, drift: backward Euler in them."""
         state = stepper.system.state
-        stepper.stage(first, self.dt, 0, 1, np.array([0.0, 1.0, 0.0, 0.0], state.floats.dtype))
+        parts = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0], state.floats.dtype)  # one step, as two stages
+        stepper.stage(first, self.dt, 0, 1, parts)
         for one in stepper.system.interactions:
             if one.implicit:
                 before = state.floats[3:6, : state.count].copy()
                 one.solve(state, self.dt, self.precision)
                 if self._ledger:
                     self._ledger.solved(name, one, state, before, self.dt)
-        stepper.stage(first, self.dt, 0, 1, np.array([0.0, 0.0, 0.0, 1.0], state.floats.dtype))
+        stepper.stage(first, self.dt, 1, 2, parts)
 
     def _pull(self, name: str, stepper: "_Stepper", g: int) -> None:
         system = self._members[name]

@@ -6,10 +6,10 @@ import json
 import pytest
 
 import gen_art as ga
+from gen_art.advice import advice
 from gen_art.audit import Trend, audit
 from gen_art.audit.thinning import thinned
 from gen_art.integrators.schemes import INTEGRATORS
-from gen_art.invariants import advice
 from gen_art.ledger import Bookkeeper
 from gen_art.preset.shipped import preset_names
 
@@ -135,3 +135,13 @@ def test_every_shipped_preset_closes_over_a_short_time(name):
     found = audit(short, time=step, precision="f64", particles=100)
     assert [sentence for sentence in found.problems if "ledger" in sentence or "account" in sentence] == []
     json.dumps(found.as_dict(), allow_nan=False)
+
+
+def test_fast_charges_close_too():
+    fast = piece({"magnetic_field": [0, 0, 2], "electric_field": [0.3, 0.1, 0.2]}, "higuera_cary", charge=1)
+    plain = fast.resolved()
+    plain["systems"]["s"]["speed_of_light"] = 1.6
+    found = audit(ga.load_preset(plain), time=0.5, precision="f64")
+    assert found.problems == found.warnings == []
+    assert found.invariants["s", "energy"].order == pytest.approx(2, abs=0.3)
+    assert found.momentum["s"].at_round_off

@@ -4,13 +4,16 @@ What should hold comes from the flags of the forces (gen_art.invariants); what d
 """
 
 import math
+import warnings
 from dataclasses import dataclass
 
+from gen_art.advice import FORETOLD, advice, gyration_advice
 from gen_art.audit.measure import MOMENTS, ROUND_OFF, Run, Trend, positions, run
 from gen_art.audit.thinning import thinned
 from gen_art.diagnostics import Diagnostics
 from gen_art.errors import UsageError
-from gen_art.invariants import advice, expected_order, invariants
+from gen_art.integrators import scheme
+from gen_art.invariants import expected_order, forces_of, invariants
 from gen_art.ledger import Ledger
 from gen_art.preset.estimate import refuse_if_too_large
 
@@ -103,7 +106,13 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES,
     time, steps = _span(clock, time, FILM_TIME / 2 if mutual else FILM_TIME)
     few, changes = thinned(piece, steps * clock.step, particles)
     refuse_if_too_large(few, "f64", until=steps * clock.step)
-    runs = [run(few, steps, clock.step, "f64", threads, n, moments) for n in DIVISIONS]
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        runs = [run(few, steps, clock.step, "f64", threads, DIVISIONS[0], moments)]
+    sentences = [str(one.message) for one in told if issubclass(one.category, UserWarning)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        runs += [run(few, steps, clock.step, "f64", threads, n, moments) for n in DIVISIONS[1:]]
     orders = {name: expected_order(few, name) for name in few.systems}
     energy, momentum = (
         {n: _trend([one.residuals[n, q] for one in runs], orders[n]) for n in few.systems}
@@ -116,6 +125,7 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES,
         holds, left = invariants(few, system)
         held |= {(name, q): _trend([one.drifts[name, q] for one in runs], orders[name]) for q in holds}
         booked |= {(name, quantity): why for quantity, why in left.items()}
+    said = [*advice(few), *_turning(few, runs[0].turns), *sentences]
     first = runs[0]
     unborn = [n for n in few.systems if not any(k.startswith(n + ".") for k in first.ledger.born) and n not in placed]
     return Audit(
@@ -123,8 +133,18 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES,
         {name: system.integrator for name, system in few.systems.items()}, unborn,
         first.ledger, first.start, first.end, energy, momentum, placed,
         _floors(first, run(few, steps, clock.step, "f32", threads)) if precision == "f32" else {},
-        held, booked, advice(few), _problems(few, energy, momentum, placed, held, runs), runs,
+        held, booked, said, _problems(few, energy, momentum, placed, held, runs), runs,
     )  # fmt: skip
+
+
+def _turning(piece, turns: dict[str, float]) -> list[str]:
+    """Charges that turn too far in a step, where what they meet shows only in a run."""
+    found = []
+    for name, system in piece.systems.items():
+        forces, used = forces_of(piece, system), scheme(system.integrator)
+        if used.pusher and any(f.provides("magnetic") and f.name not in FORETOLD for f in forces):
+            found += [f"{name}: {s}" for s in gyration_advice(turns[name], piece.clock.step, system.exact_gyration)]
+    return found
 
 
 def _span(clock, time, usual: float) -> tuple[float, int]:

@@ -6,6 +6,7 @@ from functools import reduce
 
 import numpy as np
 
+from gen_art.audit.turning import largest_turn
 from gen_art.diagnostics import Diagnostics, energy_of_pairs, living, sums
 from gen_art.ledger import Ledger
 
@@ -84,6 +85,7 @@ class Run:
     drifts : by (system, quantity), the largest change since the start, relative to the sum of its parts' sizes; both are
     None where there is nothing of it     last : by system, the energy residual at the end and the energy that moved, J
     places : by system, keys and positions (n, 3) at the end     history : the way there
+    turns : by system, the largest angular frequency of a charge in its magnetic fields, 1/s
     """
 
     ledger: Ledger
@@ -94,6 +96,7 @@ class Run:
     last: dict[str, tuple[float, float]]
     places: dict[str, tuple[np.ndarray, np.ndarray]]
     history: History
+    turns: dict[str, float]
 
 
 def run(piece, steps: int, dt: float, precision: str, threads, division: int = 1, moments: int = MOMENTS) -> Run:
@@ -106,11 +109,13 @@ def run(piece, steps: int, dt: float, precision: str, threads, division: int = 1
     drifts: dict = {(name, quantity): None for name in piece.systems for quantity in QUANTITIES}
     last = {}
     seen = [_look(sim, start, 0.0)]
+    turns = {name: largest_turn(sim, name) for name in piece.systems}
     for moment in np.unique(np.linspace(0, steps, moments + 1).round().astype(int)[1:]):
         sim.step(int(moment) * division - sim.steps_done)
         books = sim.ledger()
         seen.append(_look(sim, sim.diagnostics(), books.residual))
         for name in piece.systems:
+            turns[name] = max(turns[name], largest_turn(sim, name))
             now = _sums(sim, name)
             for quantity in QUANTITIES:
                 (old, size), (new, grown) = before[name][quantity], now[quantity]
@@ -122,7 +127,7 @@ def run(piece, steps: int, dt: float, precision: str, threads, division: int = 1
                     if quantity == "energy":
                         last[name] = (float(new - old - passed), scale)
     places = {name: (sim[name].keys, sim[name].position.astype(np.float64)) for name in piece.systems}
-    return Run(sim.ledger(), start, sim.diagnostics(), residuals, drifts, last, places, _history(seen))
+    return Run(sim.ledger(), start, sim.diagnostics(), residuals, drifts, last, places, _history(seen), turns)
 
 
 def _look(sim, now: Diagnostics, residual: float) -> tuple:
@@ -155,7 +160,8 @@ def _sums(sim, name: str) -> dict[str, tuple]:
     slots = living(sim, name)
     part, pairs = sums(sim, name, slots), energy_of_pairs(sim, name, slots)
     floats = sim.systems[name].floats[:, slots].astype(np.float64)
-    carried = floats[6] * np.linalg.norm(floats[3:6], axis=0)
+    speed, light = np.linalg.norm(floats[3:6], axis=0), sim[name].scheme.light
+    carried = floats[6] * speed / (np.sqrt(1 - (speed / light) ** 2) if light else 1.0)
     return {
         "energy": (part[12:].sum() + pairs, np.abs(part[12:]).sum() + abs(pairs)),
         "momentum": (part[3:6], carried.sum()),

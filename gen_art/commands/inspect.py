@@ -17,7 +17,7 @@ __all__ = ["command"]
 def command(preset, size, scale, precision, as_json, seed, settings, fps, duration, plugins):
     """Say what PRESET comes to.
 
-    Frames and steps, particles and memory, forces, and what should be conserved.
+    Frames and steps, particles and memory, forces, what should be conserved, and what does not suit it.
     """
     piece, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     from gen_art.output.job import picture_size
@@ -37,12 +37,14 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
         click.echo(
             f"\n{name}: {system['integrator']}, {system['born']:,} born, at most about {system['peak']:,} at once"
         )
-        for label in ("forces", "interactions", "medium", "emitters"):
+        for label in ("forces", "interactions", "colliders", "medium", "emitters"):
             if system[label]:
                 click.echo(f"  {label:13} {', '.join(system[label])}")
         click.echo(f"  {'should hold':13} {', '.join(system['should_hold']) or 'nothing by itself'}")
         for quantity, reason in system["booked"].items():
             click.echo(f"  {'in the ledger':13} {quantity}: {reason}")
+    for sentence in facts["advice"]:
+        click.echo(f"\nwarning: {sentence}")
     from gen_art.preset.estimate import megabytes
 
     state, still, film = (megabytes(memory[key]) for key in ("state", "still", "film"))
@@ -51,7 +53,8 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
 
 
 def _facts(piece, size, precision) -> dict:
-    from gen_art.invariants import forces_of, invariants
+    from gen_art.advice import advice, step_advice
+    from gen_art.invariants import colliders_of, forces_of, invariants
     from gen_art.output.formats import CODECS
     from gen_art.preset.estimate import estimate
 
@@ -66,6 +69,7 @@ def _facts(piece, size, precision) -> dict:
             "bytes": _count(expected.bytes[name]),
             "forces": [repr(force) for force in forces_of(piece, system)],
             "interactions": [repr(one) for one in system.interactions],
+            "colliders": [repr(one) for one in colliders_of(piece, system)],
             "medium": [repr(term) for term in (system.medium or piece.medium).terms],
             "emitters": list(system.emitters),
             "should_hold": holds,
@@ -91,6 +95,7 @@ def _facts(piece, size, precision) -> dict:
             "film": _count(expected.process(size, CODECS["h264"].memory)),
         },
         "systems": systems,
+        "advice": [*advice(piece), *step_advice(piece)],
     }
 
 

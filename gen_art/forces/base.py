@@ -6,7 +6,7 @@ from gen_art.errors import UsageError
 from gen_art.registry import Parametric, Registry
 from gen_art.runtime import ti
 
-__all__ = ["FORCES", "Force", "burns", "force", "pushes", "term_acceleration", "term_mass_rate"]
+__all__ = ["FORCES", "Force", "burns", "force", "is_steady", "pushes", "term_acceleration", "term_mass_rate"]
 
 FORCES = Registry("force")
 force = FORCES  # as a decorator: @ga.force("swirl")
@@ -28,7 +28,9 @@ class Force(Parametric):
 
     Flags, which the ledger and `inspect` read: `conservative` (has a time-independent potential), `reciprocal`,
     `dissipative`, `does_work`. `repeat` names an int parameter: the term is summed for q.index in 0 .. q.<repeat> - 1.
-    `depends_on_velocity` tells the integrators that a plain kick loses an order. `reads_medium` gives `p.flow` (3,) m/s,
+    `depends_on_velocity` tells the integrators that a plain kick loses an order. `steady`: its vectors, and the rates of its
+    damping, depend on neither time, age nor velocity, as those of a conservative force do not; leapfrog then keeps what its
+    last kick found for the next step's first, where nothing has moved. `reads_medium` gives `p.flow` (3,) m/s,
     the velocity of the system's medium where the particle is.
     """
 
@@ -38,6 +40,7 @@ class Force(Parametric):
     dissipative: ClassVar[bool] = False
     does_work: ClassVar[bool] = True
     depends_on_velocity: ClassVar[bool] = False
+    steady: ClassVar[bool] = False
     reads_medium: ClassVar[bool] = False
     quadratic_damping: ClassVar[bool] = True  # False where the second number of `damping` is always 0
 
@@ -94,6 +97,11 @@ def term_mass_rate(term: ti.template(), p, t, q):
     else:
         rate = term.mass_loss(p, t, q)
     return rate
+
+
+def is_steady(term) -> bool:
+    """Whether a term gives the same vectors again where a particle has not moved."""
+    return (term.steady or term.conservative) and not term.depends_on_velocity
 
 
 def burns(term) -> bool:

@@ -19,6 +19,7 @@ class Drag(Force):
     Dissipative. Source: Landau & Lifshitz, Fluid Mechanics, sections 20 and 45.
     """
 
+    steady = True
     linear: float = param(0.0, unit="kg/s", min=0)
     quadratic: float = param(0.0, unit="kg/m", min=0)
     medium: object = param(None)
@@ -49,6 +50,7 @@ class Damping(Force):
     rate : 1/s, >= 0.     medium : a ga.Medium, the system's when left out.  Dissipative.
     """
 
+    steady = True
     rate: float = param(1.0, unit="1/s", min=0)
     medium: object = param(None)
     dissipative = True

@@ -15,6 +15,7 @@ class Vortex(Force):
     Source: Kaufmann (Scully) vortex, Saffman, Vortex Dynamics.
     """
 
+    steady = True
     center: tuple = param((0.0, 0.0, 0.0), unit="m")
     axis: tuple = param((0.0, 1.0, 0.0))
     circulation: float = param(1.0, unit="m^2/s")
@@ -40,6 +41,7 @@ class Aperture(Force):
     Source: Lamb, Hydrodynamics, section 108.
     """
 
+    steady = True
     speed: float = param(1.0, unit="m/s")
     radius: float = param(1.0, unit="m", min=1e-30)
     center: tuple = param((0.0, 0.0, 0.0), unit="m")

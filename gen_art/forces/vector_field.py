@@ -14,6 +14,7 @@ __all__ = ["Sampled", "VectorField"]
 class Sampled(Force):
     """What forces of a grid have in common: the data, where they lie, and the trilinear blend."""
 
+    steady = True
     field: object = param(kind="file", doc="a .npy file (nx, ny, nz, 3), a picture, or an array")
     bounds: object = param(
         ((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)), unit="m", doc="the corners where the first and last vectors are"

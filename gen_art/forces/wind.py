@@ -14,6 +14,7 @@ class Wind(Force):
     velocity : (3,) m/s. Meant for `medium:`; as a force it is a uniform acceleration in m/s^2 without a potential.
     """
 
+    steady = True
     velocity: tuple = param((0.0, 0.0, 0.0), unit="m/s", doc="velocity of the medium")
 
     @ti.func

@@ -2,6 +2,8 @@
 
 It repeats the step of kernels.py on local copies, with the same functions and so the same bits, and stores no state: work
 m a.(v0 + v1)/2 h of each push (stage weights in Runge-Kutta), what drag takes and what its medium gives, all impulses.
+With a speed of light the momentum is m u, u = gamma v, and a push works at (u0 + u1) / (gamma0 + gamma1): the change of
+(gamma - 1) m c^2 is exactly m (u1 - u0) times it.
 """
 
 from functools import cache
@@ -13,6 +15,7 @@ from gen_art.integrators.books import BOOKS, note
 from gen_art.integrators.burning import book_exhaust, burn
 from gen_art.integrators.contact import collide
 from gen_art.integrators.kernels import BLOCK, advance_stage, drift, recall
+from gen_art.integrators.pushers import gamma_at
 from gen_art.integrators.terms import (
     WIDTH,
     Terms,
@@ -38,7 +41,7 @@ __all__ = ["BOOKS", "make_booking"]
 def _book(
     terms: ti.template(), B: ti.template(), b, L: ti.template(), X: ti.template(), O: ti.template(),
     S: ti.template(), K: ti.template(), A: ti.template(), Q: ti.template(), i, n, tau, fraction, kicked: ti.template(),
-    C: ti.template(),
+    C: ti.template(), light,
 ):  # fmt: skip
     """Book a kick (kicked: old velocities in O, new in X) or a Runge-Kutta stage (slopes at X) over a fraction of the step."""
     for j in range(WIDTH):
@@ -58,6 +61,10 @@ def _book(
             )
             t = L.t[j] + tau * L.h[j]
             rest = m * (new - old)  # what the kick changed, less what the pushes account for, is the drag's
+            if ti.static(terms.relativistic):
+                g0, g1 = gamma_at(old, light), gamma_at(new, light)
+                mean = (old * g0 + new * g1) / (g0 + g1)
+                rest = m * (new * g1 - old * g0)
             for k in ti.static(range(terms.pairs)):
                 a = ti.Vector([A[3 * k, i + j], A[3 * k + 1, i + j], A[3 * k + 2, i + j]])
                 impulse = a * (m * h)
@@ -81,10 +88,10 @@ def _book(
                 for repeat in range(repeats(Q, count)):
                     field = force.magnetic(p, t, parameters(Q, force, offset, repeat))
                     impulse = mean.cross(field) * (S[7, i + j] * h)
-                    if ti.static(terms.only_magnetic and kicked):
-                        impulse = rest
                     rest -= impulse
                     note(B, b, row, 0.0, 0.0, impulse)
+            if ti.static(terms.turns_alone and kicked):  # what the pusher turns otherwise than each field by itself
+                note(B, b, terms.magnetics[0][3], 0.0, 0.0, rest)
             if ti.static(len(terms.dampings) > 0):
                 total = h * 0.0
                 pull = ti.Vector([0.0, 0.0, 0.0])
@@ -181,14 +188,32 @@ def make_booking(
                                 Y.v0[j], Y.v1[j], Y.v2[j] = X.v0[j], X.v1[j], X.v2[j]
                             accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
                             kick(terms, L, X, S, i, P[1 + 3 * g], P[P.shape[0] - 1])
-                            _book(terms, B, b, L, X, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], True, C)
+                            _book(
+                                terms,
+                                B,
+                                b,
+                                L,
+                                X,
+                                Y,
+                                S,
+                                K,
+                                A,
+                                Q,
+                                i,
+                                n,
+                                P[2 + 3 * g],
+                                P[1 + 3 * g],
+                                True,
+                                C,
+                                P[P.shape[0] - 1],
+                            )
                             flight(terms, B, b, L, X, S, K, Q, i, n, P[2 + 3 * g], P[3 + 3 * g])
                     else:
                         if stage0 > 0:
                             recall(Y, Z, R, i)
                         for g in range(ti.max(stage0, 0), stage1):
                             accumulate(terms, L, Y, S, K, A, Q, i, P[2 + 3 * g])
-                            _book(terms, B, b, L, Y, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], False, C)
+                            _book(terms, B, b, L, Y, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], False, C, 0.0)
                             if ti.static(len(terms.burners) > 0):
                                 book_exhaust(terms, B, b, L, Y, S, K, Q, i, n, P[2 + 3 * g], P[1 + 3 * g])
                             advance_stage(terms, L, X, Y, Z, S, i, P[1 + 3 * g], P[3 + 3 * g])

@@ -82,6 +82,8 @@ def _splitting(terms: Terms, resumes: bool, real):
                     G = tile(terms.start)  # the state at the start of the step, where there are colliders
                     L = tile(names)
                     load(X, S, i)
+                    # nothing moves between a step's last kick and the next one's first
+                    still = P[0] == 0.0 and P[P.shape[0] - 2] == 0.0
                     for step in range(steps):
                         lifespan(L, S, birth, i, (first + ti.cast(step, ti.f64)) * dt, dt, earliest, real)
                         if ti.static(len(terms.burners) > 0):
@@ -91,7 +93,11 @@ def _splitting(terms: Terms, resumes: bool, real):
                         if stage0 < 0:
                             drift(L, X, P[0])
                         for g in range(ti.max(stage0, 0), stage1):
-                            accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
+                            if ti.static(terms.kept):
+                                if step == 0 or g > 0 or not still:
+                                    accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
+                            else:
+                                accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
                             kick(terms, L, X, S, i, P[1 + 3 * g], P[P.shape[0] - 1])
                             drift(L, X, P[3 + 3 * g])
                         if ti.static(len(terms.walls) > 0):

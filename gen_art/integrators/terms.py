@@ -7,7 +7,7 @@ Each loop over lanes stands innermost, reads global memory and stores only to lo
 from gen_art.colliders.surface import make_surface
 from gen_art.composition import Composition
 from gen_art.elementary import phi
-from gen_art.forces.base import term_acceleration
+from gen_art.forces.base import is_steady, term_acceleration
 from gen_art.integrators.pushers import corrected, relativistic
 from gen_art.particles.fixed import is_fixed
 from gen_art.runtime import impl, make_matrix, ti
@@ -74,7 +74,12 @@ class Terms:
         self.worked = self.worked or any(wall[0].turns for wall in self.walls)
         self.quadratic = any(t.force.quadratic_damping for t in composition.dampings)
         self.count = len(composition.terms)
-        self.only_magnetic = len(self.magnetics) == 1 and not self.dampings
+        steady = all(
+            is_steady(t.force) for t in (*composition.terms, *(t for terms in composition.media for t in terms))
+        )
+        # what `accumulate` leaves in the tile holds for the next step too, where no position changes in between
+        self.kept = steady and not (self.magnetics or self.walls or self.burners)
+        self.turns_alone = bool(self.magnetics) and not self.dampings
         names = ["a0 a1 a2 g0 g1 g2 h age t"]
         names += [f"k{d} q{d}" for d in range(len(self.dampings))]
         names += [f"u{m}0 u{m}1 u{m}2" for m in range(len(self.media))]

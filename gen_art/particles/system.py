@@ -53,14 +53,14 @@ class ParticleSystem:
         look=None,
     ):
         self.colliders = list(colliders)
-        if self.colliders and speed_of_light:
-            raise UsageError("colliders bounce slow particles: leave out speed_of_light, or the colliders")
         self.forces, self.interactions = list(forces), list(interactions)
         for one in self.interactions:
             if not isinstance(one, Interaction):
                 raise UsageError(f"interactions must be such as ga.interactions.SelfGravity(...), not {one!r}")
         self.medium = medium or Medium()
-        self.scheme = charged(scheme(integrator), self.forces, speed_of_light, exact_gyration)
+        self.scheme = charged(
+            scheme(integrator), self.forces, speed_of_light, exact_gyration, self.interactions, self.colliders
+        )
         self.composition = Composition(self.forces, self.medium, self.colliders)
         self.emitters: list[Emission] = list(emitters)
         self.look = look

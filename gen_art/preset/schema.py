@@ -106,7 +106,14 @@ class System(Model):
     def _charged(self):
         from gen_art.integrators.schemes import charged, scheme
 
-        charged(scheme(self.integrator), self.forces, self.speed_of_light, self.exact_gyration)
+        charged(
+            scheme(self.integrator),
+            self.forces,
+            self.speed_of_light,
+            self.exact_gyration,
+            self.interactions,
+            self.colliders,
+        )
         return self
 
 

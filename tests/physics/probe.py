@@ -1,5 +1,6 @@
 """A force's vectors and potential at given states, straight from its own functions, for comparison with NumPy."""
 
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -28,17 +29,24 @@ def states(n: int = 64, seed: int = 1) -> SimpleNamespace:
 def probe(force, p, precision="f64", medium=None):
     """(acceleration (3, n), magnetic (3, n), damping (2, n), potential (n,)) of one force at the states p."""
     dtype = np.float64 if precision == "f64" else np.float32
-    real = runtime.DTYPES[precision]
     composition = Composition([force], medium or Medium())
-    terms = Terms(composition, (), 0)
     n = p.position.shape[1]
     S = np.zeros((10, n), dtype)
     S[0:3], S[3:6], S[6], S[7], S[8], S[9] = p.position, p.velocity, p.mass, p.charge, p.radius, np.inf
     out = np.zeros((9, n), dtype)
-    term = composition.terms[0]
+    count = force.values[force.repeat] if force.repeat else 1
+    assert composition.terms[0].offset == 0 or medium is not None
+    _kernel(composition, precision)(S, p.key, p.age.astype(dtype), composition.numbers(dtype), p.time, out, count)
+    return out[:3], out[3:6], out[6:8], out[8]
+
+
+@cache
+def _kernel(composition, precision):
+    """One for each class and its choices: numbers are run-time data here as they are in the step."""
+    real, force = runtime.DTYPES[precision], composition.terms[0].force
+    terms = Terms(composition, (), 0)
     kinds = {k: force.provides(k) for k in ("acceleration", "force", "electric", "magnetic", "damping", "potential")}
     pushes = kinds["acceleration"] or kinds["force"] or kinds["electric"]
-    count = force.values[force.repeat] if force.repeat else 1
 
     @ti.kernel
     def kernel(
@@ -67,6 +75,4 @@ def probe(force, p, precision="f64", medium=None):
                     if ti.static(kinds["potential"]):
                         out[8, i] = force.potential(p, t, q)
 
-    assert term.offset == 0 or medium is not None
-    runtime.kernel(kernel, precision)(S, p.key, p.age.astype(dtype), composition.numbers(dtype), p.time, out, count)
-    return out[:3], out[3:6], out[6:8], out[8]
+    return runtime.kernel(kernel, precision)

@@ -5,9 +5,14 @@ import pytest
 
 import gen_art as ga
 from gen_art.forces import FORCES
+from gen_art.forces.base import is_steady
 from tests.physics.probe import probe, states
 from tests.physics.references import CASES
 
+UNSEEN = {  # a longer axis, a place along a symmetry, a radius of 0, a limit not reached
+    "aperture": {"axis[2]"}, "height_gravity": {"point[0]"}, "magnetic_loop": {"core"}, "magnetic_mirror": {"axis[1]"},
+    "thrust": {"dry_mass"}, "vortex": {"axis[1]", "center[1]"},
+}  # fmt: skip
 BUILT_IN = sorted(n for n in FORCES if FORCES[n].__module__.startswith("gen_art."))
 
 
@@ -28,6 +33,38 @@ def test_formula(name):
     # the mutants: a wrong sign and a wrong factor are caught
     assert np.abs(-found - expected).max() > 1e3 * tolerance * scale
     assert np.abs(1.0001 * found - expected).max() > tolerance * scale
+
+
+def mutants(force):
+    """A force's values with one number a per cent off, for every number it has."""
+    for key, parameter in type(force).parameters.items():
+        value = force.values[key]
+        if value is None or parameter.kind not in ("float", "int", "vector", "range"):
+            continue
+        for at in range(np.size(value)):
+            if parameter.kind in ("float", "int"):
+                yield key, {**force.values, key: value + 1 if parameter.kind == "int" else 1.01 * value}
+            else:  # a component: a direction or a place that leans, a vector that grows
+                yield (
+                    f"{key}[{at}]",
+                    {
+                        **force.values,
+                        key: tuple(c + 0.05 * (max(map(abs, value)) or 1) * (k == at) for k, c in enumerate(value)),
+                    },
+                )
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_a_wrong_number_fails_the_formula(name):
+    """The mutants: every number of every force is in the vectors that test_formula compares."""
+    force, what, _ = CASES[name]
+    p, unseen = states(), set()
+    index = {"push": 0, "noise": 0, "magnetic": 1, "damping": 2}[what]
+    right = probe(force, p)[index]
+    for key, values in mutants(force):
+        if np.abs(probe(type(force)(**values), p)[index] - right).max() <= 1e-6 * np.abs(right).max():
+            unseen.add(key)
+    assert unseen == UNSEEN.get(name, set())
 
 
 @pytest.mark.parametrize("name", BUILT_IN)
@@ -95,3 +132,12 @@ def test_reading_a_parameter_in_a_kernel_says_what_to_write():
 def test_drag_by_cd_needs_a_density():
     with pytest.raises(ga.UsageError, match="density"):
         ga.ParticleSystem(position=np.zeros((1, 3)), forces=[ga.forces.Drag(cd=0.5)])
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_a_steady_force_knows_neither_time_nor_age_nor_velocity(name):
+    force = CASES[name][0]
+    p, later = states(), states()
+    later.time, later.age, later.velocity = 1.9, later.age + 0.4, 2 * later.velocity
+    same = all(np.array_equal(a, b) for a, b in zip(probe(force, p), probe(force, later)))
+    assert is_steady(force) == (same and not force.provides("magnetic"))

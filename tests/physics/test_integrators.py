@@ -1,12 +1,15 @@
 """The order of every integrator, reversibility, and what a wrong one would do."""
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import gen_art as ga
 from gen_art.integrators import INTEGRATORS
+from gen_art.integrators.schemes import reach
 
 SYMPLECTIC = ["semi_implicit_euler", "position_verlet", "velocity_verlet", "leapfrog", "yoshida4"]
 
@@ -130,3 +133,86 @@ def test_symplectic_energy_error_stays_bounded_and_eulers_grows():
 def test_unknown_integrator_names_the_nearest():
     with pytest.raises(ga.UsageError, match="did you mean 'leapfrog'"):
         ga.ParticleSystem(position=np.zeros((1, 3)), integrator="leapfrg")
+
+
+class Stuck(ga.forces.Driver):
+    """A driver that claims to be steady: x = A cos(2 pi f t)."""
+
+    steady = True
+
+
+def digests(forces, **more):
+    """After 32 steps in one launch, one by one, and with the ledger, which takes them one by one too."""
+    r = np.random.default_rng(0)
+    start = {"position": r.normal(size=(60, 3)), "velocity": r.normal(size=(60, 3)), "forces": forces, **more}
+    found = []
+    for batch, ledger in ((32, False), (1, False), (32, True)):
+        sim = ga.Simulation({"s": ga.ParticleSystem(**start)}, dt=0.01, ledger=ledger)
+        for _ in range(32 // batch):
+            sim.step(batch)
+        found.append(sim.digest())
+    return found
+
+
+@pytest.mark.parametrize("integrator", ["leapfrog", "position_verlet", "semi_implicit_euler"])
+def test_what_leapfrog_keeps_from_step_to_step_changes_no_bit(integrator):
+    forces = [ga.forces.Spring(stiffness=3.0), ga.forces.PointGravity(GM=1.0, softening=0.1), ga.forces.Drag(0.1, 0.2)]
+    flow = ga.Medium(field=ga.forces.Vortex(circulation=3.0))
+    assert len(set(digests(forces, medium=flow, integrator=integrator))) == 1
+
+
+def test_a_force_that_is_not_steady_is_not_kept():
+    assert len(set(digests([ga.forces.Driver(1.0, 2.0)]))) == 1
+    assert len(set(digests([Stuck(1.0, 2.0)]))) == 2  # the mutant
+
+
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "integrators.md").read_text(encoding="utf-8")
+TABLE = {cells[0].strip("`"): cells[1:] for cells in (
+    [cell.strip() for cell in line.strip("|").split("|")] for line in PAGE.splitlines() if line.startswith("| `")
+)}  # fmt: skip
+LIGHT = 2.0
+
+
+def test_the_page_says_what_the_integrators_are():
+    assert list(TABLE) == list(INTEGRATORS)
+    for name, (order, measured, evaluations, _, _, stable, use) in TABLE.items():
+        used = INTEGRATORS[name]
+        assert int(order) == used.order and float(measured) == pytest.approx(used.order, abs=0.1)
+        assert int(evaluations.split()[0]) == len(used.stages)
+        assert stable == ("never" if name in ("euler", "rk2") else f"{reach(used):.3g}") and len(use.split()) > 2
+    for picture in re.findall(r"\((images/[^)]+)\)", PAGE):
+        assert 10_000 < (Path(__file__).resolve().parents[2] / "docs" / picture).stat().st_size < 150_000
+
+
+def step(name, x, u, steps=1, sign=1.0):
+    """Steps of 0.2 in a field that varies, from momenta per mass u to those at the end; with a speed of light for pushers."""
+    pusher = bool(INTEGRATORS[name].pusher)
+    light = LIGHT if pusher else None
+    forces = [ga.forces.CentralForce((0.1, 0.2, -0.3), 1.7, -1.5, 0.4)]
+    forces += [ga.forces.MagneticMirror(1.3 * sign, 1.5)] if pusher else [ga.forces.HeightGravity(1.0, 2.0, (0, -3, 0))]
+    v = u / np.sqrt(1 + (u**2).sum(1, keepdims=True) / LIGHT**2) if pusher else u
+    system = ga.ParticleSystem(
+        position=x, velocity=v, charge=1.0, forces=forces, integrator=name, speed_of_light=light
+    )  # fmt: skip
+    sim = ga.Simulation({"s": system}, dt=0.2, precision="f64")
+    sim.step(steps)
+    v = sim["s"].velocity
+    return sim["s"].position, v / np.sqrt(1 - (v**2).sum(1, keepdims=True) / LIGHT**2) if pusher else v
+
+
+@pytest.mark.parametrize("name", INTEGRATORS)
+def test_reversible_and_symplectic_are_as_the_page_says(name):
+    """Back after turning round, to round-off; M^T J M = J, or det M = 1, of the step's Jacobian M by differences."""
+    symplectic, reversible = TABLE[name][3:5]
+    x, u = np.array([[0.6, -0.4, 0.7]]), np.array([[0.9, 0.5, -0.8]])
+    there, fast = step(name, x, u, 10)
+    back, _ = step(name, there, -fast, 10, -1.0)
+    assert (np.abs(back - x).max() <= 1e-12) == (reversible == "yes")
+    h = 1e-4
+    moved = np.concatenate([np.eye(6), -np.eye(6)]) * h
+    X, U = step(name, x + moved[:, :3], u + moved[:, 3:])
+    ends = np.concatenate([X, U], 1)
+    M = ((ends[:6] - ends[6:]) / (2 * h)).T
+    J = np.block([[np.zeros((3, 3)), np.eye(3)], [-np.eye(3), np.zeros((3, 3))]])
+    assert (np.abs(M.T @ J @ M - J).max() <= 1e-6) == (symplectic == "yes")
+    assert (abs(np.linalg.det(M) - 1) <= 1e-6) == (symplectic != "no")

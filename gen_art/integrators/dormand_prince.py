@@ -1,0 +1,91 @@
+"""Dormand and Prince's Runge-Kutta pair of orders 5 and 4: its numbers, its control of the step, and the kernel of slopes.
+
+The step is carried on with the fifth order; the difference of both is the estimate of the error. The seventh slope is the
+next step's first. Source: Dormand & Prince (1980), J. Comput. Appl. Math. 6, 19; Hairer, Norsett & Wanner, Solving Ordinary
+Differential Equations I, sections II.4 (step size) and II.5 (the pair).
+"""
+
+from functools import cache
+
+import numpy as np
+
+from gen_art import runtime
+from gen_art.composition import Composition
+from gen_art.integrators.burning import burn, lighten
+from gen_art.integrators.kernels import BLOCK, advance_stage
+from gen_art.integrators.terms import WIDTH, Terms, accumulate, lifespan, load, tile
+from gen_art.runtime import ti
+
+__all__ = ["ERROR", "STAGES", "TIMES", "first_step", "make_slopes", "next_step"]
+
+TIMES = (0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0)
+STAGES = (  # the weights of the slopes so far in each stage's state; those of the last are the step's
+    (),
+    (1 / 5,),
+    (3 / 40, 9 / 40),
+    (44 / 45, -56 / 15, 32 / 9),
+    (19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729),
+    (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
+    (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84),
+)
+ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)  # fifth order less fourth
+
+_SAFETY, _LEAST, _MOST = 0.9, 0.2, 10.0
+_DAMPING = 0.04  # of the proportional-integral control
+
+
+def next_step(error: float, before: float, rejected: bool) -> float:
+    """The factor from one step to the next, by its error and the last accepted one's, both relative to the tolerance."""
+    if not error < np.inf:
+        return _LEAST
+    factor = _SAFETY * max(error, 1e-10) ** -(0.2 - 0.75 * _DAMPING) * max(before, 1e-4) ** _DAMPING
+    return float(np.clip(factor, _LEAST, 1.0 if rejected else _MOST))
+
+
+def first_step(slope: float, change: float, guess: float) -> float:
+    """A first step, from the size of the slope and its change over the step `guess`."""
+    largest = max(slope, change)
+    step = max(1e-6 * guess, guess * 1e-3) if largest <= 1e-15 else (0.01 / largest) ** 0.2
+    return min(100 * guess, step)
+
+
+@cache
+def make_slopes(composition: Composition, pairs: int, channels: tuple, precision: str):
+    """slopes(S, birth, K, A, Y, Q, out, n, first, dt, tau, last): d(x, v) / d tau of each lane, tau its own step from 0 to 1.
+
+    As make_step's kernel: S is the state at the start of the step, Y (6, capacity) the state at tau, out (6, capacity).
+    `last`: take what burnt in the step off the masses in S.
+    """
+    real = runtime.DTYPES[precision]
+    matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
+    terms = Terms(composition, channels, pairs)
+    names = terms.vectors
+
+    @ti.kernel
+    def slopes(
+        S: matrix, birth: ti.types.ndarray(ti.f64, 1), K: ti.types.ndarray(ti.u32, 2), A: matrix, Y: matrix, Q: vector,
+        out: matrix, n: ti.i32, first: ti.f64, dt: ti.f64, tau: real, last: ti.i32,
+    ):  # fmt: skip
+        ti.loop_config(block_dim=1)
+        for b in range((n + BLOCK - 1) // BLOCK):
+            for s in range(BLOCK // WIDTH):
+                i = b * BLOCK + s * WIDTH
+                if i < n:
+                    X = tile("x0 x1 x2 v0 v1 v2")
+                    Z = tile("x0 x1 x2 v0 v1 v2")
+                    L = tile(names)
+                    load(X, S, i)
+                    lifespan(L, S, birth, i, first * dt, dt, 0.0, real)
+                    if ti.static(len(terms.burners) > 0):
+                        burn(terms, L, X, S, K, Q, i)
+                    load(X, Y, i)
+                    accumulate(terms, L, X, S, K, A, Q, i, tau)
+                    advance_stage(terms, L, X, X, Z, S, i, 1.0, 0.0)
+                    for j in range(WIDTH):
+                        out[0, i + j], out[1, i + j], out[2, i + j] = Z.x0[j], Z.x1[j], Z.x2[j]
+                        out[3, i + j], out[4, i + j], out[5, i + j] = Z.v0[j], Z.v1[j], Z.v2[j]
+                    if ti.static(len(terms.burners) > 0):
+                        if last != 0:
+                            lighten(L, S, i, n)
+
+    return runtime.kernel(slopes, precision)
