@@ -98,6 +98,14 @@ class Controlled(Force):
             columns.append(column)
         self._table = np.concatenate([[len(table["time"])], table["time"], *columns])
 
+    @property
+    def steady(self) -> bool:  # type: ignore[override]  # of the instance: only a table changes with time
+        return self.values["controls"] is None
+
+    @property
+    def fixed(self) -> tuple:
+        return (*super().fixed, self.steady)
+
     def table(self) -> np.ndarray:
         return self._table
 
