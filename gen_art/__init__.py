@@ -2,7 +2,7 @@
 
 import importlib
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 # public name -> module that holds it (or None: the name is a module of this package); loaded when first used, so that
 # `gen-art --help` does not wait for the compiler
