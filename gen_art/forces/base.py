@@ -42,6 +42,7 @@ class Force(Parametric):
     depends_on_velocity: ClassVar[bool] = False
     steady: ClassVar[bool] = False
     reads_medium: ClassVar[bool] = False
+    drags_on_mass: ClassVar[bool] = False  # True where the rates of `damping` are divided by the mass
     quadratic_damping: ClassVar[bool] = True  # False where the second number of `damping` is always 0
 
     def __init_subclass__(cls, **kwargs):
@@ -63,7 +64,13 @@ class Force(Parametric):
         return (type(self), values)
 
     def check_mass(self, lightest: float) -> None:
-        """Hook: UsageError if the lightest particle of a system, in kg, is too light for this force."""
+        """UsageError if the lightest particle of a system, in kg, is too light for this force."""
+        in_newtons = self.drags_on_mass or any(self.provides(k) for k in ("force", "electric", "magnetic"))
+        if lightest <= 0 and in_newtons:
+            raise UsageError(
+                f"{self.name or type(self).__name__} acts with a force, and a particle without mass has no acceleration from one: "
+                "give it a mass above 0"
+            )
 
     def bound_numbers(self, medium) -> list[float]:
         """The run-time numbers, once the medium the particle moves in is known."""

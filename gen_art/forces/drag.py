@@ -20,6 +20,7 @@ class Drag(Force):
     """
 
     steady = True
+    drags_on_mass = True
     linear: float = param(0.0, unit="kg/s", min=0)
     quadratic: float = param(0.0, unit="kg/m", min=0)
     medium: object = param(None)

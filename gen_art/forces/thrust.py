@@ -32,6 +32,7 @@ class Thrust(Force):
             raise UsageError("Thrust: direction must not be the null vector")
 
     def check_mass(self, lightest: float):
+        super().check_mass(lightest)
         burnt, dry = self.values["mass_rate"] * self.values["duration"], self.values["dry_mass"]
         if burnt > 0.0 and not (lightest - burnt >= dry and lightest > burnt):
             left = f"leaves less than its dry mass of {dry:g} kg" if dry else "would leave nothing"

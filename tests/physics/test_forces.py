@@ -125,6 +125,19 @@ def test_exponent_minus_one_has_a_logarithmic_potential():
     assert np.allclose(U, p.mass * 2.0 * np.log(s), rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_a_particle_without_mass_is_refused_or_has_an_acceleration(name):
+    force, p = CASES[name][0], states()
+    try:
+        force.check_mass(0.0)
+    except ga.UsageError as error:
+        assert "mass" in str(error)
+        return
+    p.mass = 0.0 * p.mass
+    with np.errstate(all="ignore"):
+        assert all(np.isfinite(part).all() for part in probe(force, p)[:3])
+
+
 def test_reading_a_parameter_in_a_kernel_says_what_to_write():
     with pytest.raises(AttributeError, match=r"write q\.field"):
         _ = ga.forces.Gravity().field
