@@ -95,6 +95,7 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
             log_level=ti.ERROR,
             cpu_max_num_threads=count,
             make_cpu_multithreading_loop=False,  # blocks are handed out dynamically: uneven work is balanced
+            cfg_optimization=False,  # nine tenths of compiling, for what LLVM does again: the same bits at the same speed
             fast_math=False,  # keeps every particle's arithmetic the same in every lane and in every kernel
             offline_cache=_share_cache(folder),
             offline_cache_file_path=str(folder),
