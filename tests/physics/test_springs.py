@@ -37,7 +37,7 @@ def test_forces_energy_and_reaction(precision, tolerance, method):
     x, v, m, pairs, rest = web()
     a, energy = pulls(x, v, m, pairs, rest, 3.0, 0.4)
     h = 1e-8 if precision == "f64" else 1e-3
-    springs = Springs(3.0, 0.4, method, pairs, rest)
+    springs = Springs(pairs, 3.0, rest, 0.4, method)
     system = ga.ParticleSystem(
         position=x, velocity=v, mass=m, interactions=[springs], integrator="semi_implicit_euler"
     )  # fmt: skip
@@ -81,7 +81,7 @@ def test_energy_momentum_and_the_ledger():
 
     def account(dt, damping):
         system = ga.ParticleSystem(
-            position=x, velocity=v, mass=m, interactions=[Springs(3.0, damping, "explicit", pairs, rest)],
+            position=x, velocity=v, mass=m, interactions=[Springs(pairs, 3.0, rest, damping)],
             integrator="leapfrog",
         )  # fmt: skip
         sim = ga.Simulation({"s": system}, dt=dt, precision="f64", ledger=True)
@@ -148,7 +148,7 @@ def test_implicit_momentum_and_ledger():
     """Free springs far beyond the explicit limit: momentum to round-off, energy only ever lost, and the pins' pull booked."""
     x, v, m, pairs, rest = web()
     system = ga.ParticleSystem(
-        position=x, velocity=v, mass=m, interactions=[Springs(1e5, 5.0, "implicit", pairs, rest)], integrator="semi_implicit_euler"
+        position=x, velocity=v, mass=m, interactions=[Springs(pairs, 1e5, rest, 5.0, "implicit")], integrator="semi_implicit_euler"
     )  # fmt: skip
     sim = ga.Simulation({"s": system}, dt=0.05, precision="f64", ledger=True)
     start = sim.diagnostics()
@@ -243,11 +243,11 @@ def test_snapshots_keep_nets(tmp_path):
 @pytest.mark.parametrize(
     "make,sentence",
     [
-        (lambda: Springs(1.0, pairs=[[0, 0]]), "joins particle 0 to itself"),
-        (lambda: Springs(1.0, pairs=[[0, 1], [1, 0]]), "contradict each other: particles 0 and 1"),
-        (lambda: Springs(1.0, pairs=[[0, 1]], rest_length=[1, 2]), "rest_length must be one number or 1 of them"),
-        (lambda: Springs(1.0, pairs=[0, 1]), r"shape \(m, 2\)"),
-        (lambda: Springs(1.0, rest_length=2.0), "go with pairs"),
+        (lambda: Springs(stiffness=1.0, pairs=[[0, 0]]), "joins particle 0 to itself"),
+        (lambda: Springs(stiffness=1.0, pairs=[[0, 1], [1, 0]]), "contradict each other: particles 0 and 1"),
+        (lambda: Springs(stiffness=1.0, pairs=[[0, 1]], rest_length=[1, 2]), "rest_length must be one number or 1 of them"),
+        (lambda: Springs(stiffness=1.0, pairs=[0, 1]), r"shape \(m, 2\)"),
+        (lambda: Springs(stiffness=1.0, rest_length=2.0), "go with pairs"),
         (lambda: ga.rope((0, 0, 0), (1, 0, 0), 5, 0.9), "does not reach over 1 m"),
         (lambda: ga.chain((0, 0, 0), (1, 0, 0), 1), "at least 2 points"),
         (lambda: ga.cloth((0, 0, 0), (1, 0, 0), (0, 1, 0), 1, 4), "at least 2 columns"),
@@ -262,10 +262,10 @@ def test_bad_nets(make, sentence):
 @pytest.mark.parametrize(
     "wanted,sentence",
     [
-        (dict(interactions=[Springs(1.0, pairs=[[0, 7]])]), r"names particle 7, but 's' begins with 3 \(0 to 2\)"),
-        (dict(interactions=[Springs(1.0)]), "'s' has none; give pairs"),
-        (dict(interactions=[Springs(1.0, pairs=[[0, 1]])], mass=0.0), "particle 0 of 's' has no mass"),
-        (dict(interactions=[Springs(1.0, 0, "implicit", [[0, 1]])], integrator="rk4"), "give 's' that integrator"),
+        (dict(interactions=[Springs(stiffness=1.0, pairs=[[0, 7]])]), r"names particle 7, but 's' begins with 3 \(0 to 2\)"),
+        (dict(interactions=[Springs()]), "'s' has none; give pairs"),
+        (dict(interactions=[Springs(stiffness=1.0, pairs=[[0, 1]])], mass=0.0), "particle 0 of 's' has no mass"),
+        (dict(interactions=[Springs([[0, 1]], method="implicit")], integrator="rk4"), "give 's' that integrator"),
         (dict(fixed=[5]), "fixed must be indices from 0 to 2"),
         (dict(fixed=[1], velocity=np.ones((3, 3))), "fixed particles do not move"),
     ],
