@@ -78,7 +78,10 @@ def restore(path):
                 for column in _COLUMNS
             }
             memories = {
-                name: [{key: _read(archive, f"{name}/{k}.{key}.npy") for key in keys} for k, keys in enumerate(entry["memory"])]
+                name: [
+                    {key: _read(archive, f"{name}/{k}.{key}.npy") for key in keys}
+                    for k, keys in enumerate(entry["memory"])
+                ]
                 for name, entry in head["systems"].items()
             }
     except OSError as error:

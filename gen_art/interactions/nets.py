@@ -75,8 +75,8 @@ def _string(start, end, count, length, bend) -> Net:
 def cloth(corner, across, down, columns: int, rows: int, shear: float = 0.5, bend: float = 0.1) -> Net:
     """A sheet of columns x rows points over the parallelogram corner + across + down ((3,) m), point k = row columns + column.
 
-    Springs along both threads (share 1), along both diagonals of each mesh (shear) and over every other point (bend); listed head to
-    tail along straight lines, the stiffest last, as method "xpbd" takes them.
+    Springs along both threads (share 1), along both diagonals of each mesh (shear) and over every other point (bend);
+    listed head to tail along straight lines, the stiffest last, as method "xpbd" takes them.
     """
     if columns < 2 or rows < 2:
         raise UsageError(f"a cloth needs at least 2 columns and 2 rows, not {columns} x {rows}")

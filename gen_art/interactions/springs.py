@@ -25,14 +25,15 @@ class Springs(Interaction):
     F_i = (k (l - rest_length) + c w) n,  n = (x_j - x_i) / l,  l = abs(x_j - x_i),  w = (v_j - v_i).n
     U = sum k (l - rest_length)^2 / 2,  k = share stiffness,  c = share damping
 
-    pairs : (m, 2) ids of particles, in order of birth from 0     stiffness : N/m, >= 0     rest_length : m, each or all; their
-    distance at the start when left out     damping : N s/m, >= 0     share : each spring's part of the stiffness and damping
-    method : "explicit" with any integrator, stable for w dt < 2; with semi_implicit_euler, stable at any step, "implicit", which is
-    backward Euler for the whole net, or "xpbd", one sweep a step over the threads of the net, each backward Euler along itself: far
-    quicker, and exact for ropes and for what hangs by its threads; elsewhere a step of 1/300 s and a tether keep a net from stretching
+    pairs : (m, 2) ids of particles, in order of birth from 0     stiffness : N/m, >= 0     damping : N s/m, >= 0
+    rest_length : m, each or all; their distance at the start when left out     share : each spring's part of stiffness and damping
+    method : "explicit" with any integrator, stable for w dt < 2; or, with semi_implicit_euler and stable far beyond that, "implicit",
+    which is backward Euler for the whole net, or "xpbd", sweeps over the threads of the net, each backward Euler along itself: much
+    quicker, exact for ropes and for what hangs by its threads; elsewhere short steps and a tether keep a large net from stretching
     tear : strain beyond which a spring breaks for good; its energy is booked as dissipated
     tether : with xpbd, the strain at most of the shortest way along springs to each group of fixed particles
-    A spring goes when one of its ends dies. Fixed particles pull and stay. Conservative but for damping and tearing, and reciprocal.
+    sweeps : of xpbd in a step; 1 does where steps are short, and no stiffness depends on it
+    A spring goes when one of its ends dies. Fixed particles pull and stay. Reciprocal; conservative but for damping and tearing.
     Sources: Baraff & Witkin (1998); Macklin et al., Small Steps in Physics Simulation (2019).
     """
 
@@ -44,6 +45,7 @@ class Springs(Interaction):
     share: object = param(None)
     tear: float = param(None, min=0, doc="strain beyond which a spring breaks; none does when left out")
     tether: float = param(None, min=0, doc="largest strain of the way to fixed particles; none when left out")
+    sweeps: int = param(2, min=1, max=100)
 
     def prepare(self):
         values, self._torn = self.values, np.zeros(0, bool)
@@ -113,7 +115,7 @@ class Springs(Interaction):
         if self.implicit:
             if system.scheme.name != "semi_implicit_euler":
                 raise UsageError(
-                    f"springs: method '{self.values['method']}' is a backward Euler step and goes with the kick of semi_implicit_euler; "
+                    f"springs: method '{self.values['method']}' is a backward Euler step beside the kick of semi_implicit_euler; "
                     f"give '{system.name}' that integrator, or method 'explicit' with {system.scheme.name}"
                 )
             return
@@ -190,7 +192,7 @@ class Springs(Interaction):
             return
         from gen_art.interactions import tethers, xpbd
 
-        xpbd.sweep(state.floats, state.count, self._threads, dt, precision)
+        xpbd.sweep(state.floats, state.count, self._threads, dt, precision, self.values["sweeps"])
         if self._tethers:
             tethers.hold(state.floats, state.count, self._tethers, self.values["tether"], dt, precision)
 

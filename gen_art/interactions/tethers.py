@@ -74,7 +74,7 @@ def _kernels(precision: str):
 
     @ti.kernel
     def shortest(first: whole, other: whole, rest: double, anchor: whole, way: double):
-        """Bellman and Ford's relaxation, up and down the particles until nothing changes: on one thread, a few rounds for a net."""
+        """Bellman and Ford's relaxation, up and down the particles until nothing changes: a few rounds for a net."""
         n = anchor.shape[0]
         ti.loop_config(serialize=True)
         for _ in range(1):

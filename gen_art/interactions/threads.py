@@ -14,16 +14,19 @@ from gen_art.runtime import ti
 __all__ = ["LANES", "Threads"]
 
 LANES = 16
-_COLOURS = 60  # more need a particle with more threads than that: those of it that are left are taken one after the other
+_COLOURS = (
+    60  # more need a particle with more threads than that: those of it that are left are taken one after the other
+)
 _BATCH = 256  # slots a task, at least
 
 
 class Threads:
     """The springs between `pairs` ((m, 2) slots) of `count` particles, with `numbers` (m, 3): stiffness, rest length, damping.
 
-    nodes (slots,): the particle at each slot     numbers (3 slots,): of the springs that end there, three rows of LANES for each step
+    nodes (slots,): the particle at each slot     numbers (3 slots,): of the springs that end there, three rows of LANES a step
     at (m, 3): where the numbers of each spring stand     first (groups + 1,): each group's first slot
     tasks (tasks + 1,): the first group of each task     colours: (first task, end) of each
+    scratch: six rows of LANES for each step, for the sweeps
     """
 
     def __init__(self, pairs: np.ndarray, numbers: np.ndarray, count: int, dtype):
@@ -63,6 +66,8 @@ class Threads:
         self.numbers = np.zeros(3 * max(total, 1), dtype)
         self.numbers[self.at] = numbers
         self.tasks, self.colours = _tasks(shade[leads], size)
+        self.index = np.concatenate([self.tasks, self.first, self.nodes])  # in one: a launch costs by the array
+        self.scratch = np.zeros(6 * max(total, 1), dtype)
 
 
 def _runs(pairs, count):

@@ -1,10 +1,11 @@
-"""The XPBD step of springs: one sweep over their threads, each solved exactly along its whole length.
+"""The XPBD step of springs: sweeps over their threads, each solved exactly along its whole length.
 
-With the velocities after the kick, a thread's ends of springs would come to x + h v. There each spring has the direction n, the length
-l and the speed u = n.(v_b - v_a) along it; its impulse J = h k (l + h du - L) + h c (u + du) takes the change du that the impulses of
-the thread itself make: (w_a + w_b + 1/K) J_e - w_a n_e.n_(e-1) J_(e-1) - w_b n_e.n_(e+1) J_(e+1) = h (k (l - L) + c u) / K with
-K = h^2 k + h c and w the inverse masses. For a thread of one spring that is the projection of XPBD with compliance 1/k; for a longer one the matrix
-is tridiagonal and is eliminated without a subtraction: the pivot is w_b plus s_e, and
+With the velocities after the kick, the particles would come to x + h v. There each spring of a thread has the direction n, the length l
+and the speed u = n.(v_b - v_a) along it. Its impulse is J = h k (l + h du - L) + h c (u + du), where du is the change that the impulses
+of the thread make. With K = h^2 k + h c and w the inverse masses that is
+(w_a + w_b + 1/K) J_e - w_a n_e.n_(e-1) J_(e-1) - w_b n_e.n_(e+1) J_(e+1) = h (k (l - L) + c u) / K,
+less J / K of the sweeps before. For a thread of one spring this is the projection of XPBD with compliance 1/k; for a longer one the
+matrix is tridiagonal and is eliminated without a subtraction: the pivot is w_b + s_e, where
 s_e = 1/K + w_a (s_(e-1) + w_a sin^2) / (w_a + s_(e-1)) is a sum of positive terms, however stiff. One step is one substep.
 Sources: Macklin, Mueller, Chentanez, XPBD (2016); Macklin et al., Small Steps in Physics Simulation (2019); for threads solved
 at once Deul et al., Direct Position-Based Solver for Stiff Rods (2018).
@@ -22,53 +23,56 @@ from gen_art.runtime import ti
 __all__ = ["sweep"]
 
 
-def sweep(floats: np.ndarray, n: int, threads: Threads, h: float, precision: str) -> None:
-    """Change the velocities (rows 3-5) of the first n particles by the impulses of the springs over a step h."""
+def sweep(floats: np.ndarray, n: int, threads: Threads, h: float, precision: str, sweeps: int = 1) -> None:
+    """Change the velocities (rows 3-5) of the first n particles by the impulses of the springs over a step h.
+
+    sweeps : rounds of Newton's method; a spring's impulses add up, so that its stiffness is the same after any number
+    """
     give = np.zeros(n + LANES, floats.dtype)
     np.divide(1, floats[6, :n], out=give[:n], where=floats[6, :n] > 0)
     give[:n][fixed_lifetimes(floats[9, :n])] = 0
-    scratch = np.empty(5 * len(threads.nodes), floats.dtype)
     kernel, flat, capacity = _kernel(precision), floats.reshape(-1), floats.shape[1]
-    for begin, end in threads.colours:
-        kernel(
-            flat, give, threads.nodes, threads.numbers, threads.first, threads.tasks, scratch, begin, end, h, capacity
-        )
+    for k in range(sweeps):
+        for begin, end in threads.colours:
+            kernel(
+                flat, give, threads.index, threads.numbers, threads.scratch, begin, end, len(threads.tasks),
+                len(threads.tasks) + len(threads.first), capacity, h, min(k, 1),
+            )  # fmt: skip
 
 
 @cache
 def _kernel(precision: str):
     real = runtime.DTYPES[precision]
-    matrix, vector, whole = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1), ti.types.ndarray(ti.i32, 1)
-
-    @ti.func
-    def three(S: ti.template(), i, size):
-        return ti.Vector([S[i], S[i + size], S[i + 2 * size]])
+    vector, whole = ti.types.ndarray(real, 1), ti.types.ndarray(ti.i32, 1)
 
     @ti.kernel
     def project(
-        S: vector, give: vector, nodes: whole, N: vector, first: whole, tasks: whole, T: vector,
-        begin: ti.i32, end: ti.i32, h: real, capacity: ti.i32,
+        S: vector, give: vector, index: whole, N: vector, T: vector, begin: ti.i32, end: ti.i32, tasks: ti.i32,
+        nodes: ti.i32, capacity: ti.i32, h: real, keep: real,
     ):  # fmt: skip
+        """index: first group of each task, first slot of each group, particle of each slot; keep: 0 in a step's first sweep."""
         ti.loop_config(block_dim=1)
         for t in range(begin, end):
             row = capacity  # flat arrays with strides in registers: half the time of two-dimensional ones
-            for g in range(tasks[t], tasks[t + 1]):
-                at, count = first[g], (first[g + 1] - first[g]) // LANES
+            for g in range(index[t], index[t + 1]):
+                at = index[tasks + g]
+                count = (index[tasks + g + 1] - at) // LANES
                 X, Y, Z = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)  # the last node
                 U, V, W = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
                 x, y, z = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)  # the next
                 u, v, w = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
                 A, B, C = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)  # direction
                 M, m = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
+                acc = ti.Vector([0.0] * LANES)
                 s, J, f = ti.Vector([1e24] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
                 for j in range(LANES):
-                    i = nodes[at + j]
+                    i = index[nodes + at + j]
                     X[j], Y[j], Z[j], M[j] = S[i], S[i + row], S[i + 2 * row], give[i]
                     U[j], V[j], W[j] = S[i + 3 * row], S[i + 4 * row], S[i + 5 * row]
                 for e in range(1, count):
                     q = at + e * LANES
                     for j in range(LANES):
-                        i = nodes[q + j]
+                        i = index[nodes + q + j]
                         x[j], y[j], z[j], m[j] = S[i], S[i + row], S[i + 2 * row], give[i]
                         u[j], v[j], w[j] = S[i + 3 * row], S[i + 4 * row], S[i + 5 * row]
                     for j in range(LANES):
@@ -79,7 +83,10 @@ def _kernel(precision: str):
                         each = 1.0 / ti.max(length, 1e-30)
                         dx, dy, dz = dx * each, dy * each, dz * each
                         loose = 1.0 / ti.max(h * (h * k + c), 1e-24)
-                        wants = h * (k * (length - rest) + c * (dx * a + dy * b + dz * c0)) * loose
+                        wants = (
+                            h * (k * (length - rest) + c * (dx * a + dy * b + dz * c0)) * loose
+                            - loose * keep * T[6 * q + 5 * LANES + j]
+                        )
                         cosine = dx * A[j] + dy * B[j] + dz * C[j]
                         pivot = 1.0 / (M[j] + s[j])  # of the spring before
                         share = M[j] * cosine
@@ -90,7 +97,7 @@ def _kernel(precision: str):
                         X[j], Y[j], Z[j], U[j], V[j], W[j] = x[j], y[j], z[j], u[j], v[j], w[j]
                         A[j], B[j], C[j] = dx, dy, dz
                     for j in range(LANES):
-                        o = 5 * q + j
+                        o = 6 * q + j
                         T[o], T[o + LANES], T[o + 2 * LANES] = A[j], B[j], C[j]
                         T[o + 3 * LANES], T[o + 4 * LANES] = J[j], f[j]
                 for j in range(LANES):  # from the end back: A, B, C now the impulse of the spring after, f its share
@@ -98,11 +105,12 @@ def _kernel(precision: str):
                 for e in range(1, count):
                     q = at + (count - e) * LANES
                     for j in range(LANES):
-                        i = nodes[q + j]
+                        i = index[nodes + q + j]
                         u[j], v[j], w[j], m[j] = S[i + 3 * row], S[i + 4 * row], S[i + 5 * row], give[i]
                     for j in range(LANES):
-                        o = 5 * q + j
+                        o = 6 * q + j
                         J[j] = T[o + 3 * LANES] + f[j] * J[j]
+                        acc[j] = keep * T[o + 5 * LANES] + J[j]
                         f[j] = T[o + 4 * LANES]
                         a, b, c = J[j] * T[o], J[j] * T[o + LANES], J[j] * T[o + 2 * LANES]
                         u[j] += m[j] * (A[j] - a)
@@ -110,10 +118,11 @@ def _kernel(precision: str):
                         w[j] += m[j] * (C[j] - c)
                         A[j], B[j], C[j] = a, b, c
                     for j in range(LANES):
-                        i = nodes[q + j]
+                        i = index[nodes + q + j]
                         S[i + 3 * row], S[i + 4 * row], S[i + 5 * row] = u[j], v[j], w[j]
+                        T[6 * q + 5 * LANES + j] = acc[j]
                 for j in range(LANES):
-                    i = nodes[at + j]
+                    i = index[nodes + at + j]
                     S[i + 3 * row] = S[i + 3 * row] + give[i] * A[j]
                     S[i + 4 * row] = S[i + 4 * row] + give[i] * B[j]
                     S[i + 5 * row] = S[i + 5 * row] + give[i] * C[j]
