@@ -3,7 +3,7 @@
 A thread is a run of springs (a, b), (b, c), (c, d) ... in the order of their list that meets no particle twice; a spring alone
 is a thread of one. Threads get colours, greedily in their order, so that those of one colour share no particle: a
 colour's threads may then be taken in any order, or at once, to the same bits. LANES threads of like length stand
-side by side; slots that are left over hold the last particle of their thread, or one past the end, and no spring.
+side by side, those next to each other in the list together; slots that are left over hold the last particle of their thread, or one past the end, and no spring.
 """
 
 import numpy as np
@@ -17,6 +17,7 @@ LANES = 16
 _COLOURS = (
     60  # more need a particle with more threads than that: those of it that are left are taken one after the other
 )
+_TASKS = 16  # of a colour, at most: each has scratch of its own, which stays in the cache
 _BATCH = 256  # slots a task, at least
 
 
@@ -26,7 +27,8 @@ class Threads:
     nodes (slots,): the particle at each slot     numbers (3 slots,): of the springs that end there, three rows of LANES a step
     at (m, 3): where the numbers of each spring stand     first (groups + 1,): each group's first slot
     tasks (tasks + 1,): the first group of each task     colours: (first task, end) of each
-    scratch: six rows of LANES for each step, for the sweeps
+    index, parts: tasks, first, nodes and which steps have neighbours in memory, in one array, and where all but the first begin
+    scratch: `room` numbers for each task of a colour     total (slots,): the impulse of each spring in the sweeps so far
     """
 
     def __init__(self, pairs: np.ndarray, numbers: np.ndarray, count: int, dtype):
@@ -36,7 +38,7 @@ class Threads:
         colour = np.zeros(max(units, 1), np.int32)
         if units:
             _paint()(nodes, begin, np.zeros(count, np.int64), colour)
-        order = np.lexsort((-length, colour[:units]))
+        order = np.lexsort((-(length // LANES), colour[:units]))
         shade, length = colour[:units][order], length[order]
         # LANES to a group; where a particle has too many threads, one
         rank = np.arange(units) - np.searchsorted(shade, shade)
@@ -44,7 +46,7 @@ class Threads:
         lane = np.where(alone, 0, rank % LANES)
         group = np.cumsum(alone | (lane == 0)) - 1
         leads = np.flatnonzero(alone | (lane == 0))
-        size = (length[leads] + 1) * LANES
+        size = (np.maximum.reduceat(length, leads) + 1) * LANES if units else np.zeros(0, int)
         self.first = np.concatenate([[0], np.cumsum(size)]).astype(np.int32)
         total = int(size.sum())
         # every particle of every thread, in the sorted order
@@ -66,8 +68,13 @@ class Threads:
         self.numbers = np.zeros(3 * max(total, 1), dtype)
         self.numbers[self.at] = numbers
         self.tasks, self.colours = _tasks(shade[leads], size)
-        self.index = np.concatenate([self.tasks, self.first, self.nodes])  # in one: a launch costs by the array
-        self.scratch = np.zeros(6 * max(total, 1), dtype)
+        near = (np.diff(self.nodes.reshape(-1, LANES), axis=1) == 1).all(1) if total else np.zeros(1, bool)
+        index = [self.tasks, self.first, self.nodes, near.astype(np.int32)]
+        self.index = np.concatenate(index)  # in one: a launch costs by the array
+        self.parts = np.cumsum([len(part) for part in index])[:3].tolist()
+        self.room = 5 * int(size.max(initial=0))
+        self.scratch = np.zeros(_TASKS * self.room + 1, dtype)
+        self.total = np.zeros(max(total, 1), dtype)
 
 
 def _runs(pairs, count):
@@ -96,7 +103,7 @@ def _tasks(shade, size):
     for colour in np.unique(shade):
         groups = np.flatnonzero(shade == colour)
         before = np.cumsum(size[groups]) - size[groups]
-        part = before // _BATCH if colour < _COLOURS else before * 0
+        part = before // max(_BATCH, -(-size[groups].sum() // _TASKS)) if colour < _COLOURS else before * 0
         ends = groups[np.append(np.flatnonzero(np.diff(part)), len(part) - 1)] + 1
         colours.append((len(tasks) - 1, len(tasks) - 1 + len(ends)))
         tasks.extend(ends.tolist())

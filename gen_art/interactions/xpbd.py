@@ -35,8 +35,7 @@ def sweep(floats: np.ndarray, n: int, threads: Threads, h: float, precision: str
     for k in range(sweeps):
         for begin, end in threads.colours:
             kernel(
-                flat, give, threads.index, threads.numbers, threads.scratch, begin, end, len(threads.tasks),
-                len(threads.tasks) + len(threads.first), capacity, h, min(k, 1),
+                flat, give, threads.index, threads.numbers, threads.scratch, threads.total, begin, end, *threads.parts, capacity, threads.room, h, min(k, 1), sweeps - 1 - k,
             )  # fmt: skip
 
 
@@ -47,12 +46,14 @@ def _kernel(precision: str):
 
     @ti.kernel
     def project(
-        S: vector, give: vector, index: whole, N: vector, T: vector, begin: ti.i32, end: ti.i32, tasks: ti.i32,
-        nodes: ti.i32, capacity: ti.i32, h: real, keep: real,
+        S: vector, give: vector, index: whole, N: vector, T: vector, G: vector, begin: ti.i32, end: ti.i32, tasks: ti.i32,
+        nodes: ti.i32, near: ti.i32, capacity: ti.i32, room: ti.i32, h: real, keep: real, more: ti.i32,
     ):  # fmt: skip
-        """index: first group of each task, first slot of each group, particle of each slot; keep: 0 in a step's first sweep."""
+        """index: first group of each task, first slot of each group, particle of each slot, steps of neighbours; room: scratch a task;
+        keep: 0 in a step's first sweep, else 1; more: sweeps follow."""
         ti.loop_config(block_dim=1)
         for t in range(begin, end):
+            mine = (t - begin) * room
             row = capacity  # flat arrays with strides in registers: half the time of two-dimensional ones
             for g in range(index[t], index[t + 1]):
                 at = index[tasks + g]
@@ -71,10 +72,19 @@ def _kernel(precision: str):
                     U[j], V[j], W[j] = S[i + 3 * row], S[i + 4 * row], S[i + 5 * row]
                 for e in range(1, count):
                     q = at + e * LANES
-                    for j in range(LANES):
-                        i = index[nodes + q + j]
-                        x[j], y[j], z[j], m[j] = S[i], S[i + row], S[i + 2 * row], give[i]
-                        u[j], v[j], w[j] = S[i + 3 * row], S[i + 4 * row], S[i + 5 * row]
+                    i = index[nodes + q]
+                    if index[near + q // LANES] > 0:  # neighbours in memory too: whole vectors
+                        for j in range(LANES):
+                            x[j], y[j], z[j], m[j] = S[i + j], S[i + j + row], S[i + j + 2 * row], give[i + j]
+                            u[j], v[j], w[j] = S[i + j + 3 * row], S[i + j + 4 * row], S[i + j + 5 * row]
+                    else:
+                        for j in range(LANES):
+                            o = index[nodes + q + j]
+                            x[j], y[j], z[j], m[j] = S[o], S[o + row], S[o + 2 * row], give[o]
+                            u[j], v[j], w[j] = S[o + 3 * row], S[o + 4 * row], S[o + 5 * row]
+                    if keep > 0.0:
+                        for j in range(LANES):
+                            acc[j] = G[q + j]
                     for j in range(LANES):
                         k, rest, c = N[3 * q + j], N[3 * q + LANES + j], N[3 * q + 2 * LANES + j]
                         a, b, c0 = u[j] - U[j], v[j] - V[j], w[j] - W[j]
@@ -83,10 +93,7 @@ def _kernel(precision: str):
                         each = 1.0 / ti.max(length, 1e-30)
                         dx, dy, dz = dx * each, dy * each, dz * each
                         loose = 1.0 / ti.max(h * (h * k + c), 1e-24)
-                        wants = (
-                            h * (k * (length - rest) + c * (dx * a + dy * b + dz * c0)) * loose
-                            - loose * keep * T[6 * q + 5 * LANES + j]
-                        )
+                        wants = (h * (k * (length - rest) + c * (dx * a + dy * b + dz * c0)) - acc[j]) * loose
                         cosine = dx * A[j] + dy * B[j] + dz * C[j]
                         pivot = 1.0 / (M[j] + s[j])  # of the spring before
                         share = M[j] * cosine
@@ -97,30 +104,41 @@ def _kernel(precision: str):
                         X[j], Y[j], Z[j], U[j], V[j], W[j] = x[j], y[j], z[j], u[j], v[j], w[j]
                         A[j], B[j], C[j] = dx, dy, dz
                     for j in range(LANES):
-                        o = 6 * q + j
+                        o = mine + 5 * (q - at) + j
                         T[o], T[o + LANES], T[o + 2 * LANES] = A[j], B[j], C[j]
                         T[o + 3 * LANES], T[o + 4 * LANES] = J[j], f[j]
                 for j in range(LANES):  # from the end back: A, B, C now the impulse of the spring after, f its share
                     A[j], B[j], C[j], J[j], f[j] = 0.0, 0.0, 0.0, 0.0, 0.0
                 for e in range(1, count):
                     q = at + (count - e) * LANES
+                    i, close = index[nodes + q], index[near + q // LANES] > 0
+                    if close:
+                        for j in range(LANES):
+                            u[j], v[j], w[j] = S[i + j + 3 * row], S[i + j + 4 * row], S[i + j + 5 * row]
+                            m[j] = give[i + j]
+                    else:
+                        for j in range(LANES):
+                            o = index[nodes + q + j]
+                            u[j], v[j], w[j], m[j] = S[o + 3 * row], S[o + 4 * row], S[o + 5 * row], give[o]
                     for j in range(LANES):
-                        i = index[nodes + q + j]
-                        u[j], v[j], w[j], m[j] = S[i + 3 * row], S[i + 4 * row], S[i + 5 * row], give[i]
-                    for j in range(LANES):
-                        o = 6 * q + j
+                        o = mine + 5 * (q - at) + j
                         J[j] = T[o + 3 * LANES] + f[j] * J[j]
-                        acc[j] = keep * T[o + 5 * LANES] + J[j]
                         f[j] = T[o + 4 * LANES]
                         a, b, c = J[j] * T[o], J[j] * T[o + LANES], J[j] * T[o + 2 * LANES]
                         u[j] += m[j] * (A[j] - a)
                         v[j] += m[j] * (B[j] - b)
                         w[j] += m[j] * (C[j] - c)
                         A[j], B[j], C[j] = a, b, c
-                    for j in range(LANES):
-                        i = index[nodes + q + j]
-                        S[i + 3 * row], S[i + 4 * row], S[i + 5 * row] = u[j], v[j], w[j]
-                        T[6 * q + 5 * LANES + j] = acc[j]
+                    if close:
+                        for j in range(LANES):
+                            S[i + j + 3 * row], S[i + j + 4 * row], S[i + j + 5 * row] = u[j], v[j], w[j]
+                    else:
+                        for j in range(LANES):
+                            o = index[nodes + q + j]
+                            S[o + 3 * row], S[o + 4 * row], S[o + 5 * row] = u[j], v[j], w[j]
+                    if more > 0:
+                        for j in range(LANES):
+                            G[q + j] = keep * G[q + j] + J[j]
                 for j in range(LANES):
                     i = index[nodes + at + j]
                     S[i + 3 * row] = S[i + 3 * row] + give[i] * A[j]
