@@ -45,6 +45,7 @@ class Interaction(Parametric):
     """
 
     parts: ClassVar[tuple[str, ...]] = ("",)
+    attributes: tuple[str, ...] = ()  # declared attributes that its particles have
     conservative: ClassVar[bool] = True
     reciprocal: ClassVar[bool] = True
     implicit: bool = False

@@ -13,14 +13,16 @@ class Coulomb(DirectSum):
 
     a_i = k q_i / m_i sum_j q_j (x_i - x_j) / s^3,  s^2 = abs(x_i - x_j)^2 + softening^2;  U = k sum_{i<j} q_i q_j / s
 
-    k : N m^2/C^2, 1 / (4 pi epsilon_0) when left out     softening : m, >= 0     method : "direct"
+    k : N m^2/C^2, 1 / (4 pi epsilon_0) when left out     softening : m, >= 0
+    method : "direct", every pair, or "auto", which is "direct" for now     theta : opening angle, for a tree
     sources : the name of another system, whose field then acts without reaction (booked in the ledger)
     Conservative and reciprocal, unless `sources` is given; magnetism and delay are left out. Source: CODATA 2018.
     """
 
     k: float = param(8.9875517923e9, unit="N m^2/C^2")
     softening: float = param(0.0, unit="m", min=0)
-    method: str = param("direct", choices=("direct",))
+    method: str = param("direct", choices=("direct", "tree", "auto"))
+    theta: float = param(0.7, min=0, max=1.5)
     sources: str = param(None, doc="another system whose charges act on this one, without reaction")
     weight = "charge"
 

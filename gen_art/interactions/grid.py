@@ -14,7 +14,7 @@ from gen_art import runtime
 from gen_art.particles.fixed import is_fixed
 from gen_art.runtime import ti
 
-__all__ = ["Grid", "ROWS", "sort_into_grid"]
+__all__ = ["ROWS", "Grid", "cell_of", "run_of", "sort_into_grid"]
 
 ROWS = 8  # of the sorted copy: position 0-2, velocity 3-5, radius, 1 / mass (0 where fixed)
 _CHUNKS = 4  # each counts and places its own share, in order: the same sort on any number of threads
@@ -22,7 +22,7 @@ _CHUNKS = 4  # each counts and places its own share, in order: the same sort on 
 
 @dataclass
 class Grid:
-    """first (cells + 1,): where each cell begins in `sorted` (n, ROWS); size: m; low, shape: the first cell and how many."""
+    """first (cells + 1,): where each cell begins in `sorted` (n ROWS,); size: m; low, shape: the first cell and how many."""
 
     first: np.ndarray
     sorted: np.ndarray
@@ -48,7 +48,7 @@ def sort_into_grid(rows: np.ndarray, floats: np.ndarray, n: int, size: float, pr
     before = np.zeros(cells * _CHUNKS + 1, np.int32)
     np.cumsum(ends.ravel(), out=before[1:])
     first = np.ascontiguousarray(before[::_CHUNKS])
-    ordered, slots = np.empty((n, ROWS), rows.dtype), np.empty(n, np.int32)
+    ordered, slots = np.empty(n * ROWS, rows.dtype), np.empty(n, np.int32)
     place(rows, floats, n, cell, before[:-1].reshape(cells, _CHUNKS), ordered, slots)
     return Grid(first, ordered, slots, size, low, shape)
 
@@ -73,7 +73,7 @@ def _kernels(precision: str):
                 ends[k, c] = ends[k, c] + 1
 
     @ti.kernel
-    def place(X: matrix, S: matrix, n: ti.i32, cell: whole, at: table, out: matrix, slots: whole):
+    def place(X: matrix, S: matrix, n: ti.i32, cell: whole, at: table, out: vector, slots: whole):
         share = (n + _CHUNKS - 1) // _CHUNKS
         ti.loop_config(block_dim=1)
         for c in range(_CHUNKS):
@@ -82,9 +82,9 @@ def _kernels(precision: str):
                 at[cell[i], c] = k + 1
                 slots[k] = i
                 for r in ti.static(range(6)):
-                    out[k, r] = X[r, i]
-                out[k, 6] = S[8, i]
-                out[k, 7] = ti.select(is_fixed(S[9, i]), 0.0, 1.0 / ti.max(S[6, i], 1e-30))
+                    out[k * ROWS + r] = X[r, i]
+                out[k * ROWS + 6] = S[8, i]
+                out[k * ROWS + 7] = ti.select(is_fixed(S[9, i]), 0.0, 1.0 / ti.max(S[6, i], 1e-30))
 
     return runtime.kernel(count, precision), runtime.kernel(place, precision)
 
@@ -93,3 +93,12 @@ def _kernels(precision: str):
 def cell_of(x, size):
     """The whole number of the cell that holds x along one axis."""
     return ti.cast(ti.floor(ti.min(ti.max(x / size, -1.0e9), 1.0e9)), ti.i32)
+
+
+@ti.func
+def run_of(first: ti.template(), shape, x, y, z):
+    """Where the three cells about x in the row (y, z) of the grid begin and end; y and z may be one cell beyond it."""
+    y = ti.select(y < 0, shape[1] - 1, ti.select(y == shape[1], 0, y))
+    z = ti.select(z < 0, shape[2] - 1, ti.select(z == shape[2], 0, z))
+    row, last = shape[0] * (y + shape[1] * z), shape[0] - 1
+    return first[row + ti.min(ti.max(x - 1, 0), last)], first[row + ti.min(ti.max(x + 1, 0), last) + 1]

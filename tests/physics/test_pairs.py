@@ -128,3 +128,11 @@ def test_a_charge_without_mass_is_refused():
     system = ga.ParticleSystem(position=np.eye(3), mass=0.0, charge=1.0, interactions=[I.Coulomb()])
     with pytest.raises(ga.UsageError, match="coulomb: a particle with a charge and no mass"):
         ga.Simulation({"s": system}, dt=0.1).step(1)
+
+
+def test_the_parameters_of_a_tree_are_taken_and_the_tree_refused():
+    for make, given in ((I.Coulomb, (1.0, 0.1)), (I.SelfGravity, (1.0, 0.1))):
+        assert make(*given, "auto", 0.5).values["theta"] == 0.5
+        with pytest.raises(ga.UsageError, match="there is no tree yet; give method 'direct'"):
+            make(*given, "tree", 0.5)
+    assert I.SelfGravity(1.0, 0.1, "direct", 0.5, 2, "stars").values["sources"] == "stars"
