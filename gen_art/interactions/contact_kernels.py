@@ -68,10 +68,9 @@ def pushes(precision: str, spins: bool):
                                 along = u.dot(normal)
                                 g = -m * damp * along
                                 slide = u - along * normal
-                                hold = m * halt
+                                hold, arm, one, other = m * halt, distance / reach, v * 0.0, v * 0.0
                                 if ti.static(spins):  # arms that end in one point, so that no angular momentum is made
                                     one, other = spin_of(S, spin, slots[k]), spin_of(S, spin, slots[j])
-                                    arm = distance / reach
                                     slide -= ((arm * r) * one + (arm * P[o + 6]) * other).cross(normal)
                                     hold *= 2.0 / 7.0  # a sphere that turns gives way to friction 7/2 times as easily
                                 speed = slide.norm()
