@@ -9,6 +9,7 @@ from gen_art.runtime import ti
 __all__ = ["BLOCK", "deepest", "pushes"]
 
 BLOCK = 512  # spheres a task
+_LISTED = 32  # touching spheres at a time
 
 
 @ti.func
@@ -22,6 +23,13 @@ def cell(x, low: ti.template(), shape, size):
     return ti.Vector([
         cell_of(x[0], size) - low[0], (cell_of(x[1], size) - low[1]) % shape[1], (cell_of(x[2], size) - low[2]) % shape[2]
     ])  # fmt: skip
+
+
+@ti.func
+def gap(at, side):
+    """The square of how far a place in a cell (0 to 1) is from the cell before it (side -1), its own (0) or the next (1)."""
+    far = ti.select(side < 0, at, ti.select(side > 0, 1.0 - at, 0.0 * at))
+    return far * far
 
 
 @ti.func
@@ -45,20 +53,40 @@ def pushes(precision: str, spins: bool):
         ti.loop_config(block_dim=1)
         for b in range((n + BLOCK - 1) // BLOCK):
             shape = ti.Vector([extent[0], extent[1], extent[2]])
+            touching = ti.Vector([0] * (_LISTED + 1))
             stiff, damp, mu, halt, rolling = q[0], q[1], q[2], q[3], q[4]
             for k in range(b * BLOCK, ti.min((b + 1) * BLOCK, n)):
                 x, v, r, w = three(P, ROWS * k), three(P, ROWS * k + 3), P[ROWS * k + 6], P[ROWS * k + 7]
                 push, loss, torque = x * 0.0, x * 0.0, x * 0.0
                 c = cell(x, low, shape, size)
-                for row in range(9):
-                    begin, end = run_of(first, shape, c[0], c[1] + row % 3 - 1, c[2] + row // 3 - 1)
-                    for j in range(begin, end):
-                        o = ROWS * j
+                scaled = x / size
+                at = scaled - ti.floor(scaled)  # where in its cell: cells too far from there are left out
+                near = 1.001 + 1e-6 * ti.abs(scaled).sum()
+                # those that touch are listed first, without a branch, and then pushed; again where the list was too short
+                done, again = 0, 1
+                while again > 0:
+                    seen, kept = 0, 0
+                    for row in range(9):
+                        across = gap(at[1], row % 3 - 1) + gap(at[2], row // 3 - 1)  # squares, in cells
+                        left = ti.cast(across + at[0] * at[0] < near, ti.i32)
+                        right = ti.cast(across + (1.0 - at[0]) * (1.0 - at[0]) < near, ti.i32)
+                        begin, end = run_of(first, shape, c[0], c[1] + row % 3 - 1, c[2] + row // 3 - 1, left, right)
+                        end = ti.select(across < near, end, begin)
+                        for j in range(begin, end):
+                            d = x - three(P, ROWS * j)
+                            reach = r + P[ROWS * j + 6]
+                            hit = ti.cast((d.dot(d) < reach * reach) & (j != k), ti.i32)
+                            touching[kept] = j
+                            kept += hit * ti.cast((seen >= done) & (kept < _LISTED), ti.i32)
+                            seen += hit
+                    done += kept
+                    again = ti.cast(seen > done, ti.i32)
+                    for h in range(kept):
+                        o = ROWS * touching[h]
                         d = x - three(P, o)
                         reach = r + P[o + 6]
-                        square = d.dot(d)
-                        if (square < reach * reach) & (j != k) & (w + P[o + 7] > 0.0):
-                            distance = ti.sqrt(square)
+                        if w + P[o + 7] > 0.0:
+                            distance = d.norm()
                             normal = d * (1.0 / ti.max(distance, 1e-30))
                             m = 1.0 / (w + P[o + 7])
                             f = m * stiff * (reach - distance)
@@ -70,7 +98,7 @@ def pushes(precision: str, spins: bool):
                                 slide = u - along * normal
                                 hold, arm, one, other = m * halt, distance / reach, v * 0.0, v * 0.0
                                 if ti.static(spins):  # arms that end in one point, so that no angular momentum is made
-                                    one, other = spin_of(S, spin, slots[k]), spin_of(S, spin, slots[j])
+                                    one, other = spin_of(S, spin, slots[k]), spin_of(S, spin, slots[touching[h]])
                                     slide -= ((arm * r) * one + (arm * P[o + 6]) * other).cross(normal)
                                     hold *= 2.0 / 7.0  # a sphere that turns gives way to friction 7/2 times as easily
                                 speed = slide.norm()
@@ -108,7 +136,7 @@ def pushes(precision: str, spins: bool):
                 x, r, w = three(P, ROWS * k), P[ROWS * k + 6], P[ROWS * k + 7]
                 c = cell(x, low, shape, size)
                 for row in range(9):
-                    begin, end = run_of(first, shape, c[0], c[1] + row % 3 - 1, c[2] + row // 3 - 1)
+                    begin, end = run_of(first, shape, c[0], c[1] + row % 3 - 1, c[2] + row // 3 - 1, 1, 1)
                     for j in range(begin, end):
                         d = x - three(P, ROWS * j)
                         overlap = r + P[ROWS * j + 6] - d.norm()
@@ -138,7 +166,7 @@ def deepest(precision: str):
                 most, which = r * 0.0, k
                 c = cell(x, low, shape, size)
                 for row in range(9):
-                    begin, end = run_of(first, shape, c[0], c[1] + row % 3 - 1, c[2] + row // 3 - 1)
+                    begin, end = run_of(first, shape, c[0], c[1] + row % 3 - 1, c[2] + row // 3 - 1, 1, 1)
                     for j in range(begin, end):
                         overlap = r + P[ROWS * j + 6] - (x - three(P, ROWS * j)).norm()
                         if (overlap > most) & (j != k) & (w + P[ROWS * j + 7] > 0.0):

@@ -96,9 +96,9 @@ def cell_of(x, size):
 
 
 @ti.func
-def run_of(first: ti.template(), shape, x, y, z):
-    """Where the three cells about x in the row (y, z) of the grid begin and end; y and z may be one cell beyond it."""
+def run_of(first: ti.template(), shape, x, y, z, left, right):
+    """Where the cells x - left to x + right of the row (y, z) begin and end; y and z may be one cell beyond the grid."""
     y = ti.select(y < 0, shape[1] - 1, ti.select(y == shape[1], 0, y))
     z = ti.select(z < 0, shape[2] - 1, ti.select(z == shape[2], 0, z))
     row, last = shape[0] * (y + shape[1] * z), shape[0] - 1
-    return first[row + ti.min(ti.max(x - 1, 0), last)], first[row + ti.min(ti.max(x + 1, 0), last) + 1]
+    return first[row + ti.min(ti.max(x - left, 0), last)], first[row + ti.min(ti.max(x + right, 0), last) + 1]
