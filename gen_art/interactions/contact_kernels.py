@@ -39,16 +39,17 @@ def spin_of(S: ti.template(), row, i):
 
 @cache
 def pushes(precision: str, spins: bool):
-    """(accelerate, potential) of spheres that turn, or do not."""
+    """(accelerate, hand_back, potential) of spheres that turn, or do not."""
     real = runtime.DTYPES[precision]
     matrix, whole, vector = ti.types.ndarray(real, 2), ti.types.ndarray(ti.i32, 1), ti.types.ndarray(real, 1)
 
     @ti.kernel
     def accelerate(
         P: vector, slots: whole, first: whole, low: whole, extent: whole, q: vector, size: real, S: matrix, spin: ti.i32,
-        out: matrix, turn: matrix, parts: ti.i32,
+        F: vector, turn: matrix, parts: ti.i32,
     ):  # fmt: skip
-        """S: the state, with spins from the row `spin` on; turn: angular accelerations, 1/s^2."""
+        """F: accelerations in the grid's order, loss after push; S: the state, with spins from the row `spin` on;
+        turn: angular accelerations, 1/s^2."""
         n = slots.shape[0]
         ti.loop_config(block_dim=1)
         for b in range((n + BLOCK - 1) // BLOCK):
@@ -115,13 +116,20 @@ def pushes(precision: str, spins: bool):
                                     torque -= roll * (ti.min(brake, inertia * halt * rate) / ti.max(rate, 1e-30))
                 i = slots[k]
                 for a in ti.static(range(3)):
-                    out[a, i] = push[a] * w
-                if parts > 1:
-                    for a in ti.static(range(3)):
-                        out[3 + a, i] = loss[a] * w
+                    F[6 * k + a], F[6 * k + 3 + a] = push[a] * w, loss[a] * w
                 if ti.static(spins):
                     for a in ti.static(range(3)):
                         turn[a, i] = torque[a] * (2.5 * w / ti.max(r * r, 1e-30))
+
+    @ti.kernel
+    def hand_back(F: vector, rank: whole, out: matrix, rows: ti.i32):
+        """out[:, i] = F at rank[i]: one look far away for each sphere, not one for each number of it."""
+        n = rank.shape[0]
+        ti.loop_config(block_dim=1)
+        for b in range((n + BLOCK - 1) // BLOCK):
+            for i in range(b * BLOCK, ti.min((b + 1) * BLOCK, n)):
+                for a in range(rows):
+                    out[a, i] = F[6 * rank[i] + a]
 
     @ti.kernel
     def potential(
@@ -144,7 +152,7 @@ def pushes(precision: str, spins: bool):
                             total += ti.cast(0.25 * q[0] * overlap * overlap / (w + P[ROWS * j + 7]), ti.f64)
             out[b, 0] = total
 
-    return runtime.kernel(accelerate, precision), runtime.kernel(potential, precision)
+    return tuple(runtime.kernel(f, precision) for f in (accelerate, hand_back, potential))
 
 
 @cache
@@ -168,9 +176,14 @@ def deepest(precision: str):
                 for row in range(9):
                     begin, end = run_of(first, shape, c[0], c[1] + row % 3 - 1, c[2] + row // 3 - 1, 1, 1)
                     for j in range(begin, end):
-                        overlap = r + P[ROWS * j + 6] - (x - three(P, ROWS * j)).norm()
-                        if (overlap > most) & (j != k) & (w + P[ROWS * j + 7] > 0.0):
-                            most, which = overlap, j
+                        d, reach = x - three(P, ROWS * j), r + P[ROWS * j + 6]
+                        if (
+                            (most < reach)
+                            & (d.dot(d) < (reach - most) * (reach - most))
+                            & (j != k)
+                            & (w + P[ROWS * j + 7] > 0.0)
+                        ):
+                            most, which = reach - d.norm(), j
                 depth[slots[k]], other[slots[k]] = most, slots[which]
 
     return runtime.kernel(measure, precision)

@@ -28,8 +28,9 @@ class Contacts(Interaction):
     U = sum m (pi^2 + L^2) d^2 / (2 T^2)
 
     restitution : speed after over speed before, 0 to 1 (0 counts as 0.001), at any masses and speeds
-    friction : Coulomb's coefficient, >= 0     spin : spheres turn (moment of inertia 2/5 m r^2), friction acts where they touch, and
-    its torque goes to the declared attributes spin_x, spin_y, spin_z, 1/s, which a particle is born with or are 0
+    friction : Coulomb's coefficient, >= 0
+    spin : spheres turn (moment of inertia 2/5 m r^2): friction acts where they touch, and its torque goes to the attributes
+    spin_x, spin_y, spin_z, 1/s, which a particle may be born with and are 0 otherwise
     rolling : with spin, torque rolling R F_n against the rolling, 1/R = 1/r_i + 1/r_j; >= 0, and above 0 spheres spin
     duration : s, of a collision; 20 steps when left out. A sphere sinks in by speed T / pi at most: shorter is harder
     Diagnostics and the ledger know no spin: what friction turns into rotation counts as dissipated.
@@ -71,15 +72,21 @@ class Contacts(Interaction):
             )
         self._warn_of_overlaps(system)
 
+    def overlaps(self, state, precision: str) -> tuple[np.ndarray, np.ndarray]:
+        """How deep each sphere lies in another, m, at most, and in which: (n,) and (n,) slots; itself where in none."""
+        n = state.count
+        depth, other = np.zeros(n, state.floats.dtype), np.arange(n, dtype=np.int32)
+        grid = self._grid(state.floats, state.floats, n, precision) if n else None
+        if grid is not None:
+            deepest(precision)(grid.sorted, grid.slots, grid.first, grid.low, grid.shape, grid.size, depth, other)
+        return depth, other
+
     def _warn_of_overlaps(self, system) -> None:
         """Spheres that begin inside each other would be thrown apart: name the deepest pair."""
-        state, n = system.state, system.state.count
-        precision = "f64" if state.floats.dtype == np.float64 else "f32"
-        grid = self._grid(state.floats, state.floats, n, precision) if n else None
-        if grid is None:
+        state = system.state
+        if not state.count:
             return
-        depth, other = np.zeros(n, state.floats.dtype), np.zeros(n, np.int32)
-        deepest(precision)(grid.sorted, grid.slots, grid.first, grid.low, grid.shape, grid.size, depth, other)
+        depth, other = self.overlaps(state, "f64" if state.floats.dtype == np.float64 else "f32")
         i = int(np.argmax(depth))
         if depth[i] > _DEEP * float(state.floats[8, i]):
             a, b = sorted((int(state.id[i]), int(state.id[other[i]])))
@@ -94,9 +101,7 @@ class Contacts(Interaction):
         decay = -math.log(max(self.values["restitution"], _SOFTEST)) / self._duration
         rate = -math.expm1(-2 * decay * span) / span if span > 0 else 2 * decay
         square = (math.pi / self._duration) ** 2 + decay**2
-        return np.array(
-            [square, rate, self.values["friction"], 0.5 / (span or dt), self.values["rolling"]], dtype
-        )
+        return np.array([square, rate, self.values["friction"], 0.5 / (span or dt), self.values["rolling"]], dtype)
 
     def _grid(self, rows, floats, n, precision) -> Grid | None:
         radius = float(floats[8, :n].max())
@@ -115,10 +120,13 @@ class Contacts(Interaction):
         numbers = self._numbers(pull.span, pull.dt, out.dtype)
         turn = np.zeros((3, n if self.spins else 1), out.dtype)
         first = state.channels["spin_x"] if self.spins else 0
-        pushes(pull.precision, self.spins)[0](
-            grid.sorted, grid.slots, grid.first, grid.low, grid.shape, numbers, grid.size, state.floats, first, out, turn,
+        accelerate, hand_back, _ = pushes(pull.precision, self.spins)
+        found = np.empty(6 * n, out.dtype)
+        accelerate(
+            grid.sorted, grid.slots, grid.first, grid.low, grid.shape, numbers, grid.size, state.floats, first, found, turn,
             len(self.parts),
         )  # fmt: skip
+        hand_back(found, grid.rank, out, 3 * len(self.parts))
         if self.spins:
             state.floats[first : first + 3, :n] += pull.span * turn
 
@@ -130,5 +138,5 @@ class Contacts(Interaction):
         if grid is None:
             return 0.0
         out, numbers = np.zeros((-(-len(slots) // BLOCK), 1)), self._numbers(0.0, 1.0, rows.dtype)
-        pushes(precision, False)[1](grid.sorted, grid.first, grid.low, grid.shape, numbers, grid.size, out)
+        pushes(precision, False)[2](grid.sorted, grid.first, grid.low, grid.shape, numbers, grid.size, out)
         return float(out.sum())

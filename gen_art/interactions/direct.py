@@ -43,7 +43,9 @@ class DirectSum(Interaction):
         if self.values.get("sources") == "":
             raise UsageError("sources must name a system")
         if self.values.get("method") == "tree":
-            raise UsageError(f"{self.name}: there is no tree yet; give method 'direct', or 'auto' to take one when there is")
+            raise UsageError(
+                f"{self.name}: there is no tree yet; give method 'direct', or 'auto' to take one when there is"
+            )
 
     def accelerate(self, pull: Pull, out: np.ndarray) -> None:
         k, n, softening = self.law

@@ -14,7 +14,7 @@ class SelfGravity(DirectSum):
     a_i = G sum_j m_j (x_j - x_i) / s^3,  s^2 = abs(x_j - x_i)^2 + softening^2;  U = -G sum_{i<j} m_i m_j / s
 
     G : constant of gravitation in the preset's units, 6.6743e-11 m^3/kg/s^2 when left out     softening : m, >= 0
-    method : "direct", every pair, or "auto", which is "direct" for now     theta : opening angle, order : of the expansion, for a tree
+    method : "direct", every pair, or "auto", which is "direct" for now     theta, order : opening angle and order, for a tree
     sources : the name of another system, whose field then acts without reaction (booked in the ledger)
     Conservative and reciprocal, unless `sources` is given. Source: Dehnen & Read, Eur. Phys. J. Plus 126, 55 (2011).
     """

@@ -22,11 +22,15 @@ _CHUNKS = 4  # each counts and places its own share, in order: the same sort on 
 
 @dataclass
 class Grid:
-    """first (cells + 1,): where each cell begins in `sorted` (n ROWS,); size: m; low, shape: the first cell and how many."""
+    """first (cells + 1,): where each cell begins in `sorted` (n ROWS,); size: m; low, shape: the first cell and how many.
+
+    slots (n,): whose record stands at each place of `sorted`     rank (n,): the place of each particle's record
+    """
 
     first: np.ndarray
     sorted: np.ndarray
     slots: np.ndarray
+    rank: np.ndarray
     size: float
     low: np.ndarray
     shape: np.ndarray
@@ -48,9 +52,9 @@ def sort_into_grid(rows: np.ndarray, floats: np.ndarray, n: int, size: float, pr
     before = np.zeros(cells * _CHUNKS + 1, np.int32)
     np.cumsum(ends.ravel(), out=before[1:])
     first = np.ascontiguousarray(before[::_CHUNKS])
-    ordered, slots = np.empty(n * ROWS, rows.dtype), np.empty(n, np.int32)
-    place(rows, floats, n, cell, before[:-1].reshape(cells, _CHUNKS), ordered, slots)
-    return Grid(first, ordered, slots, size, low, shape)
+    ordered, slots, rank = np.empty(n * ROWS, rows.dtype), np.empty(n, np.int32), np.empty(n, np.int32)
+    place(rows, floats, n, cell, before[:-1].reshape(cells, _CHUNKS), ordered, slots, rank)
+    return Grid(first, ordered, slots, rank, size, low, shape)
 
 
 @cache
@@ -73,7 +77,7 @@ def _kernels(precision: str):
                 ends[k, c] = ends[k, c] + 1
 
     @ti.kernel
-    def place(X: matrix, S: matrix, n: ti.i32, cell: whole, at: table, out: vector, slots: whole):
+    def place(X: matrix, S: matrix, n: ti.i32, cell: whole, at: table, out: vector, slots: whole, rank: whole):
         share = (n + _CHUNKS - 1) // _CHUNKS
         ti.loop_config(block_dim=1)
         for c in range(_CHUNKS):
@@ -81,6 +85,7 @@ def _kernels(precision: str):
                 k = at[cell[i], c]
                 at[cell[i], c] = k + 1
                 slots[k] = i
+                rank[i] = k
                 for r in ti.static(range(6)):
                     out[k * ROWS + r] = X[r, i]
                 out[k * ROWS + 6] = S[8, i]

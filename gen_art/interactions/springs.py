@@ -26,10 +26,11 @@ class Springs(Interaction):
     U = sum k (l - rest_length)^2 / 2,  k = share stiffness,  c = share damping
 
     pairs : (m, 2) ids of particles, in order of birth from 0     stiffness : N/m, >= 0     damping : N s/m, >= 0
-    rest_length : m, each or all; their distance at the start when left out     share : each spring's part of stiffness and damping
-    method : "explicit" with any integrator, stable for w dt < 2; or, with semi_implicit_euler and stable far beyond that, "implicit",
-    which is backward Euler for the whole net, or "xpbd", sweeps over the threads of the net, each backward Euler along itself: much
-    quicker, exact for ropes and for what hangs by its threads; elsewhere short steps and a tether keep a large net from stretching
+    rest_length : m, each or all; their distance at the start when left out
+    share : each spring's part of the stiffness and damping
+    method : "explicit" with any integrator, stable for w dt < 2; far beyond that, with semi_implicit_euler, "implicit", backward
+    Euler for the whole net, or "xpbd", sweeps over the threads of the net, each backward Euler along itself: much quicker, and
+    exact for ropes and for what hangs by its threads; elsewhere short steps and a tether keep a large net from stretching
     tear : strain beyond which a spring breaks for good; its energy is booked as dissipated
     tether : with xpbd, the strain at most of the shortest way along springs to each group of fixed particles
     sweeps : of xpbd in a step; 1 does where steps are short, and no stiffness depends on it

@@ -3,7 +3,8 @@
 A thread is a run of springs (a, b), (b, c), (c, d) ... in the order of their list that meets no particle twice; a spring alone
 is a thread of one. Threads get colours, greedily in their order, so that those of one colour share no particle: a
 colour's threads may then be taken in any order, or at once, to the same bits. LANES threads of like length stand
-side by side, those next to each other in the list together; slots that are left over hold the last particle of their thread, or one past the end, and no spring.
+side by side, those next to each other in the list together; slots that are left over hold the last particle of their
+thread, or one past the end, and no spring.
 """
 
 import numpy as np

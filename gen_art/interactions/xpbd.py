@@ -1,11 +1,11 @@
 """The XPBD step of springs: sweeps over their threads, each solved exactly along its whole length.
 
-With the velocities after the kick, the particles would come to x + h v. There each spring of a thread has the direction n, the length l
-and the speed u = n.(v_b - v_a) along it. Its impulse is J = h k (l + h du - L) + h c (u + du), where du is the change that the impulses
-of the thread make. With K = h^2 k + h c and w the inverse masses that is
+With the velocities after the kick, the particles would come to x + h v. There each spring of a thread has the direction n, the
+length l and the speed u = n.(v_b - v_a) along it. Its impulse is J = h k (l + h du - L) + h c (u + du), where du is the change
+that the impulses of the thread make. With K = h^2 k + h c and w the inverse masses that is
 (w_a + w_b + 1/K) J_e - w_a n_e.n_(e-1) J_(e-1) - w_b n_e.n_(e+1) J_(e+1) = h (k (l - L) + c u) / K,
-less J / K of the sweeps before. For a thread of one spring this is the projection of XPBD with compliance 1/k; for a longer one the
-matrix is tridiagonal and is eliminated without a subtraction: the pivot is w_b + s_e, where
+less J / K of the sweeps before. For a thread of one spring this is the projection of XPBD with compliance 1/k; for a longer
+one the matrix is tridiagonal and is eliminated without a subtraction: the pivot is w_b + s_e, where
 s_e = 1/K + w_a (s_(e-1) + w_a sin^2) / (w_a + s_(e-1)) is a sum of positive terms, however stiff. One step is one substep.
 Sources: Macklin, Mueller, Chentanez, XPBD (2016); Macklin et al., Small Steps in Physics Simulation (2019); for threads solved
 at once Deul et al., Direct Position-Based Solver for Stiff Rods (2018).
@@ -35,7 +35,8 @@ def sweep(floats: np.ndarray, n: int, threads: Threads, h: float, precision: str
     for k in range(sweeps):
         for begin, end in threads.colours:
             kernel(
-                flat, give, threads.index, threads.numbers, threads.scratch, threads.total, begin, end, *threads.parts, capacity, threads.room, h, min(k, 1), sweeps - 1 - k,
+                flat, give, threads.index, threads.numbers, threads.scratch, threads.total, begin, end, *threads.parts,
+                capacity, threads.room, h, min(k, 1), sweeps - 1 - k,
             )  # fmt: skip
 
 
@@ -49,8 +50,8 @@ def _kernel(precision: str):
         S: vector, give: vector, index: whole, N: vector, T: vector, G: vector, begin: ti.i32, end: ti.i32, tasks: ti.i32,
         nodes: ti.i32, near: ti.i32, capacity: ti.i32, room: ti.i32, h: real, keep: real, more: ti.i32,
     ):  # fmt: skip
-        """index: first group of each task, first slot of each group, particle of each slot, steps of neighbours; room: scratch a task;
-        keep: 0 in a step's first sweep, else 1; more: sweeps follow."""
+        """index: first group of each task, first slot of each group, particle of each slot, steps of neighbours;
+        room: scratch a task; keep: 0 in a step's first sweep, else 1; more: sweeps follow."""
         ti.loop_config(block_dim=1)
         for t in range(begin, end):
             mine = (t - begin) * room

@@ -8,7 +8,19 @@ import gen_art as ga
 Contacts = ga.interactions.Contacts
 
 
-def made(x, v, dt, mass=1.0, radius=0.1, turns=None, forces=(), fixed=None, precision="f64", integrator="position_verlet", **rules):
+def made(
+    x,
+    v,
+    dt,
+    mass=1.0,
+    radius=0.1,
+    turns=None,
+    forces=(),
+    fixed=None,
+    precision="f64",
+    integrator="position_verlet",
+    **rules,
+):
     turns = np.zeros((len(x), 3)) if turns is None else np.asarray(turns, float)
     system = ga.ParticleSystem(
         position=x, velocity=v, mass=mass, radius=radius, interactions=[Contacts(**rules)], integrator=integrator,
@@ -41,7 +53,9 @@ def test_a_frictional_collision_keeps_momentum_and_angular_momentum(precision, t
     assert np.abs(spins(sim) - spin).min(axis=1).max() > 0.1  # both were turned
     assert np.abs(end.momentum - first.momentum).max() < tolerance
     assert np.abs(angular_momentum(sim) - start).max() < tolerance
-    assert np.abs(end.angular_momentum - first.angular_momentum).max() > 1e3 * tolerance  # the orbital part alone is not kept
+    assert (
+        np.abs(end.angular_momentum - first.angular_momentum).max() > 1e3 * tolerance
+    )  # the orbital part alone is not kept
 
 
 def on_a_plain(v, dt, turns=(0, 0, 0), r=0.1, big=2e4, **rules):
@@ -111,7 +125,9 @@ def test_spin_can_be_given_in_yaml_and_is_part_of_the_state(tmp_path):
 
 
 def test_spin_needs_one_kick_a_step():
-    with pytest.raises(ga.UsageError, match="spin is turned once a step; give 's' semi_implicit_euler or position_verlet"):
+    with pytest.raises(
+        ga.UsageError, match="spin is turned once a step; give 's' semi_implicit_euler or position_verlet"
+    ):
         made(np.eye(3), np.zeros((3, 3)), 1e-3, integrator="leapfrog", spin=True)
 
 
