@@ -95,7 +95,7 @@ class Bookkeeper:
             self.books_of[name] = np.zeros((rows, BOOKS))
         self._kept: dict[str, np.ndarray] = {}
         self._born, self._died = _Passages(), _Passages()
-        self._solved: dict[str, np.ndarray] = {}  # of implicit interactions: impulse, dissipated
+        self._solved: dict[str, np.ndarray] = {}  # of implicit and torn interactions: impulse, dissipated
         self._start = diagnose(sim)
 
     def step(self, name: str, stepper, begin, first, dt, earliest, stage0, stage1) -> None:
@@ -131,6 +131,10 @@ class Bookkeeper:
         row = self._solved.setdefault(f"{name}.{one.name}", np.zeros(4))
         row[:3] += change @ state.floats[6, : state.count].astype(np.float64)
         row[3] += one.dissipated(state, dt)
+
+    def released(self, name: str, one, energy: float) -> None:
+        """Book the energy, J, of what an interaction let go of."""
+        self._solved.setdefault(f"{name}.{one.name}", np.zeros(4))[3] += energy
 
     def born(self, name: str, new: slice) -> None:
         """Book births, at their exact times and before they move."""

@@ -255,6 +255,13 @@ class Simulation:
         still = all(s.kind == "splitting" and s.stages[-1][2] == 0 for s in schemes)
         still = still and not any(stepper.system.composition.colliders for stepper in joined.values())
         self._pairs_at = self.steps_done + 1 if still else -1
+        for name, stepper in joined.items():
+            for one in stepper.system.interactions:
+                energy = one.let_go(stepper.system.state, self.precision) if one.tears else None
+                if energy is not None:
+                    self._pairs_at = -1
+                    if self._ledger:
+                        self._ledger.released(name, one, energy)
 
     def _implicit_step(self, name: str, stepper: "_Stepper", first: int) -> None:
         """Kick, the implicit interactions' own change of velocities, drift: backward Euler in them."""
@@ -306,6 +313,9 @@ class Simulation:
             h.update(f"{name} {len(living)} {state.next_id} {state.attributes}".encode())
             for column in state.columns():
                 h.update(np.ascontiguousarray(column[..., living]).tobytes())
+            for one in self._members[name].interactions:
+                for key, array in one.memory().items():
+                    h.update(f"{one.name} {key}".encode() + array.tobytes())
         return h.hexdigest()
 
     def save(self, path) -> None:

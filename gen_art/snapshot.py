@@ -33,6 +33,7 @@ def save(sim, path) -> None:
         head["systems"][name] = {
             "count": state.count, "next_id": state.next_id, "may_die": state.may_die, "attributes": state.attributes,
             "done": [e.done for e in system.emitters], "behind": sim._behind[name],
+            "memory": [list(one.memory()) for one in system.interactions],
             "definition": None if sim.preset is not None else _definition(system),
         }  # fmt: skip
     path = Path(path)
@@ -43,12 +44,23 @@ def save(sim, path) -> None:
             for name, system in sim._members.items():
                 for column in _COLUMNS:
                     array = getattr(system.state, column)[..., : system.state.count]
-                    with archive.open(f"{name}/{column}.npy", "w") as out:
-                        np.lib.format.write_array(out, np.ascontiguousarray(array), allow_pickle=False)
+                    _write(archive, f"{name}/{column}.npy", array)
+                for k, one in enumerate(system.interactions):
+                    for key, array in one.memory().items():
+                        _write(archive, f"{name}/{k}.{key}.npy", array)
         os.replace(temporary, path)
     except OSError as error:
         temporary.unlink(missing_ok=True)
         raise OutputError(f"cannot write {path}: {error.strerror or error}") from None
+
+
+def _write(archive, name: str, array: np.ndarray) -> None:
+    with archive.open(name, "w") as out:
+        np.lib.format.write_array(out, np.ascontiguousarray(array), allow_pickle=False)
+
+
+def _read(archive, name: str) -> np.ndarray:
+    return np.lib.format.read_array(archive.open(name), allow_pickle=False)
 
 
 def restore(path):
@@ -61,9 +73,16 @@ def restore(path):
             if head["format"] != _FORMAT:
                 raise UsageError(f"{path} is a snapshot of format {head['format']}; this version reads {_FORMAT}")
             columns = {
-                (name, column): np.lib.format.read_array(archive.open(f"{name}/{column}.npy"), allow_pickle=False)
+                (name, column): _read(archive, f"{name}/{column}.npy")
                 for name in head["systems"]
                 for column in _COLUMNS
+            }
+            memories = {
+                name: [
+                    {key: _read(archive, f"{name}/{k}.{key}.npy") for key in keys}
+                    for k, keys in enumerate(entry["memory"])
+                ]
+                for name, entry in head["systems"].items()
             }
     except OSError as error:
         raise OutputError(f"cannot read {path}: {error.strerror or error}") from None
@@ -88,6 +107,8 @@ def restore(path):
         for emission, done in zip(system.emitters, entry["done"]):
             emission.done = done
         sim._behind[name] = tuple(entry["behind"])
+        for one, memory in zip(system.interactions, memories[name]):
+            one.recall(memory)
     sim.steps_done = head["steps"]
     return sim
 

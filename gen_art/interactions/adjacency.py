@@ -16,6 +16,9 @@ class Adjacency:
         here = np.concatenate([pairs[:, 0], pairs[:, 1]])
         there = np.concatenate([pairs[:, 1], pairs[:, 0]])
         order = np.argsort(here, kind="stable")
+        half = np.empty(len(order), np.int64)
+        half[order] = np.arange(len(order))
+        self.halves = half.reshape(2, -1).T  # (m, 2): where the two half-edges of each spring stand
         self.first = np.zeros(count + 1, np.int32)
         np.cumsum(np.bincount(here, minlength=count), out=self.first[1:])
         self.other = np.ascontiguousarray(there[order].astype(np.int32))

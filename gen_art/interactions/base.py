@@ -41,12 +41,15 @@ class Interaction(Parametric):
     three rows for each of `parts`, which the ledger books apart: "" by the class's flags, any other name as dissipated.
     `energy(state, slots, precision)` gives the potential energy, J, that the particles in these slots have together.
     Where `implicit`, `solve(state, dt, precision)` changes velocities instead, between the kick and the drift of a step.
+    Where it `tears`, `let_go(state, precision)` is called at the end of each step.
     """
 
     parts: ClassVar[tuple[str, ...]] = ("",)
+    attributes: tuple[str, ...] = ()  # declared attributes that its particles have
     conservative: ClassVar[bool] = True
     reciprocal: ClassVar[bool] = True
     implicit: bool = False
+    tears: bool = False
 
     @property
     def source_system(self) -> str | None:
@@ -61,6 +64,17 @@ class Interaction(Parametric):
 
     def solve(self, state: Particles, dt: float, precision: str) -> None:
         raise NotImplementedError
+
+    def let_go(self, state: Particles, precision: str) -> float | None:
+        """Let go of what breaks at these positions: the energy it held, J, or None when nothing broke."""
+        raise NotImplementedError
+
+    def memory(self) -> dict[str, np.ndarray]:
+        """What it knows beyond its parameters, by name: part of snapshots and of the digest."""
+        return {}
+
+    def recall(self, memory: dict[str, np.ndarray]) -> None:
+        """Take up what `memory` gave."""
 
     def energy(self, state: Particles, slots: np.ndarray, precision: str) -> float:
         raise NotImplementedError

@@ -1,23 +1,21 @@
-"""Contacts between spheres."""
+"""Contacts between spheres; the kernels are in contact_kernels.py."""
 
 import math
 import warnings
-from functools import cache
 
 import numpy as np
 
-from gen_art import runtime
 from gen_art.errors import UsageError
 from gen_art.interactions.base import Interaction, Pull, interaction
-from gen_art.interactions.grid import Grid, cell_of, sort_into_grid
+from gen_art.interactions.contact_kernels import BLOCK, deepest, pushes
+from gen_art.interactions.grid import Grid, sort_into_grid
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 __all__ = ["Contacts"]
 
-_BLOCK = 512  # spheres a task
 _STEPS = 20  # of a contact whose duration is not given
 _FEWEST = 8
+_DEEP = 0.02  # of a sphere's radius: deeper overlaps at the start are a warning
 _SOFTEST = 1e-3  # restitution that stands for 0
 
 
@@ -30,21 +28,41 @@ class Contacts(Interaction):
     U = sum m (pi^2 + L^2) d^2 / (2 T^2)
 
     restitution : speed after over speed before, 0 to 1 (0 counts as 0.001), at any masses and speeds
-    friction : Coulomb's coefficient, >= 0; spheres do not spin
+    friction : Coulomb's coefficient, >= 0
+    spin : spheres turn (moment of inertia 2/5 m r^2): friction acts where they touch, and its torque goes to the attributes
+    spin_x, spin_y, spin_z, 1/s, which a particle may be born with and are 0 otherwise
+    rolling : with spin, torque rolling R F_n against the rolling, 1/R = 1/r_i + 1/r_j; >= 0, and above 0 spheres spin
     duration : s, of a collision; 20 steps when left out. A sphere sinks in by speed T / pi at most: shorter is harder
+    Diagnostics and the ledger know no spin: what friction turns into rotation counts as dissipated.
     Reciprocal to round-off; conservative but for restitution and friction, which the ledger has as dissipated.
     Neighbours come from a sorted uniform grid as wide as the largest sphere. Source: Cundall & Strack (1979).
     """
 
     restitution: float = param(0.8, min=0, max=1)
     friction: float = param(0.0, min=0)
+    rolling: float = param(0.0, min=0)
+    spin: bool = param(False, doc="spheres turn; they do wherever rolling is above 0")
     duration: float = param(None, unit="s", min=1e-300, doc="of a collision; 20 steps when left out")
 
     @property
     def parts(self):
-        return ("",) if self.values["restitution"] == 1 and self.values["friction"] == 0 else ("", "loss")
+        lossless = self.values["restitution"] == 1 and self.values["friction"] == 0 and not self.spins
+        return ("",) if lossless else ("", "loss")
+
+    @property
+    def spins(self) -> bool:
+        return self.values["spin"] or self.values["rolling"] > 0
+
+    @property
+    def attributes(self):
+        return ("spin_x", "spin_y", "spin_z") if self.spins else ()
 
     def join(self, system, dt):
+        if self.spins and system.scheme.name not in ("semi_implicit_euler", "position_verlet"):
+            raise UsageError(
+                f"contacts: spin is turned once a step; give '{system.name}' semi_implicit_euler or position_verlet, "
+                f"not {system.scheme.name}"
+            )
         self._duration = self.values["duration"] or _STEPS * dt
         if self._duration < _FEWEST * dt:
             warnings.warn(
@@ -52,13 +70,38 @@ class Contacts(Interaction):
                 f"they need {_FEWEST}: a step of at most {self._duration / _FEWEST:.3g} s",
                 stacklevel=2,
             )
+        self._warn_of_overlaps(system)
+
+    def overlaps(self, state, precision: str) -> tuple[np.ndarray, np.ndarray]:
+        """How deep each sphere lies in another, m, at most, and in which: (n,) and (n,) slots; itself where in none."""
+        n = state.count
+        depth, other = np.zeros(n, state.floats.dtype), np.arange(n, dtype=np.int32)
+        grid = self._grid(state.floats, state.floats, n, precision) if n else None
+        if grid is not None:
+            deepest(precision)(grid.sorted, grid.slots, grid.first, grid.low, grid.shape, grid.size, depth, other)
+        return depth, other
+
+    def _warn_of_overlaps(self, system) -> None:
+        """Spheres that begin inside each other would be thrown apart: name the deepest pair."""
+        state = system.state
+        if not state.count:
+            return
+        depth, other = self.overlaps(state, "f64" if state.floats.dtype == np.float64 else "f32")
+        i = int(np.argmax(depth))
+        if depth[i] > _DEEP * float(state.floats[8, i]):
+            a, b = sorted((int(state.id[i]), int(state.id[other[i]])))
+            warnings.warn(
+                f"system '{system.name}': {(depth > 0).sum()} spheres overlap at the start, particles {a} and {b} the most, by "
+                f"{depth[i]:.3g} m: they will be thrown apart at up to {depth[i] * math.pi / self._duration:.3g} m/s",
+                stacklevel=3,
+            )
 
     def _numbers(self, span: float, dt: float, dtype) -> np.ndarray:
         """stiffness and damping over the reduced mass, friction, and its rate; damping as its exact decay over the kick."""
         decay = -math.log(max(self.values["restitution"], _SOFTEST)) / self._duration
         rate = -math.expm1(-2 * decay * span) / span if span > 0 else 2 * decay
         square = (math.pi / self._duration) ** 2 + decay**2
-        return np.array([square, rate, self.values["friction"], 0.5 / (span or dt)], dtype)
+        return np.array([square, rate, self.values["friction"], 0.5 / (span or dt), self.values["rolling"]], dtype)
 
     def _grid(self, rows, floats, n, precision) -> Grid | None:
         radius = float(floats[8, :n].max())
@@ -75,10 +118,17 @@ class Contacts(Interaction):
             out[:, :n] = 0.0
             return
         numbers = self._numbers(pull.span, pull.dt, out.dtype)
-        width = np.array([grid.size], out.dtype)
-        _kernels(pull.precision)[0](
-            grid.sorted, grid.slots, grid.first, width, grid.low, grid.shape, numbers, out, len(self.parts)
-        )
+        turn = np.zeros((3, n if self.spins else 1), out.dtype)
+        first = state.channels["spin_x"] if self.spins else 0
+        accelerate, hand_back, _ = pushes(pull.precision, self.spins)
+        found = np.empty(6 * n, out.dtype)
+        accelerate(
+            grid.sorted, grid.slots, grid.first, grid.low, grid.shape, numbers, grid.size, state.floats, first, found, turn,
+            len(self.parts),
+        )  # fmt: skip
+        hand_back(found, grid.rank, out, 3 * len(self.parts))
+        if self.spins:
+            state.floats[first : first + 3, :n] += pull.span * turn
 
     def energy(self, state, slots, precision):
         if not len(slots):
@@ -87,98 +137,6 @@ class Contacts(Interaction):
         grid = self._grid(rows, rows, len(slots), precision)
         if grid is None:
             return 0.0
-        width, out = np.array([grid.size], rows.dtype), np.zeros((-(-len(slots) // _BLOCK), 1))
-        _kernels(precision)[1](
-            grid.sorted, grid.first, width, grid.low, grid.shape, self._numbers(0.0, 1.0, rows.dtype), out
-        )
+        out, numbers = np.zeros((-(-len(slots) // BLOCK), 1)), self._numbers(0.0, 1.0, rows.dtype)
+        pushes(precision, False)[2](grid.sorted, grid.first, grid.low, grid.shape, numbers, grid.size, out)
         return float(out.sum())
-
-
-@cache
-def _kernels(precision: str):
-    real = runtime.DTYPES[precision]
-    matrix, whole, vector = ti.types.ndarray(real, 2), ti.types.ndarray(ti.i32, 1), ti.types.ndarray(real, 1)
-
-    @ti.func
-    def three(P: ti.template(), row: ti.template(), k):
-        return ti.Vector([P[k, row], P[k, row + 1], P[k, row + 2]])
-
-    @ti.func
-    def run_of(first: ti.template(), shape: ti.template(), x, y, z):
-        """Where the three cells about x in the row (y, z) of the grid begin and end; y and z may be one cell beyond it."""
-        y = ti.select(y < 0, shape[1] - 1, ti.select(y == shape[1], 0, y))
-        z = ti.select(z < 0, shape[2] - 1, ti.select(z == shape[2], 0, z))
-        row = shape[0] * (y + shape[1] * z)
-        last = shape[0] - 1
-        return first[row + ti.min(ti.max(x - 1, 0), last)], first[row + ti.min(ti.max(x + 1, 0), last) + 1]
-
-    @ti.kernel
-    def accelerate(
-        P: matrix,
-        slots: whole,
-        first: whole,
-        size: vector,
-        low: whole,
-        shape: whole,
-        q: vector,
-        out: matrix,
-        parts: ti.i32,
-    ):
-        n = slots.shape[0]
-        ti.loop_config(block_dim=1)
-        for b in range((n + _BLOCK - 1) // _BLOCK):
-            for k in range(b * _BLOCK, ti.min((b + 1) * _BLOCK, n)):
-                x, v, r, w = three(P, 0, k), three(P, 3, k), P[k, 6], P[k, 7]
-                push, loss = ti.Vector([0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0])
-                X = cell_of(x[0], size[0]) - low[0]
-                Y = (cell_of(x[1], size[0]) - low[1]) % shape[1]
-                Z = (cell_of(x[2], size[0]) - low[2]) % shape[2]
-                for row in range(9):
-                    begin, end = run_of(first, shape, X, Y + row % 3 - 1, Z + row // 3 - 1)
-                    for j in range(begin, end):
-                        d = x - three(P, 0, j)
-                        reach = r + P[j, 6]
-                        square = d.dot(d)
-                        if (square < reach * reach) & (j != k) & (w + P[j, 7] > 0.0):
-                            distance = ti.sqrt(square)
-                            normal = d * (1.0 / ti.max(distance, 1e-30))
-                            m = 1.0 / (w + P[j, 7])
-                            f = m * q[0] * (reach - distance)
-                            push += f * normal
-                            if parts > 1:
-                                u = v - three(P, 3, j)
-                                along = u.dot(normal)
-                                g = -m * q[1] * along
-                                slide = u - along * normal
-                                speed = slide.norm()
-                                most = ti.min(q[2] * ti.max(f + g, 0.0), m * q[3] * speed)
-                                loss += g * normal - (most / ti.max(speed, 1e-30)) * slide
-                for c in ti.static(range(3)):
-                    out[c, slots[k]] = push[c] * w
-                if parts > 1:
-                    for c in ti.static(range(3)):
-                        out[3 + c, slots[k]] = loss[c] * w
-
-    @ti.kernel
-    def potential(
-        P: matrix, first: whole, size: vector, low: whole, shape: whole, q: vector, out: ti.types.ndarray(ti.f64, 2)
-    ):
-        n = P.shape[0]
-        ti.loop_config(block_dim=1)
-        for b in range(out.shape[0]):
-            total = ti.f64(0.0)
-            for k in range(b * _BLOCK, ti.min((b + 1) * _BLOCK, n)):
-                x, r, w = three(P, 0, k), P[k, 6], P[k, 7]
-                X = cell_of(x[0], size[0]) - low[0]
-                Y = (cell_of(x[1], size[0]) - low[1]) % shape[1]
-                Z = (cell_of(x[2], size[0]) - low[2]) % shape[2]
-                for row in range(9):
-                    begin, end = run_of(first, shape, X, Y + row % 3 - 1, Z + row // 3 - 1)
-                    for j in range(begin, end):
-                        d = x - three(P, 0, j)
-                        overlap = r + P[j, 6] - d.norm()
-                        if (overlap > 0.0) & (j != k) & (w + P[j, 7] > 0.0):
-                            total += ti.cast(0.25 * q[0] * overlap * overlap / (w + P[j, 7]), ti.f64)
-            out[b, 0] = total
-
-    return runtime.kernel(accelerate, precision), runtime.kernel(potential, precision)

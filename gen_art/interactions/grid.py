@@ -14,7 +14,7 @@ from gen_art import runtime
 from gen_art.particles.fixed import is_fixed
 from gen_art.runtime import ti
 
-__all__ = ["Grid", "ROWS", "sort_into_grid"]
+__all__ = ["ROWS", "Grid", "cell_of", "run_of", "sort_into_grid"]
 
 ROWS = 8  # of the sorted copy: position 0-2, velocity 3-5, radius, 1 / mass (0 where fixed)
 _CHUNKS = 4  # each counts and places its own share, in order: the same sort on any number of threads
@@ -22,11 +22,15 @@ _CHUNKS = 4  # each counts and places its own share, in order: the same sort on 
 
 @dataclass
 class Grid:
-    """first (cells + 1,): where each cell begins in `sorted` (n, ROWS); size: m; low, shape: the first cell and how many."""
+    """first (cells + 1,): where each cell begins in `sorted` (n ROWS,); size: m; low, shape: the first cell and how many.
+
+    slots (n,): whose record stands at each place of `sorted`     rank (n,): the place of each particle's record
+    """
 
     first: np.ndarray
     sorted: np.ndarray
     slots: np.ndarray
+    rank: np.ndarray
     size: float
     low: np.ndarray
     shape: np.ndarray
@@ -48,9 +52,9 @@ def sort_into_grid(rows: np.ndarray, floats: np.ndarray, n: int, size: float, pr
     before = np.zeros(cells * _CHUNKS + 1, np.int32)
     np.cumsum(ends.ravel(), out=before[1:])
     first = np.ascontiguousarray(before[::_CHUNKS])
-    ordered, slots = np.empty((n, ROWS), rows.dtype), np.empty(n, np.int32)
-    place(rows, floats, n, cell, before[:-1].reshape(cells, _CHUNKS), ordered, slots)
-    return Grid(first, ordered, slots, size, low, shape)
+    ordered, slots, rank = np.empty(n * ROWS, rows.dtype), np.empty(n, np.int32), np.empty(n, np.int32)
+    place(rows, floats, n, cell, before[:-1].reshape(cells, _CHUNKS), ordered, slots, rank)
+    return Grid(first, ordered, slots, rank, size, low, shape)
 
 
 @cache
@@ -73,7 +77,7 @@ def _kernels(precision: str):
                 ends[k, c] = ends[k, c] + 1
 
     @ti.kernel
-    def place(X: matrix, S: matrix, n: ti.i32, cell: whole, at: table, out: matrix, slots: whole):
+    def place(X: matrix, S: matrix, n: ti.i32, cell: whole, at: table, out: vector, slots: whole, rank: whole):
         share = (n + _CHUNKS - 1) // _CHUNKS
         ti.loop_config(block_dim=1)
         for c in range(_CHUNKS):
@@ -81,10 +85,11 @@ def _kernels(precision: str):
                 k = at[cell[i], c]
                 at[cell[i], c] = k + 1
                 slots[k] = i
+                rank[i] = k
                 for r in ti.static(range(6)):
-                    out[k, r] = X[r, i]
-                out[k, 6] = S[8, i]
-                out[k, 7] = ti.select(is_fixed(S[9, i]), 0.0, 1.0 / ti.max(S[6, i], 1e-30))
+                    out[k * ROWS + r] = X[r, i]
+                out[k * ROWS + 6] = S[8, i]
+                out[k * ROWS + 7] = ti.select(is_fixed(S[9, i]), 0.0, 1.0 / ti.max(S[6, i], 1e-30))
 
     return runtime.kernel(count, precision), runtime.kernel(place, precision)
 
@@ -93,3 +98,12 @@ def _kernels(precision: str):
 def cell_of(x, size):
     """The whole number of the cell that holds x along one axis."""
     return ti.cast(ti.floor(ti.min(ti.max(x / size, -1.0e9), 1.0e9)), ti.i32)
+
+
+@ti.func
+def run_of(first: ti.template(), shape, x, y, z, left, right):
+    """Where the cells x - left to x + right of the row (y, z) begin and end; y and z may be one cell beyond the grid."""
+    y = ti.select(y < 0, shape[1] - 1, ti.select(y == shape[1], 0, y))
+    z = ti.select(z < 0, shape[2] - 1, ti.select(z == shape[2], 0, z))
+    row, last = shape[0] * (y + shape[1] * z), shape[0] - 1
+    return first[row + ti.min(ti.max(x - left, 0), last)], first[row + ti.min(ti.max(x + right, 0), last) + 1]

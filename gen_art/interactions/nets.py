@@ -23,11 +23,11 @@ class Net:
     share: np.ndarray
     edges: dict[str, np.ndarray]
 
-    def springs(self, stiffness: float, damping: float = 0.0, method: str = "explicit"):
-        """The interaction for a ParticleSystem whose particles begin with these points, in their order."""
+    def springs(self, stiffness: float, damping: float = 0.0, method: str = "explicit", **more):
+        """The interaction for a ParticleSystem whose particles begin with these points, in their order; more: as of Springs."""
         from gen_art.interactions.springs import Springs
 
-        return Springs(stiffness, damping, method, self.pairs, self.rest_length, self.share)
+        return Springs(self.pairs, stiffness, self.rest_length, damping, method, self.share, **more)
 
     def pinned(self, name: str) -> np.ndarray:
         """The points of the edge of that name: none, start, end, ends, top, left, corners or whatever the net has."""
@@ -75,7 +75,8 @@ def _string(start, end, count, length, bend) -> Net:
 def cloth(corner, across, down, columns: int, rows: int, shear: float = 0.5, bend: float = 0.1) -> Net:
     """A sheet of columns x rows points over the parallelogram corner + across + down ((3,) m), point k = row columns + column.
 
-    Springs along both threads (share 1), along both diagonals of each mesh (shear) and over every other point (bend).
+    Springs along both threads (share 1), along both diagonals of each mesh (shear) and over every other point (bend);
+    listed head to tail along straight lines, the stiffest last, as method "xpbd" takes them.
     """
     if columns < 2 or rows < 2:
         raise UsageError(f"a cloth needs at least 2 columns and 2 rows, not {columns} x {rows}")
@@ -86,13 +87,15 @@ def cloth(corner, across, down, columns: int, rows: int, shear: float = 0.5, ben
         + v.reshape(-1, 1) * np.asarray(down, float)
     )
     k = np.arange(columns * rows).reshape(rows, columns)
-    groups = [(k[:, :-1], k[:, 1:], 1.0), (k[:-1], k[1:], 1.0)]
-    if shear > 0:
-        groups += [(k[:-1, :-1], k[1:, 1:], shear), (k[:-1, 1:], k[1:, :-1], shear)]
+    lines = []
     if bend > 0:
-        groups += [(k[:, :-2], k[:, 2:], bend), (k[:-2], k[2:], bend)]
-    pairs = np.concatenate([np.stack([a.ravel(), b.ravel()], 1) for a, b, _ in groups])
-    share = np.concatenate([np.full(a.size, float(part)) for a, _, part in groups])
+        lines += [(line[odd::2], bend) for line in (*k, *k.T) for odd in (0, 1)]
+    if shear > 0:
+        offsets = range(1 - rows, columns)
+        lines += [(across.diagonal(o), shear) for across in (k, k[:, ::-1]) for o in offsets]
+    lines += [(line, 1.0) for line in (*k, *k.T)]
+    pairs = np.concatenate([np.stack([line[:-1], line[1:]], 1) for line, _ in lines])
+    share = np.concatenate([np.full(len(line) - 1, float(part)) for line, part in lines])
     rest = np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1)
     edges = {
         "none": k[:0, 0], "top": k[0], "bottom": k[-1], "left": k[:, 0], "right": k[:, -1],

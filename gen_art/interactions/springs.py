@@ -25,24 +25,35 @@ class Springs(Interaction):
     F_i = (k (l - rest_length) + c w) n,  n = (x_j - x_i) / l,  l = abs(x_j - x_i),  w = (v_j - v_i).n
     U = sum k (l - rest_length)^2 / 2,  k = share stiffness,  c = share damping
 
-    stiffness : N/m, >= 0     damping : N s/m, >= 0
-    method : "explicit" with any integrator, stable for w dt < 2; "implicit" with semi_implicit_euler, stable at any step: it is
-    backward Euler, which takes energy from fast motion; its stiffness depends on no number of iterations
-    pairs : (m, 2) ids of particles, in order of birth from 0     rest_length : m, each or all; their distance at the start when
-    left out     share : each spring's part of the stiffness and damping
-    A spring goes when one of its ends dies. Fixed particles pull and stay. Conservative but for the damping, and reciprocal.
-    Source: Baraff & Witkin (1998), for the implicit step.
+    pairs : (m, 2) ids of particles, in order of birth from 0     stiffness : N/m, >= 0     damping : N s/m, >= 0
+    rest_length : m, each or all; their distance at the start when left out
+    share : each spring's part of the stiffness and damping
+    method : "explicit" with any integrator, stable for w dt < 2; far beyond that, with semi_implicit_euler, "implicit", backward
+    Euler for the whole net, or "xpbd", sweeps over the threads of the net, each backward Euler along itself: much quicker, and
+    exact for ropes and for what hangs by its threads; elsewhere short steps and a tether keep a large net from stretching
+    tear : strain beyond which a spring breaks for good; its energy is booked as dissipated
+    tether : with xpbd, the strain at most of the shortest way along springs to each group of fixed particles
+    sweeps : of xpbd in a step; 1 does where steps are short, and no stiffness depends on it
+    A spring goes when one of its ends dies. Fixed particles pull and stay. Reciprocal; conservative but for damping and tearing.
+    Sources: Baraff & Witkin (1998); Macklin et al., Small Steps in Physics Simulation (2019).
     """
 
-    stiffness: float = param(100.0, unit="N/m", min=0)
-    damping: float = param(0.0, unit="N s/m", min=0)
-    method: str = param("explicit", choices=("explicit", "implicit"))
     pairs: object = param(None, doc="pairs of particles; those that emitters lay when left out")
+    stiffness: float = param(100.0, unit="N/m", min=0)
     rest_length: object = param(None, unit="m")
+    damping: float = param(0.0, unit="N s/m", min=0)
+    method: str = param("explicit", choices=("explicit", "implicit", "xpbd"))
     share: object = param(None)
+    tear: float = param(None, min=0, doc="strain beyond which a spring breaks; none does when left out")
+    tether: float = param(None, min=0, doc="largest strain of the way to fixed particles; none when left out")
+    sweeps: int = param(2, min=1, max=100)
 
     def prepare(self):
-        values = self.values
+        values, self._torn = self.values, np.zeros(0, bool)
+        if values["tether"] is not None and values["method"] != "xpbd":
+            raise UsageError("tether goes with method 'xpbd'")
+        if values["tether"] is not None and values["tear"] is not None:
+            raise UsageError("a tether takes the load from the springs: give tear or tether, not both")
         if values["pairs"] is None:
             if values["rest_length"] is not None or values["share"] is not None:
                 raise UsageError("rest_length and share go with pairs")
@@ -68,7 +79,11 @@ class Springs(Interaction):
 
     @property
     def implicit(self) -> bool:
-        return self.values["method"] == "implicit"
+        return self.values["method"] != "explicit"
+
+    @property
+    def tears(self) -> bool:
+        return self.values["tear"] is not None
 
     @property
     def parts(self):
@@ -91,6 +106,7 @@ class Springs(Interaction):
         share = np.ones(len(pairs)) if share is None else share
         k, c = self.values["stiffness"] * share, self.values["damping"] * share
         self._ids, self._numbers, self._key = pairs, np.stack([k, rest, c], 1), (-1, -1)
+        self._torn = np.zeros(len(pairs) if self.tears else 0, bool)
         if n == 0:  # a snapshot is being restored: the particles come later
             return
         mass = state.floats[6, :n].astype(np.float64)
@@ -100,7 +116,7 @@ class Springs(Interaction):
         if self.implicit:
             if system.scheme.name != "semi_implicit_euler":
                 raise UsageError(
-                    f"springs: method 'implicit' is a backward Euler step and replaces the kick of semi_implicit_euler; "
+                    f"springs: method '{self.values['method']}' is a backward Euler step beside the kick of semi_implicit_euler; "
                     f"give '{system.name}' that integrator, or method 'explicit' with {system.scheme.name}"
                 )
             return
@@ -142,13 +158,23 @@ class Springs(Interaction):
         return tuple(np.concatenate(part) for part in zip(*found))
 
     def _adjacency(self, state) -> Adjacency:
-        """The springs whose ends both live, by slot."""
+        """The springs whose ends both live, by slot, and in the order their method takes them."""
         if self._key != (state.next_id, state.count):
             self._key = (state.next_id, state.count)
             ids = state.id[: state.count]
             slots = np.minimum(np.searchsorted(ids, self._ids), state.count - 1)
             whole = (ids[slots] == self._ids).all(1)
-            self._springs = Adjacency(slots[whole], self._numbers[whole], state.count, state.floats.dtype)
+            if self.tears:
+                whole &= ~self._torn
+            self._left = np.flatnonzero(whole)
+            numbers, dtype = self._numbers[whole], state.floats.dtype
+            self._springs = Adjacency(slots[whole], numbers, state.count, dtype)
+            if self.values["method"] == "xpbd":
+                from gen_art.interactions import tethers, threads
+
+                self._threads = threads.Threads(slots[whole], numbers, state.count, dtype)
+                held = fixed_lifetimes(state.floats[9, : state.count])
+                self._tethers = [] if self.values["tether"] is None else tethers.ways(self._springs, held, dtype)
         return self._springs
 
     def accelerate(self, pull: Pull, out):
@@ -159,8 +185,43 @@ class Springs(Interaction):
 
     def solve(self, state, dt: float, precision: str) -> None:
         """The implicit step: velocities at its end."""
-        if state.count:
-            solve(state.floats, state.count, self._adjacency(state), dt, precision)
+        if not state.count:
+            return
+        springs = self._adjacency(state)
+        if self.values["method"] == "implicit":
+            solve(state.floats, state.count, springs, dt, precision)
+            return
+        from gen_art.interactions import tethers, xpbd
+
+        xpbd.sweep(state.floats, state.count, self._threads, dt, precision, self.values["sweeps"])
+        if self._tethers:
+            tethers.hold(state.floats, state.count, self._tethers, self.values["tether"], dt, precision)
+
+    def let_go(self, state, precision: str) -> float | None:
+        """Break the springs that are stretched by more than `tear`; the energy they held, J."""
+        from gen_art.interactions.tearing import stretched
+
+        if not state.count:
+            return None
+        springs = self._adjacency(state)
+        broken = stretched(state.floats, springs, self.values["tear"], precision)
+        if not len(broken):
+            return None
+        self._torn[self._left[broken]] = True
+        x, (k, rest, _) = state.floats[:3].astype(np.float64), springs.numbers[broken].T
+        i, j = springs.pairs[broken].T
+        energy = float((0.5 * k * (np.linalg.norm(x[:, i] - x[:, j], axis=0) - rest) ** 2).sum())
+        springs.numbers[broken] = 0  # what has no stiffness and no damping is gone
+        springs.of[:, springs.halves[broken]] = 0
+        if self.values["method"] == "xpbd":
+            self._threads.numbers[self._threads.at[broken]] = 0
+        return energy
+
+    def memory(self):
+        return {"torn": self._torn} if self.tears else {}
+
+    def recall(self, memory):
+        self._torn, self._key = memory.get("torn", self._torn), (-1, -1)
 
     def dissipated(self, state, dt: float) -> float:
         """J that damping takes in an implicit step, which it does at the velocities of its end."""

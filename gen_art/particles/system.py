@@ -134,8 +134,8 @@ class ParticleSystem:
 
     @property
     def attribute_names(self) -> tuple[str, ...]:
-        """Declared attributes, in order of name: of the arrays and of every kind of birth."""
-        names = set(self._attributes)
+        """Declared attributes, in order of name: of the arrays, of the interactions and of every kind of birth."""
+        names = set(self._attributes).union(*(one.attributes for one in self.interactions))
         for emission in self.emitters:
             for kind in emission.kinds:
                 names |= set(kind.attributes) - {"mass", "charge", "radius", "lifetime", "density"}

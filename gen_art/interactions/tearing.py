@@ -1,0 +1,42 @@
+"""Which springs are stretched too far."""
+
+from functools import cache
+
+import numpy as np
+
+from gen_art import runtime
+from gen_art.interactions.adjacency import Adjacency
+from gen_art.runtime import ti
+
+__all__ = ["stretched"]
+
+_BLOCK = 4096
+
+
+def stretched(floats: np.ndarray, springs: Adjacency, most: float, precision: str) -> np.ndarray:
+    """Indices of the springs that are longer than (1 + most) times their rest length and still pull."""
+    if not len(springs.pairs):
+        return np.zeros(0, np.int64)
+    over = np.zeros(len(springs.pairs), np.int32)
+    _kernel(precision)(floats, springs.pairs, springs.numbers, over, 1.0 + most)
+    return np.flatnonzero(over)
+
+
+@cache
+def _kernel(precision: str):
+    real = runtime.DTYPES[precision]
+
+    @ti.kernel
+    def find(
+        S: ti.types.ndarray(real, 2), pairs: ti.types.ndarray(ti.i64, 2), N: ti.types.ndarray(ti.f64, 2),
+        over: ti.types.ndarray(ti.i32, 1), most: ti.f64,
+    ):  # fmt: skip
+        ti.loop_config(block_dim=1)
+        for b in range((over.shape[0] + _BLOCK - 1) // _BLOCK):
+            for e in range(b * _BLOCK, ti.min((b + 1) * _BLOCK, over.shape[0])):
+                i, j = ti.cast(pairs[e, 0], ti.i32), ti.cast(pairs[e, 1], ti.i32)
+                d = ti.Vector([S[0, i] - S[0, j], S[1, i] - S[1, j], S[2, i] - S[2, j]])
+                pulls = N[e, 0] > 0.0 or N[e, 2] > 0.0
+                over[e] = ti.select(pulls and ti.cast(d.norm(), ti.f64) > most * N[e, 1], 1, 0)
+
+    return runtime.kernel(find, precision)
