@@ -68,7 +68,7 @@ class Force(Parametric):
         in_newtons = self.drags_on_mass or any(self.provides(k) for k in ("force", "electric", "magnetic"))
         if lightest <= 0 and in_newtons:
             raise UsageError(
-                f"{self.name or type(self).__name__} acts with a force, and a particle without mass has no acceleration from one: "
+                f"{self.name or type(self).__name__} acts with a force, and a particle without mass has no acceleration: "
                 "give it a mass above 0"
             )
 
