@@ -20,6 +20,8 @@ _NAMES = {
     "UsageError": "gen_art.errors",
     "Velocity": "gen_art.emitters.base",
     "colliders": None,
+    "bodies": "gen_art.rigid.body",
+    "body": "gen_art.rigid.body",
     "chain": "gen_art.interactions.nets",
     "cloth": "gen_art.interactions.nets",
     "cos": "gen_art.elementary",

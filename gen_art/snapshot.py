@@ -33,6 +33,7 @@ def save(sim, path) -> None:
         head["systems"][name] = {
             "count": state.count, "next_id": state.next_id, "may_die": state.may_die, "attributes": state.attributes,
             "done": [e.done for e in system.emitters], "behind": sim._behind[name],
+            "memory": [list(one.memory) for one in system.interactions],
             "definition": None if sim.preset is not None else _definition(system),
         }  # fmt: skip
     path = Path(path)
@@ -45,6 +46,10 @@ def save(sim, path) -> None:
                     array = getattr(system.state, column)[..., : system.state.count]
                     with archive.open(f"{name}/{column}.npy", "w") as out:
                         np.lib.format.write_array(out, np.ascontiguousarray(array), allow_pickle=False)
+                for k, one in enumerate(system.interactions):
+                    for key, array in one.memory.items():
+                        with archive.open(f"{name}/interactions/{k}.{key}.npy", "w") as out:
+                            np.lib.format.write_array(out, np.ascontiguousarray(array), allow_pickle=False)
         os.replace(temporary, path)
     except OSError as error:
         temporary.unlink(missing_ok=True)
@@ -64,6 +69,15 @@ def restore(path):
                 (name, column): np.lib.format.read_array(archive.open(f"{name}/{column}.npy"), allow_pickle=False)
                 for name in head["systems"]
                 for column in _COLUMNS
+            }
+            memories = {
+                (name, k): {
+                    key: np.lib.format.read_array(archive.open(f"{name}/interactions/{k}.{key}.npy"), allow_pickle=False)
+                    for key in keys
+                }
+                for name, entry in head["systems"].items()
+                for k, keys in enumerate(entry.get("memory", ()))
+                if keys
             }
     except OSError as error:
         raise OutputError(f"cannot read {path}: {error.strerror or error}") from None
@@ -89,6 +103,8 @@ def restore(path):
             emission.done = done
         sim._behind[name] = tuple(entry["behind"])
     sim.steps_done = head["steps"]
+    for (name, k), memory in memories.items():
+        sim._members[name].interactions[k].remember(memory, sim.time)
     return sim
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from gen_art.particles.state import Particles
 from gen_art.registry import Parametric, Registry
 
-__all__ = ["INTERACTIONS", "Interaction", "Pull", "interaction"]
+__all__ = ["INTERACTIONS", "Interaction", "Pull", "Turn", "interaction"]
 
 INTERACTIONS = Registry("interaction")
 interaction = INTERACTIONS
@@ -34,19 +34,39 @@ class Pull:
     precision: str
 
 
+@dataclass
+class Turn:
+    """The part of a step that an implicit interaction takes: what stands around its change of the velocities.
+
+    old : (3, n) velocities before the forces' kick     kick, drift : s, how long the forces kicked, and the drift that follows
+    time : s, at the start of the step     dt : s, the whole step
+    """
+
+    old: np.ndarray
+    kick: float
+    drift: float
+    time: float
+    dt: float
+    precision: str
+
+
 class Interaction(Parametric):
     """Acts between particles.
 
     `accelerate(pull, out)` writes accelerations, m/s^2, of the first pull.n particles into out, (3 len(parts), capacity):
     three rows for each of `parts`, which the ledger books apart: "" by the class's flags, any other name as dissipated.
     `energy(state, slots, precision)` gives the potential energy, J, that the particles in these slots have together.
-    Where `implicit`, `solve(state, dt, precision)` changes velocities instead, between the kick and the drift of a step.
+    Where `implicit`, `solve(state, turn)` changes velocities instead, between each kick of a step and the drift after it.
+    Where it `carries` the particles, `drift(state, turn)` moves them too, in the place of the kernel's drift; the system's
+    colliders are then its own, by `take_colliders`.
+    `memory` is what it knows beyond the particles and its parameters, arrays by name; `remember(memory, time)` takes it back.
     """
 
     parts: ClassVar[tuple[str, ...]] = ("",)
     conservative: ClassVar[bool] = True
     reciprocal: ClassVar[bool] = True
     implicit: bool = False
+    carries: ClassVar[bool] = False
 
     @property
     def source_system(self) -> str | None:
@@ -59,7 +79,20 @@ class Interaction(Parametric):
     def accelerate(self, pull: Pull, out: np.ndarray) -> None:
         raise NotImplementedError
 
-    def solve(self, state: Particles, dt: float, precision: str) -> None:
+    def solve(self, state: Particles, turn: Turn) -> None:
+        raise NotImplementedError
+
+    def drift(self, state: Particles, turn: Turn) -> None:
+        raise NotImplementedError
+
+    def take_colliders(self, colliders) -> None:
+        raise NotImplementedError
+
+    @property
+    def memory(self) -> dict[str, np.ndarray]:
+        return {}
+
+    def remember(self, memory: dict[str, np.ndarray], time: float) -> None:
         raise NotImplementedError
 
     def energy(self, state: Particles, slots: np.ndarray, precision: str) -> float:

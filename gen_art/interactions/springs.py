@@ -157,10 +157,10 @@ class Springs(Interaction):
             pull.rows, pull.state.floats, springs.first, springs.other, springs.of, out, pull.n, len(self.parts)
         )
 
-    def solve(self, state, dt: float, precision: str) -> None:
+    def solve(self, state, turn) -> None:
         """The implicit step: velocities at its end."""
         if state.count:
-            solve(state.floats, state.count, self._adjacency(state), dt, precision)
+            solve(state.floats, state.count, self._adjacency(state), turn.dt, turn.precision)
 
     def dissipated(self, state, dt: float) -> float:
         """J that damping takes in an implicit step, which it does at the velocities of its end."""

@@ -61,7 +61,10 @@ class ParticleSystem:
                 raise UsageError(f"interactions must be such as ga.interactions.SelfGravity(...), not {one!r}")
         self.medium = medium or Medium()
         self.scheme = charged(scheme(integrator), self.forces, speed_of_light, exact_gyration)
-        self.composition = Composition(self.forces, self.medium, self.colliders)
+        carriers = [one for one in self.interactions if one.carries]
+        for one in carriers:
+            one.take_colliders(self.colliders)
+        self.composition = Composition(self.forces, self.medium, () if carriers else self.colliders)
         self.emitters: list[Emission] = list(emitters)
         self.look = look
         lightest = min(self._least_masses(mass), default=None)
