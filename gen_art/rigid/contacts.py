@@ -132,14 +132,14 @@ class Meeting:
         def sides(v, w):
             return np.where(on_a, v[a] + cross(w[a], ra), 0.0), np.where(on_b, v[b] + cross(w[b], rb), 0.0)
 
-        one, two = sides(v, w)
-        new_one, new_two = sides(world.v, world.w)
-        before, after = one - two - surface, new_one - new_two - surface
+        was, was_two = sides(v, w)
+        now, now_two = sides(world.v, world.w)
+        before, after = was - was_two - surface, now - now_two - surface
         w0, w1 = (before * n).sum(1), (after * n).sum(1)
         laws = self._laws[self.wall + 1]
         share = self.dt / turn.kick
         # what presses two bodies together may be what pulls both of them against a third
-        pull = (np.abs(((new_one - one) * n).sum(1)) + np.abs(((new_two - two) * n).sum(1))) * share
+        pull = (np.abs(((now - was) * n).sum(1)) + np.abs(((now_two - was_two) * n).sum(1))) * share
         fast = (-laws[:, 0] * w0 > pull) & (w0 < 0)
         span = turn.drift if turn.drift > 0 else self.dt
         aim = -np.maximum(self.gap, 0.0) / span
@@ -150,7 +150,7 @@ class Meeting:
             hits = fast
             aim = np.where(fast, -1e300, aim)  # it hits in the next step, with its restitution
         slide = before - w0[:, None] * n
-        change = np.sqrt(((new_one - one) ** 2).sum(1)) + np.sqrt(((new_two - two) ** 2).sum(1))
+        change = np.sqrt(((now - was) ** 2).sum(1)) + np.sqrt(((now_two - was_two) ** 2).sum(1))
         still = (slide * slide).sum(1) <= (change * share) ** 2
         C = np.zeros((k, NUMBERS))
         C[:, 0:3], C[:, 3:6], C[:, 6:9], C[:, 9:12], C[:, 12:15] = ra, rb, n, u, cross(n, u)
@@ -158,9 +158,13 @@ class Meeting:
         C[:, 17:20] = self._warm()
         C[hits, 17:20] = 0.0
         C[:, 17:20] *= self._span(turn)
-        V = np.concatenate([world.v, world.w], 1)
-        B = np.concatenate([world.ease[:, None], world.J.reshape(-1, 9)], 1)
-        contact_kernel()(B, V, first, second, C, np.ascontiguousarray(surface), np.zeros((k, 3)), self.most, self._exact(V))
+        for r in range(3):
+            C[:, 20 + r] = (surface * C[:, 6 + 3 * r : 9 + 3 * r]).sum(1)
+        many = len(world.v)
+        V, B = np.zeros((many + 1, 6)), np.zeros((many + 1, 10))
+        V[:many, :3], V[:many, 3:], B[:many, 0], B[:many, 1:] = world.v, world.w, world.ease, world.J.reshape(-1, 9)
+        one, two = np.where(first >= 0, first, many).astype(np.int32), np.where(second >= 0, second, many).astype(np.int32)
+        contact_kernel()(B, V, one, two, C, np.zeros((k, 36)), np.zeros((k, 9)), self.most, self._exact(V))
         given = C[:, 17:18] * n + C[:, 18:19] * u + C[:, 19:20] * C[:, 12:15]
         P, L = np.zeros_like(world.v), np.zeros_like(world.v)
         for which, arm, way in ((first, ra, 1.0), (second, rb, -1.0)):
