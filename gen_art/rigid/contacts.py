@@ -2,10 +2,9 @@
 
 import numpy as np
 
+from gen_art.rigid.blow import Blow
 from gen_art.rigid.body import FIXED
-from gen_art.rigid.kernels import NUMBERS, contact_kernel
 from gen_art.rigid.touching import Shapes, touching
-from gen_art.rigid.turns import cross
 from gen_art.rigid.walls import Walls, probes
 from gen_art.errors import UsageError
 
@@ -14,7 +13,6 @@ __all__ = ["Meeting"]
 _REACH = 1.2  # how much faster than now a body may get in a step before its contact is seen too late
 _NEAR = 0.01  # and how near to the next thing, in its own size, it is always seen
 _OVERLAP = 1e-4  # of the smaller body's size, tolerated at the start
-_EXACT = 1e-10  # of the largest speed: what a sweep over the contacts may still change
 
 
 class Meeting:
@@ -43,7 +41,7 @@ class Meeting:
         self._reach = np.array([np.linalg.norm(p.center) + np.linalg.norm(p.half) + p.radius for _, p in pairs])
         # restitution, kinetic and static friction by what is met: first the other bodies, then each collider
         own = np.array([[values["restitution"], *values["friction"]]])
-        self._laws = np.concatenate([own, np.column_stack([self.walls.restitution, self.walls.friction])])
+        self.laws = np.concatenate([own, np.column_stack([self.walls.restitution, self.walls.friction])])
         self._keys = np.zeros(0, np.int64)
         self._impulses = np.zeros((0, 3))
 
@@ -110,82 +108,22 @@ class Meeting:
     def solve(self, v: np.ndarray, w: np.ndarray, turn) -> dict[str, tuple[np.ndarray, float]]:
         """Give the bodies the impulses of this part of the step; v, w (b, 3): velocity and spin before the forces' kick.
 
-        Before a drift, gaps must not close within it, and what comes in fast leaves at once with restitution times its
-        speed; at the end of a step, what touches must not approach. Returns each collider's impulse, N s, and its work, J, by name.
+        Returns each collider's impulse, N s, and its work, J, by name.
         """
-        k = len(self.gap)
-        if k == 0:
+        if not len(self.gap):
             self._keys, self._impulses = np.zeros(0, np.int64), np.zeros((0, 3))
             return {}
-        world = self.world
-        first, second, n = self.first, self.second, self.normal
-        along = np.zeros((k, 3))
-        along[np.arange(k), np.abs(n).argmin(1)] = 1.0
-        u = cross(n, along)
-        u /= np.sqrt((u * u).sum(1))[:, None]
-        a, b = np.maximum(first, 0), np.maximum(second, 0)
-        on_a, on_b = (first >= 0)[:, None], (second >= 0)[:, None]
-        ra, rb = np.where(on_a, self.point - world.x[a], 0.0), np.where(on_b, self.point - world.x[b], 0.0)
-        sign = np.where(first >= 0, 1.0, -1.0)[:, None]  # a wall that stands first pushes the other way
-        surface = np.where((self.wall >= 0)[:, None], self.walls.velocity[self.wall] * sign, 0.0) if len(self.walls.velocity) else 0 * n
-
-        def sides(v, w):
-            return np.where(on_a, v[a] + cross(w[a], ra), 0.0), np.where(on_b, v[b] + cross(w[b], rb), 0.0)
-
-        was, was_two = sides(v, w)
-        now, now_two = sides(world.v, world.w)
-        before, after = was - was_two - surface, now - now_two - surface
-        w0, w1 = (before * n).sum(1), (after * n).sum(1)
-        laws = self._laws[self.wall + 1]
-        share = self.dt / turn.kick
-        # what presses two bodies together may be what pulls both of them against a third
-        pull = (np.abs(((now - was) * n).sum(1)) + np.abs(((now_two - was_two) * n).sum(1))) * share
-        fast = (-laws[:, 0] * w0 > pull) & (w0 < 0)
-        span = turn.drift if turn.drift > 0 else self.dt
-        aim = -np.maximum(self.gap, 0.0) / span
-        if turn.drift > 0:
-            hits = fast & (self.gap + span * w1 < 0)
-            aim = np.where(hits, w1 - (1 + laws[:, 0]) * w0, aim)
-        else:
-            hits = fast
-            aim = np.where(fast, -1e300, aim)  # it hits in the next step, with its restitution
-        slide = before - w0[:, None] * n
-        change = np.sqrt(((now - was) ** 2).sum(1)) + np.sqrt(((now_two - was_two) ** 2).sum(1))
-        still = (slide * slide).sum(1) <= (change * share) ** 2
-        C = np.zeros((k, NUMBERS))
-        C[:, 0:3], C[:, 3:6], C[:, 6:9], C[:, 9:12], C[:, 12:15] = ra, rb, n, u, cross(n, u)
-        C[:, 15], C[:, 16] = aim, np.where(still, laws[:, 2], laws[:, 1])
-        C[:, 17:20] = self._warm()
-        C[hits, 17:20] = 0.0
-        C[:, 17:20] *= self._span(turn)
-        for r in range(3):
-            C[:, 20 + r] = (surface * C[:, 6 + 3 * r : 9 + 3 * r]).sum(1)
-        many = len(world.v)
-        V, B = np.zeros((many + 1, 6)), np.zeros((many + 1, 10))
-        V[:many, :3], V[:many, 3:], B[:many, 0], B[:many, 1:] = world.v, world.w, world.ease, world.J.reshape(-1, 9)
-        one, two = np.where(first >= 0, first, many).astype(np.int32), np.where(second >= 0, second, many).astype(np.int32)
-        contact_kernel()(B, V, one, two, C, np.zeros((k, 36)), np.zeros((k, 9)), self.most, self._exact(V))
-        given = C[:, 17:18] * n + C[:, 18:19] * u + C[:, 19:20] * C[:, 12:15]
-        P, L = np.zeros_like(world.v), np.zeros_like(world.v)
-        for which, arm, way in ((first, ra, 1.0), (second, rb, -1.0)):
-            on = which >= 0
-            np.add.at(P, which[on], way * given[on])
-            np.add.at(L, which[on], way * cross(arm[on], given[on]))
-        world.impulse(P, L)
-        self._keys = self.key
-        self._impulses = np.where(hits[:, None], 0.0, C[:, 17:20]) / self._span(turn)
+        blow = Blow(self, v, w, turn)
+        start = self._warm() * turn.kick
+        impulses = blow.impulses(start)
+        self._keys = self.key  # kept as forces: the next solve may be over another length of time
+        self._impulses = np.where(blow.hits[:, None], 0.0, impulses) / turn.kick
+        given = blow.give(impulses) * blow.sign
         out: dict[str, tuple[np.ndarray, float]] = {}
         for c in np.unique(self.wall[self.wall >= 0]):
-            total = (given * sign)[self.wall == c].sum(0)
+            total = given[self.wall == c].sum(0)
             out[self.walls.names[c]] = (total, float((total * self.walls.velocity[c]).sum()))
         return out
-
-    def _span(self, turn) -> float:
-        """Impulses are kept as forces: the next solve may be over another length of time."""
-        return turn.kick
-
-    def _exact(self, V: np.ndarray) -> float:
-        return _EXACT * float(np.abs(V).max(initial=0.0)) + 1e-300
 
     def _warm(self) -> np.ndarray:
         """The impulses that the same contacts had last."""
