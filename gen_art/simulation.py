@@ -248,7 +248,7 @@ class Simulation:
         kick, time, drift = system.scheme.stages[g]
         only = lambda *part: np.array([0.0, *part, 0.0], state.floats.dtype)  # noqa: E731
         old = state.floats[3:6, : state.count].copy()
-        turn = Turn(old, self.dt * kick, self.dt * drift, self.time, self.dt, self.precision)
+        turn = Turn(old, self.dt * kick, self.dt * drift, self.time, self.dt, self.precision, bool(self._ledger))
         stepper.stage(first, self.dt, 0, 1, only(kick, time, 0.0))
         carrier = None
         for one in system.interactions:

@@ -72,7 +72,9 @@ def restore(path):
             }
             memories = {
                 (name, k): {
-                    key: np.lib.format.read_array(archive.open(f"{name}/interactions/{k}.{key}.npy"), allow_pickle=False)
+                    key: np.lib.format.read_array(
+                        archive.open(f"{name}/interactions/{k}.{key}.npy"), allow_pickle=False
+                    )
                     for key in keys
                 }
                 for name, entry in head["systems"].items()

@@ -20,7 +20,7 @@ class RigidBody(Emitter):
     for a compound, each with `at` (m), `turn` (degrees) and `density` (relative to the others) beside it
     velocity : m/s, of the centre of mass     spin : rad/s, (3,)     turn : rotation vector, axis times angle
     pivot : a point (3,) that stays in place     axle : (3,) the body turns about this axis alone, through the pivot or, without
-    one, the centre of mass     fixed : it never moves     points : particles a body, about; six more carry mass inside, with
+    one, the centre of mass     static : it never moves     points : particles a body, about; six more carry mass inside, with
     radius 0     grain : m, radius of the particles
     Its particles have the attributes normal_x, normal_y, normal_z (outward), area (m^2, half the surface that a point stands
     for), shade (0 to 1, how much it looks towards the lamp of `rigid`) and tint.
@@ -36,11 +36,15 @@ class RigidBody(Emitter):
     spin: tuple = param((0.0, 0.0, 0.0), unit="rad/s")
     pivot: tuple = param(None, unit="m", kind="vector")
     axle: tuple = param(None, kind="vector")
-    fixed: bool = param(False)
-    draw: str = param("cloud", choices=("cloud", "wire"), doc="points over the surface, or along edges and great circles")
+    static: bool = param(False)
+    draw: str = param(
+        "cloud", choices=("cloud", "wire"), doc="points over the surface, or along edges and great circles"
+    )
     points: int = param(400, min=8, max=10_000_000)
     grain: float = param(None, unit="m", min=0, doc="three quarters of the points' spacing when left out")
-    tint: tuple = param((0.0, 0.0), kind="range", doc="a number to colour by, from the first body of the grid to the last")
+    tint: tuple = param(
+        (0.0, 0.0), kind="range", doc="a number to colour by, from the first body of the grid to the last"
+    )
     grid: tuple = param((1.0, 1.0, 1.0), min=1, max=10_000, doc="how many along x, y and z")
     pitch: tuple = param((1.0, 1.0, 1.0), unit="m", doc="from one body of the grid to the next")
 

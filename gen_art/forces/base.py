@@ -29,7 +29,7 @@ class Force(Parametric):
     Flags, which the ledger and `inspect` read: `conservative` (has a time-independent potential), `reciprocal`,
     `dissipative`, `does_work`. `repeat` names an int parameter: the term is summed for q.index in 0 .. q.<repeat> - 1.
     `depends_on_velocity` tells the integrators that a plain kick loses an order. `reads_medium` gives `p.flow` (3,) m/s,
-    the velocity of the system's medium where the particle is.
+    the velocity of the system's medium where the particle is. `needs` names attributes that particles must have.
     """
 
     repeat: ClassVar[str | None] = None
@@ -39,6 +39,7 @@ class Force(Parametric):
     does_work: ClassVar[bool] = True
     depends_on_velocity: ClassVar[bool] = False
     reads_medium: ClassVar[bool] = False
+    needs: ClassVar[tuple[str, ...]] = ()
     quadratic_damping: ClassVar[bool] = True  # False where the second number of `damping` is always 0
 
     def __init_subclass__(cls, **kwargs):

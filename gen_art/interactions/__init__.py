@@ -8,4 +8,14 @@ from gen_art.interactions.pair_force import PairForce
 from gen_art.interactions.rigid import Rigid
 from gen_art.interactions.springs import Springs
 
-__all__ = ["INTERACTIONS", "Contacts", "Coulomb", "Interaction", "PairForce", "Rigid", "SelfGravity", "Springs", "interaction"]
+__all__ = [
+    "INTERACTIONS",
+    "Contacts",
+    "Coulomb",
+    "Interaction",
+    "PairForce",
+    "Rigid",
+    "SelfGravity",
+    "Springs",
+    "interaction",
+]

@@ -39,7 +39,7 @@ class Turn:
     """The part of a step that an implicit interaction takes: what stands around its change of the velocities.
 
     old : (3, n) velocities before the forces' kick     kick, drift : s, how long the forces kicked, and the drift that follows
-    time : s, at the start of the step     dt : s, the whole step
+    time : s, at the start of the step     dt : s, the whole step     booked : the ledger reads the velocities before the drift
     """
 
     old: np.ndarray
@@ -48,6 +48,7 @@ class Turn:
     time: float
     dt: float
     precision: str
+    booked: bool
 
 
 class Interaction(Parametric):

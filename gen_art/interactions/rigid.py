@@ -59,7 +59,12 @@ class Rigid(Interaction):
         if sum(one.carries for one in system.interactions) > 1:
             raise UsageError(f"system '{system.name}' has two `rigid`: give it one")
         scheme = system.scheme
-        if scheme.kind != "splitting" or scheme.first_drift or sum(s[2] > 0 for s in scheme.stages) != 1 or scheme.light:
+        if (
+            scheme.kind != "splitting"
+            or scheme.first_drift
+            or sum(s[2] > 0 for s in scheme.stages) != 1
+            or scheme.light
+        ):
             raise UsageError(
                 f"rigid bodies move by leapfrog, velocity_verlet or semi_implicit_euler; give '{system.name}' one of them, "
                 f"not {scheme.name}"
@@ -84,7 +89,9 @@ class Rigid(Interaction):
                 slots = np.flatnonzero(state.source[: state.count] == emission.first_source + k)
                 found.append((slots[0], emission.name, group))
         if not found:
-            raise UsageError(f"system '{system.name}' has no rigid bodies: lay some by `body`, or by ga.bodies in Python")
+            raise UsageError(
+                f"system '{system.name}' has no rigid bodies: lay some by `body`, or by ga.bodies in Python"
+            )
         from dataclasses import replace
 
         return [

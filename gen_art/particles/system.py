@@ -72,10 +72,20 @@ class ParticleSystem:
             one.check_mass(lightest)
         self.name = ""
         self._initial = self._arrays(position, velocity, mass, charge, radius, dict(attributes or {}))
-        if self._initial and speed_of_light and (np.linalg.norm(self._initial["velocity"], axis=0) >= speed_of_light).any():
+        if (
+            self._initial
+            and speed_of_light
+            and (np.linalg.norm(self._initial["velocity"], axis=0) >= speed_of_light).any()
+        ):
             raise UsageError(f"velocity must be below the speed of light, {speed_of_light:g} m/s")
         self._attributes = dict(attributes or {})
         self._fixed = self._which(fixed)
+        for one in self.forces:
+            missing = [name for name in one.needs if name not in self.attribute_names]
+            if missing:
+                raise UsageError(
+                    f"{one.name} needs particles with the attribute {missing[0]}: declare it, or use rigid bodies"
+                )
         self._state: Particles | None = None
         self._time = lambda: 0.0
 

@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from gen_art.errors import UsageError
 from gen_art.rigid.shapes import Part, parts_of
 from gen_art.rigid.turns import cross, matrices, product, quaternion, rotation
-from gen_art.errors import UsageError
 
-__all__ = ["ATTRIBUTES", "FREE", "FIXED", "PIVOTED", "AXLED", "Body", "Group", "bodies", "body"]
+__all__ = ["ATTRIBUTES", "FREE", "STATIC", "PIVOTED", "AXLED", "Body", "Group", "bodies", "body"]
 
-FREE, PIVOTED, AXLED, FIXED = range(4)
+FREE, PIVOTED, AXLED, STATIC = range(4)
 ATTRIBUTES = ("area", "normal_x", "normal_y", "normal_z", "shade", "tint")
 _CARRIERS = 6
 
@@ -26,7 +26,7 @@ _CARRIERS = 6
 class Body:
     """A body at its start. Its frame has the origin at the centre of mass, or at the pivot, and axes along principal axes.
 
-    spec : the plain arguments it was made of     parts : in its own frame     hold : FREE, PIVOTED, AXLED or FIXED
+    spec : the plain arguments it was made of     parts : in its own frame     hold : FREE, PIVOTED, AXLED or STATIC
     mass : kg     inertia : (3,) kg m^2 about the origin     axle : (3,) unit, in its frame
     place : (3,) m, of the origin     attitude : (4,) quaternion     velocity : (3,) m/s, of the origin     spin : (3,) rad/s
     local, masses, radii, normals, areas : of its particles, in its frame
@@ -53,7 +53,7 @@ class Body:
 
 def body(
     shape, *, mass=None, density=1000.0, hollow=False, position=(0, 0, 0), turn=(0, 0, 0), velocity=(0, 0, 0), spin=(0, 0, 0),
-    pivot=None, axle=None, fixed=False, draw="cloud", points=400, grain=None, tint=0.0, name="body",
+    pivot=None, axle=None, static=False, draw="cloud", points=400, grain=None, tint=0.0, name="body",
 ) -> Body:  # fmt: skip
     """A rigid body, to be put together with others by ga.bodies.
 
@@ -62,7 +62,7 @@ def body(
     mass : kg, or density : kg/m^3     hollow : the mass is on the surface     position : m, of the shape's origin
     turn : rad, rotation vector     velocity : m/s, of the centre of mass     spin : rad/s
     pivot : (3,) m, a point that is held in place     axle : (3,), it turns about this axis alone, through the pivot or the
-    centre of mass     fixed : it stays where it is
+    centre of mass     static : it stays where it is
     draw : "cloud", points on the surface, or "wire", along edges     points : about how many
     grain : m, radius of the particles; half again their spacing when left out     tint : a number to colour it by
     Raises UsageError.
@@ -75,16 +75,20 @@ def body(
         raise UsageError(f"{name}: a body's mass must be above 0 kg, not {whole:g}")
     weights = weights / weights.sum()
     centre = sum(w * p.center for w, p in zip(weights, parts))
-    second = sum(w * (p.moments(hollow) + np.outer(p.center - centre, p.center - centre)) for w, p in zip(weights, parts))
+    second = sum(
+        w * (p.moments(hollow) + np.outer(p.center - centre, p.center - centre)) for w, p in zip(weights, parts)
+    )
     x, n, area, spacing = _samples(parts, draw, int(points))
     x, masses = _carried(x - centre, whole, second)
-    grow = [np.concatenate([a, np.zeros((_CARRIERS, *a.shape[1:]))]) for a in (n, area, np.full(len(n), spacing * 0.75))]
+    grow = [
+        np.concatenate([a, np.zeros((_CARRIERS, *a.shape[1:]))]) for a in (n, area, np.full(len(n), spacing * 0.75))
+    ]
     radii = grow[2] if grain is None else np.where(grow[2] > 0, float(grain), 0.0)
     user = rotation(np.asarray(turn, float))
     R = matrices(user)
     at = np.asarray(position, float) + R @ centre
-    hold = FIXED if fixed else AXLED if axle is not None else PIVOTED if pivot is not None else FREE
-    origin = at if pivot is None or fixed else np.asarray(pivot, float)
+    hold = STATIC if static else AXLED if axle is not None else PIVOTED if pivot is not None else FREE
+    origin = at if pivot is None or static else np.asarray(pivot, float)
     lever = R.T @ (at - origin)  # from the origin of the body's frame to the centre, along the shape's axes
     second = second + np.outer(lever, lever)
     inertia, axes = _principal(whole * (np.trace(second) * np.eye(3) - second))
@@ -104,8 +108,8 @@ def body(
             raise UsageError(f"{name}: spin must be along the axle")
     if hold != FREE and v.any():
         raise UsageError(f"{name}: a body that is held has no velocity of its own: give it a spin")
-    if hold == FIXED and w.any():
-        raise UsageError(f"{name}: a fixed body does not spin; give it an axle")
+    if hold == STATIC and w.any():
+        raise UsageError(f"{name}: a static body does not spin; give it an axle")
     return Body(
         spec, turned, hold, whole, inertia, direction, origin, attitude, v, w, own(x), masses, radii, grow[0] @ axes, grow[1],
         float(tint), name,
@@ -156,7 +160,9 @@ def _carried(x: np.ndarray, mass: float, second: np.ndarray) -> tuple[np.ndarray
             break
         share *= 0.5
     arms = (axes * np.sqrt(3 * squares)).T
-    masses = np.concatenate([np.full(len(x), share * mass / len(x)), np.full(_CARRIERS, (1 - share) * mass / _CARRIERS)])
+    masses = np.concatenate(
+        [np.full(len(x), share * mass / len(x)), np.full(_CARRIERS, (1 - share) * mass / _CARRIERS)]
+    )
     return np.concatenate([x, centre + arms, centre - arms]), masses
 
 
@@ -186,8 +192,8 @@ class Group:
         many = lambda f: np.concatenate([np.full(len(b.local), f(b)) for b in self.members])  # noqa: E731
         normal = np.concatenate(n)
         fields = {
-            "position": np.concatenate(x), "velocity": np.concatenate(v), "mass": np.concatenate([b.masses for b in self.members]),
-            "radius": np.concatenate([b.radii for b in self.members]), "fixed": many(lambda b: b.hold == FIXED),
+            "position": np.concatenate(x), "velocity": np.concatenate(v),
+            "mass": np.concatenate([b.masses for b in self.members]), "radius": np.concatenate([b.radii for b in self.members]), "fixed": many(lambda b: b.hold == STATIC),
             "attributes": {
                 "area": np.concatenate([b.areas for b in self.members]), "normal_x": normal[:, 0], "normal_y": normal[:, 1],
                 "normal_z": normal[:, 2], "shade": np.zeros(len(normal)), "tint": many(lambda b: b.tint),

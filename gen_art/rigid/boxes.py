@@ -39,7 +39,7 @@ def between_boxes(c1, A1, h1, c2, A2, h2, reach):
         k = np.flatnonzero(near & ~crossed & ((face >= 3) == flip))
         if len(k):
             one, two = ((c2, A2, h2), (c1, A1, h1)) if flip else ((c1, A1, h1), (c2, A2, h2))
-            found.append(_faces(k, *(a[k] for a in one), *(a[k] for a in two), face[k] % 3, reach[k], flip))
+            found.append(_faces(k, [a[k] for a in one], [a[k] for a in two], face[k] % 3, reach[k], flip))
     k = np.flatnonzero(near & crossed)
     if len(k):
         found.append(_edges(k, c1[k], A1[k], h1[k], c2[k], A2[k], h2[k], edge[k], sign[k, edge[k]], edges[k, edge[k]]))
@@ -59,14 +59,30 @@ def _edge_axes(t, C, size, h1, h2):
             c, d = (j + 1) % 3, (j + 2) % 3
             length = np.sqrt(C[:, a, j] ** 2 + C[:, b, j] ** 2)
             off = t[:, b] * C[:, a, j] - t[:, a] * C[:, b, j]
-            width = h1[:, a] * size[:, b, j] + h1[:, b] * size[:, a, j] + h2[:, c] * size[:, i, d] + h2[:, d] * size[:, i, c]
+            width = (
+                h1[:, a] * size[:, b, j]
+                + h1[:, b] * size[:, a, j]
+                + h2[:, c] * size[:, i, d]
+                + h2[:, d] * size[:, i, c]
+            )
             separation.append(np.where(length > 1e-3, (np.abs(off) - width) / np.maximum(length, 1e-3), -np.inf))
             sign.append(np.where(off < 0, -1.0, 1.0))
     return np.stack(separation, 1), np.stack(sign, 1)
 
 
-def _faces(pair, c1, A1, h1, c2, A2, h2, axis, reach, flip):
+def _wide(a):
+    return a[:, None]
+
+
+def _pick(a, at):
+    """Along the last axis of a (m, ..., 3), the entry `at` (m,)."""
+    where = at.reshape(-1, *[1] * (a.ndim - 1))
+    return np.take_along_axis(a, np.broadcast_to(where, (*a.shape[:-1], 1)), -1)[..., 0]
+
+
+def _faces(pair, one, two, axis, reach, flip):
     """The face of box 1 along `axis` against the face of box 2 that looks at it."""
+    (c1, A1, h1), (c2, A2, h2) = one, two
     m = len(pair)
     rows = np.arange(m)
     t = np.einsum("mji,mj->mi", A1, c2 - c1)
@@ -79,37 +95,35 @@ def _faces(pair, c1, A1, h1, c2, A2, h2, axis, reach, flip):
     middle = t - (np.sign(tilt[rows, k]) * h2[rows, k])[:, None] * C[rows, :, k]
     ep, eq = C[rows, :, p] * h2[rows, p][:, None], C[rows, :, q] * h2[rows, q][:, None]
     quad = middle[:, None] + _SIGNS[:, :1] * ep[:, None] + _SIGNS[:, 1:] * eq[:, None]  # (m, 4, 3) in box 1's frame
-    pick = lambda a, at: np.take_along_axis(a, np.broadcast_to(at.reshape(-1, *[1] * (a.ndim - 1)), (*a.shape[:-1], 1)), -1)[..., 0]  # noqa: E731
-    U, V, Z = pick(quad, u), pick(quad, v), pick(quad, axis) * way[:, None]
+    U, V, Z = _pick(quad, u), _pick(quad, v), _pick(quad, axis) * way[:, None]
     hu, hv, hz = (h1[rows, a] for a in (u, v, axis))
-    wide = lambda a: a[:, None]  # noqa: E731
     # corners of face 2 over face 1
     points = [np.stack([U, V, Z], -1)]
-    good = [(np.abs(U) <= wide(hu) * (1 + _STRICT)) & (np.abs(V) <= wide(hv) * (1 + _STRICT))]
+    good = [(np.abs(U) <= _wide(hu) * (1 + _STRICT)) & (np.abs(V) <= _wide(hv) * (1 + _STRICT))]
     # edges of face 2 across the rim of face 1
     U2, V2, Z2 = (np.roll(a, -1, 1) for a in (U, V, Z))
     for side in (-1.0, 1.0):
         for a, a2, b, b2, ha, hb, swap in ((U, U2, V, V2, hu, hv, False), (V, V2, U, U2, hv, hu, True)):
             d = a2 - a
-            s = (side * wide(ha) - a) / np.where(np.abs(d) > 1e-12 * wide(ha), d, np.inf)
+            s = (side * _wide(ha) - a) / np.where(np.abs(d) > 1e-12 * _wide(ha), d, np.inf)
             other = b + s * (b2 - b)
-            rim = np.broadcast_to(side * wide(ha), other.shape)
+            rim = np.broadcast_to(side * _wide(ha), other.shape)
             points.append(np.stack([other, rim, Z + s * (Z2 - Z)] if swap else [rim, other, Z + s * (Z2 - Z)], -1))
-            good.append((s > _STRICT) & (s < 1 - _STRICT) & (np.abs(other) < wide(hb) * (1 - _STRICT)))
+            good.append((s > _STRICT) & (s < 1 - _STRICT) & (np.abs(other) < _wide(hb) * (1 - _STRICT)))
     # corners of face 1 under face 2
-    pu, pv, qu, qv = (pick(a[:, None], b)[:, 0] for a in (ep, eq) for b in (u, v))
+    pu, pv, qu, qv = (a[rows, b] for a in (ep, eq) for b in (u, v))
     det = pu * qv - pv * qu
     flat = np.abs(det) > 1e-9 * hu * hv
     det = np.where(flat, det, 1.0)
-    X, Y = _SIGNS[:, 0] * wide(hu), _SIGNS[:, 1] * wide(hv)
-    du, dv = X - wide(pick(middle[:, None], u)[:, 0]), Y - wide(pick(middle[:, None], v)[:, 0])
-    a, b = (du * wide(qv) - dv * wide(qu)) / wide(det), (dv * wide(pu) - du * wide(pv)) / wide(det)
-    zp, zq, zm = (wide(pick(e[:, None], axis)[:, 0] * way) for e in (ep, eq, middle))
+    X, Y = _SIGNS[:, 0] * _wide(hu), _SIGNS[:, 1] * _wide(hv)
+    du, dv = X - _wide(middle[rows, u]), Y - _wide(middle[rows, v])
+    a, b = (du * _wide(qv) - dv * _wide(qu)) / _wide(det), (dv * _wide(pu) - du * _wide(pv)) / _wide(det)
+    zp, zq, zm = (_wide(e[rows, axis] * way) for e in (ep, eq, middle))
     points.append(np.stack([X, Y, zm + a * zp + b * zq], -1))
-    good.append((np.abs(a) < 1 - _STRICT) & (np.abs(b) < 1 - _STRICT) & wide(flat))
+    good.append((np.abs(a) < 1 - _STRICT) & (np.abs(b) < 1 - _STRICT) & _wide(flat))
     P, ok = np.concatenate(points, 1), np.concatenate(good, 1)
-    gap = P[..., 2] - wide(hz)
-    ok &= gap < wide(reach)
+    gap = P[..., 2] - _wide(hz)
+    ok &= gap < _wide(reach)
     chosen = _chosen(P, gap, ok)
     row, which = np.nonzero(chosen)
     g = gap[row, which]
@@ -118,7 +132,7 @@ def _faces(pair, c1, A1, h1, c2, A2, h2, axis, reach, flip):
     place[n, u[row]], place[n, v[row]] = P[row, which, 0], P[row, which, 1]
     place[n, axis[row]] = way[row] * (hz[row] + 0.5 * g)
     point = c1[row] + np.einsum("mij,mj->mi", A1[row], place)
-    normal = A1[row, :, axis[row]] * wide(way[row]) * (1.0 if flip else -1.0)
+    normal = A1[row, :, axis[row]] * _wide(way[row]) * (1.0 if flip else -1.0)
     feature = which + 32 * (axis[row] + 3 * flip)
     return pair[row], point, normal, g, feature
 
@@ -130,8 +144,9 @@ def _chosen(P, gap, ok):
     many = ok.sum(1) > _KEPT
     take = ok & ~many[:, None]
     weight = 1 - 1e-6 * np.arange(P.shape[1])  # ties always go the same way
-    width = np.maximum(np.where(ok[..., None], np.abs(P[..., :2]), 0).max((1, 2)), 1e-300)
-    flat = P[..., :2] / width[:, None, None]
+    flat = np.where(ok[..., None], P[..., :2], 0.0)
+    width = np.maximum(np.abs(flat).max((1, 2)), 1e-300)
+    flat /= width[:, None, None]
     a = np.where(ok, 1e-5 * np.abs(flat).sum(-1) * weight - gap / width[:, None], -np.inf).argmax(1)
     d = flat - flat[rows, a][:, None]
     b = np.where(ok, (d * d).sum(-1) * weight, -1.0).argmax(1)

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from gen_art.errors import UsageError
 from gen_art.rigid.blow import Blow
-from gen_art.rigid.body import FIXED
+from gen_art.rigid.body import STATIC
 from gen_art.rigid.touching import Shapes, touching
 from gen_art.rigid.walls import Walls, probes
-from gen_art.errors import UsageError
 
 __all__ = ["Meeting"]
 
@@ -32,7 +32,7 @@ class Meeting:
         self._center = np.array([p.center for _, p in pairs]).reshape(-1, 3)
         self._axes = np.array([p.axes for _, p in pairs]).reshape(-1, 3, 3)
         self._size = 2 * self._radius + 2 * np.where(self._half > 0, self._half, 0).max(1, initial=0.0)
-        held = np.concatenate([world.hold == FIXED, np.ones(len(self.walls.colliders), bool)])
+        held = np.concatenate([world.hold == STATIC, np.ones(len(self.walls.colliders), bool)])
         self._movable = ~held[self._body]
         moving = [k for k, (b, _) in enumerate(pairs) if b < bodies and not held[b]]
         points = [probes(pairs[k][1], self.walls.flat) for k in moving]
@@ -92,7 +92,9 @@ class Meeting:
         self.normal = np.concatenate([found.normal, n])
         self.gap = np.concatenate([found.gap, g])
         self.key = np.concatenate([found.key, base + p * max(len(self.walls.owner), 1) + s])
-        self._sizes = np.concatenate([np.minimum(self._size[found.first], self._size[found.second]), self._size[shape[p]]])
+        self._sizes = np.concatenate(
+            [np.minimum(self._size[found.first], self._size[found.second]), self._size[shape[p]]]
+        )
 
     def refuse_overlaps(self, name: str) -> None:
         """UsageError that names two bodies, or a body and a collider, that overlap."""
@@ -103,7 +105,9 @@ class Meeting:
         title = lambda b: f"body {b + 1} ('{self.world.members[b].name}')"  # noqa: E731
         one = title(max(self.first[k], self.second[k]) if min(self.first[k], self.second[k]) < 0 else self.first[k])
         other = f"the {self.walls.colliders[self.wall[k]].name}" if self.wall[k] >= 0 else title(self.second[k])
-        raise UsageError(f"system '{name}': {one} and {other} overlap by {-self.gap[k]:.3g} m at the start: move them apart")
+        raise UsageError(
+            f"system '{name}': {one} and {other} overlap by {-self.gap[k]:.3g} m at the start: move them apart"
+        )
 
     def solve(self, v: np.ndarray, w: np.ndarray, turn) -> dict[str, tuple[np.ndarray, float]]:
         """Give the bodies the impulses of this part of the step; v, w (b, 3): velocity and spin before the forces' kick.

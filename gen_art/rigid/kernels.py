@@ -62,7 +62,9 @@ def particle_kernels(precision: str):
                 out[b, 3 + c] = L[c]
 
     @ti.kernel
-    def put(S: state, T: _matrix, G: _matrix, of: _whole, light: ti.types.ndarray(ti.f64, 1), rows: _whole, moves: ti.i32):
+    def put(
+        S: state, T: _matrix, G: _matrix, of: _whole, light: ti.types.ndarray(ti.f64, 1), rows: _whole, moves: ti.i32
+    ):
         n = of.shape[0]
         ti.loop_config(block_dim=1)
         for block in range((n + _BLOCK - 1) // _BLOCK):
@@ -134,7 +136,8 @@ def contact_kernel():
 
     @ti.kernel
     def solve(
-        B: _matrix, V: _matrix, first: _whole, second: _whole, C: _matrix, D: _matrix, M: _matrix, most: ti.i32, tolerance: ti.f64,
+        B: _matrix, V: _matrix, first: _whole, second: _whole, C: _matrix, D: _matrix, M: _matrix,
+        most: ti.i32, tolerance: ti.f64,
     ) -> ti.i32:  # fmt: skip
         taken = 0
         ti.loop_config(serialize=True)

@@ -11,13 +11,13 @@ from functools import cache
 import numpy as np
 
 from gen_art import runtime
-from gen_art.rigid.body import AXLED, FIXED
 from gen_art.elementary import cos, sin
+from gen_art.rigid.body import AXLED, STATIC
 from gen_art.runtime import ti
 
-__all__ = ["inverse_inertia", "plan", "turn_kernel"]
+__all__ = ["ANGLE", "inverse_inertia", "plan", "turn_kernel"]
 
-_ANGLE = 0.2  # rad, the most that a part of a step turns
+ANGLE = 0.2  # rad, the most that a part of a step turns
 _OUTER = 1 / (2 - 2 ** (1 / 3))
 
 
@@ -28,24 +28,28 @@ def inverse_inertia(inertia: np.ndarray, hold: np.ndarray, axle: np.ndarray) -> 
         out[:, k, k] = 1 / inertia[:, k]
     about = np.einsum("bi,bj->bij", axle, axle) / (inertia * axle * axle).sum(1)[:, None, None]
     out = np.where((hold == AXLED)[:, None, None], about, out)
-    out[hold == FIXED] = 0.0
+    out[hold == STATIC] = 0.0
     return out
 
 
 def plan(inertia: np.ndarray, hold: np.ndarray, axle: np.ndarray) -> np.ndarray:
-    """(b, 8) for the kernel: how a body turns, its axes (nearest to the middle moment, the other), rates, 1/I, and its axle.
-
-    A body on an axle: -1, 0, 0, 0, 0, 1/I about the axle; one that is fixed: -2.
-    """
+    """(b, 6) for the kernel: the axis whose moment is nearer to the middle one, the other, their rates, 1 / middle moment,
+    and 1 where all three are equal. For a body on an axle -1, 0, 0, 0, 1 / moment about it, 0; for one that is static -2."""
     out = np.zeros((len(inertia), 6))
     for row, moments, held, along in zip(out, inertia, hold, axle):
         low, middle, high = np.argsort(moments, kind="stable")
         one, two = (low, high) if moments[high] - moments[middle] > moments[middle] - moments[low] else (high, low)
         rates = [1 / moments[k] - 1 / moments[middle] for k in (one, two)]
-        row[:] = one, two, *rates, 1 / moments[middle], 1.0 if moments[high] - moments[low] <= 1e-12 * moments[high] else 0.0
+        row[:] = (
+            one,
+            two,
+            *rates,
+            1 / moments[middle],
+            1.0 if moments[high] - moments[low] <= 1e-12 * moments[high] else 0.0,
+        )
         if held == AXLED:
             row[:] = -1, 0, 0, 0, 1 / (moments * along * along).sum(), 0
-        if held == FIXED:
+        if held == STATIC:
             row[0] = -2
     return out
 
@@ -89,11 +93,14 @@ def _about(q, L, k, time):
 
 @cache
 def turn_kernel():
-    """turn(q, L, P, axle, h): attitudes q (b, 4) after h, s, under angular momentum L (b, 3); P of `plan`; axle (b, 3)."""
+    """turn(q, L, P, axle, h, angle): attitudes q (b, 4) after h, s, under angular momentum L (b, 3); P of `plan`; axle (b, 3).
+
+    A body that turns by more than `angle`, rad, does so in parts, whose number is the same as long as L is.
+    """
     matrix = ti.types.ndarray(ti.f64, 2)
 
     @ti.kernel
-    def turn(Q: matrix, A: matrix, P: matrix, axle: matrix, h: ti.f64):
+    def turn(Q: matrix, A: matrix, P: matrix, axle: matrix, h: ti.f64, angle: ti.f64):
         ti.loop_config(block_dim=1)
         for b in range(Q.shape[0]):
             q = ti.Vector([Q[b, 0], Q[b, 1], Q[b, 2], Q[b, 3]])
@@ -108,7 +115,7 @@ def turn_kernel():
             if P[b, 0] >= 0.0 and L.norm() > 0.0:
                 one, two = ti.cast(P[b, 0], ti.i32), ti.cast(P[b, 1], ti.i32)
                 fastest = ti.max(ease, ti.max(P[b, 2], P[b, 3]) + ease)
-                parts = ti.cast(ti.ceil(L.norm() * fastest * ti.abs(h) / _ANGLE), ti.i32)
+                parts = ti.cast(ti.ceil(L.norm() * fastest * ti.abs(h) / angle), ti.i32)
                 rounds = 3
                 if P[b, 5] > 0.0:
                     parts, rounds = 1, 1

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen_art.rigid.turns import matrices, rotation
 from gen_art.errors import UsageError
 from gen_art.registry import suggest
+from gen_art.rigid.turns import matrices, rotation
 
 __all__ = ["BALL", "BOX", "CAPSULE", "Part", "parts_of"]
 
@@ -52,7 +52,11 @@ class Part:
                 faces = np.array([b * c, c * a, a * b])
                 squares *= 1 + 2 * faces / faces.sum()
         else:  # a cylinder of half length b between two halves of a ball
-            rod, ball = (4 * math.pi * r * b, 4 * math.pi * r * r) if hollow else (2 * math.pi * r * r * b, 4 / 3 * math.pi * r**3)
+            rod, ball = (
+                (4 * math.pi * r * b, 4 * math.pi * r * r)
+                if hollow
+                else (2 * math.pi * r * r * b, 4 / 3 * math.pi * r**3)
+            )
             along = rod * b * b / 3 + ball * (b * b + b * r * (1 if hollow else 0.75) + r * r / (3 if hollow else 5))
             across = rod * r * r / (2 if hollow else 4) + ball * r * r / (3 if hollow else 5)
             squares = np.array([across, along, across]) / (rod + ball)
@@ -82,7 +86,9 @@ class Part:
 
     def wire_length(self) -> float:
         r, b = self.radius, float(self.half[1])
-        return 8 * float(self.half.sum()) if self.kind == BOX else 6 * math.pi * r + (2 * math.pi * r + 8 * b if b else 0)
+        return (
+            8 * float(self.half.sum()) if self.kind == BOX else 6 * math.pi * r + (2 * math.pi * r + 8 * b if b else 0)
+        )
 
 
 def parts_of(shape) -> list[Part]:
@@ -99,11 +105,15 @@ def parts_of(shape) -> list[Part]:
 
 def _part(entry) -> Part:
     if not isinstance(entry, dict):
-        raise UsageError(f"a shape must be such as {{sphere: 0.5}}, {{capsule: [1, 0.2]}} or {{box: [1, 1, 1]}}, not {entry!r}")
+        raise UsageError(
+            f"a shape must be such as {{sphere: 0.5}}, {{capsule: [1, 0.2]}} or {{box: [1, 1, 1]}}, not {entry!r}"
+        )
     kinds = [key for key in entry if key in _KINDS]
     extra = [key for key in entry if key not in (*_KINDS, "at", "turn", "density")]
     if extra or len(kinds) != 1:
-        what = f"'{extra[0]}'{suggest(extra[0], [*_KINDS, 'at', 'turn', 'density'])}" if extra else f"{len(kinds)} of them"
+        what = (
+            f"'{extra[0]}'{suggest(extra[0], [*_KINDS, 'at', 'turn', 'density'])}" if extra else f"{len(kinds)} of them"
+        )
         raise UsageError(f"a shape is one of sphere, capsule, box, with at, turn and density beside it; not {what}")
     kind = kinds[0]
     size = _numbers(kind, entry[kind], {"sphere": 1, "capsule": 2, "box": 3}[kind])

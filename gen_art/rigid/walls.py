@@ -9,10 +9,10 @@ from functools import cache
 import numpy as np
 
 from gen_art import runtime
-from gen_art.rigid.shapes import BALL, BOX, CAPSULE, Part
 from gen_art.colliders.impact import count, gap, gradient
 from gen_art.composition import Composition
 from gen_art.integrators.terms import Terms
+from gen_art.rigid.shapes import BALL, BOX, CAPSULE, Part
 from gen_art.runtime import ti
 
 __all__ = ["Walls", "probes"]

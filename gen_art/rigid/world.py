@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from gen_art.rigid.body import AXLED, FIXED, FREE, Body
-from gen_art.rigid.contacts import Meeting
-from gen_art.rigid.kernels import particle_kernels
-from gen_art.rigid.motion import inverse_inertia, plan, turn_kernel
-from gen_art.rigid.turns import matrices
 from gen_art.errors import UsageError
 from gen_art.particles.fixed import fixed_lifetimes
+from gen_art.rigid.body import AXLED, FREE, STATIC, Body
+from gen_art.rigid.contacts import Meeting
+from gen_art.rigid.kernels import particle_kernels
+from gen_art.rigid.motion import ANGLE, inverse_inertia, plan, turn_kernel
+from gen_art.rigid.turns import matrices
 
 __all__ = ["World"]
 
@@ -90,7 +90,8 @@ class World:
         self.L = self._allowed(self.L + gained[:, 3:])
         self._bound()
         self.given = self.meeting.solve(v, w, turn)
-        self._put(state, False)
+        if turn.booked or not turn.drift:
+            self._put(state, False)
 
     def impulse(self, P: np.ndarray, L: np.ndarray) -> None:
         """Take impulses (b, 3) and angular impulses (b, 3) about the origins."""
@@ -103,13 +104,13 @@ class World:
         R = self.R
         along = np.einsum("bij,bj->bi", R, self.axle)
         L = np.where((self.hold == AXLED)[:, None], along * (along * L).sum(1)[:, None], L)
-        L[self.hold == FIXED] = 0.0
+        L[self.hold == STATIC] = 0.0
         return L
 
     def drift(self, state, turn) -> None:
         """Move on with the velocities as they are, and see what touches there."""
         self.x = self.x + turn.drift * self.v
-        turn_kernel()(self.q, self.L, self._plan, self.axle, turn.drift)
+        turn_kernel()(self.q, self.L, self._plan, self.axle, turn.drift, ANGLE)
         self._bound()
         self._put(state, True)
         self.meeting.look(turn.time + turn.dt)
