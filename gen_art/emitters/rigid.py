@@ -9,6 +9,8 @@ from gen_art.registry import param
 
 __all__ = ["RigidBody"]
 
+_GOLDEN = (5**0.5 - 1) / 2  # its multiples fill a range evenly, neighbours far apart
+
 
 @emitter("body")
 class RigidBody(Emitter):
@@ -43,7 +45,7 @@ class RigidBody(Emitter):
     points: int = param(400, min=8, max=10_000_000)
     grain: float = param(None, unit="m", min=0, doc="three quarters of the points' spacing when left out")
     tint: tuple = param(
-        (0.0, 0.0), kind="range", doc="a number to colour by, from the first body of the grid to the last"
+        (0.0, 0.0), kind="range", doc="a number to colour by; a range is spread over the bodies of the grid"
     )
     grid: tuple = param((1.0, 1.0, 1.0), min=1, max=10_000, doc="how many along x, y and z")
     pitch: tuple = param((1.0, 1.0, 1.0), unit="m", doc="from one body of the grid to the next")
@@ -63,7 +65,7 @@ class RigidBody(Emitter):
         if v["pivot"] is not None and count > 1:
             raise UsageError("a pivot is for one body: leave out grid, or the pivot")
         self.group = bodies(
-            body(position=start + pitch * place, tint=low + (high - low) * n / max(count - 1, 1), **v)
+            body(position=start + pitch * place, tint=low + (high - low) * (n * _GOLDEN % 1.0), **v)
             for n, place in enumerate(places)
         )
 
