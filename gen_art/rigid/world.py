@@ -28,6 +28,7 @@ class World:
         R = matrices(self.q)
         own = np.einsum("bji,bj->bi", R, stack(lambda b: b.spin))
         self.L = np.einsum("bij,bj->bi", R, self.inertia * own)
+        self._still = bool((self.hold == STATIC).all())
         self._plan = plan(self.inertia, self.hold, self.axle)
         counts = [len(b.local) for b in members]
         self._first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
@@ -81,6 +82,8 @@ class World:
 
     def push(self, state, turn) -> None:
         """What forces gave the particles since their velocities were turn.old, then the impulses of contacts."""
+        if self._still:
+            return
         gained = np.zeros((len(self.members), 6))
         particle_kernels(self.precision)[0](
             state.floats, np.ascontiguousarray(turn.old), self._table, self._frames(), self._first, gained
@@ -109,6 +112,8 @@ class World:
 
     def drift(self, state, turn) -> None:
         """Move on with the velocities as they are, and see what touches there."""
+        if self._still:
+            return
         self.x = self.x + turn.drift * self.v
         turn_kernel()(self.q, self.L, self._plan, self.axle, turn.drift, ANGLE)
         self._bound()
