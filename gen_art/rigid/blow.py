@@ -12,7 +12,7 @@ from gen_art.rigid.turns import cross
 
 __all__ = ["Blow"]
 
-_EXACT = 1e-10  # of the largest speed: what a sweep over the contacts may still change
+_EXACT = 1e-8  # of the largest speed: what a sweep over the contacts may still change
 
 
 class Blow:
