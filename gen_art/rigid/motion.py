@@ -17,7 +17,7 @@ from gen_art.runtime import ti
 
 __all__ = ["ANGLE", "inverse_inertia", "plan", "turn_kernel"]
 
-ANGLE = 0.2  # rad, the most that a part of a step turns
+ANGLE = 0.02  # rad, the most that a part of a step turns: what is left of the energy error is round-off
 _OUTER = 1 / (2 - 2 ** (1 / 3))
 
 

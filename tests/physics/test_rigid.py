@@ -242,6 +242,47 @@ def test_static_friction_holds_more_than_kinetic():
     assert start[0.3, 0.3] == pytest.approx(G * (np.sin(a) - 0.3 * np.cos(a)) / 4, rel=1e-8)
 
 
+@pytest.mark.parametrize("one", ["sphere", "capsule", "box"])
+@pytest.mark.parametrize("two", ["sphere", "capsule", "box"])
+def test_contacts_lie_where_the_shapes_are_nearest(one, two):
+    """Against the nearest of 10,000 points on one shape to the other: the least gap, and its normal leads apart."""
+    from gen_art.rigid.shapes import parts_of
+    from gen_art.rigid.touching import Shapes, touching
+
+    r = np.random.default_rng(7)
+    parts = [parts_of(SHAPES[k])[0] for k in (one, two)]
+    clouds = [np.concatenate([p.surface(np.sqrt(p.area / 4000))[0], p.wires(p.wire_length() / 1000)[0]]) for p in parts]
+    errors = []
+    for _ in range(16):
+        turns = [matrices(rotation(r.normal(size=3) * 2)) for _ in parts]
+        way = r.normal(size=3)
+        way /= np.linalg.norm(way)
+        near, far = 0.0, 3.0
+        for _ in range(24):  # to where they are about 5 mm apart
+            middle = 0.5 * (near + far)
+            gap = nearest(parts, clouds, turns, way * middle)
+            near, far = (middle, far) if gap < 5e-3 else (near, middle)
+        places = np.array([np.zeros(3), way * near])
+        shapes = Shapes(
+            np.array([p.kind for p in parts]), np.array([0, 1]), np.array([p.half for p in parts]),
+            np.array([p.radius for p in parts]), places, np.array(turns),
+        )  # fmt: skip
+        found = touching(shapes, np.array([0.05, 0.05]), np.array([True, True]))
+        assert len(found.gap) >= 1
+        k = found.gap.argmin()
+        errors.append(found.gap[k] - 5e-3)
+        sign = 1.0 if found.first[k] == 0 else -1.0
+        assert nearest(parts, clouds, turns, way * near - sign * 0.01 * found.normal[k]) > 0.012
+    assert np.abs(np.median(errors)) < 1.5e-3 and np.max(errors) < 1e-3 and np.min(errors) > -5e-3
+
+
+def nearest(parts, clouds, turns, shift):
+    """The distance between two shapes, the second of which stands at `shift`, by their points."""
+    there = [c @ t.T for c, t in zip(clouds, turns)]
+    gaps = parts[1].distance((there[0] - shift) @ turns[1]), parts[0].distance((there[1] + shift) @ turns[0])
+    return min(g.min() for g in gaps)
+
+
 # -- collisions
 
 
@@ -253,7 +294,12 @@ def test_two_spheres_meet(precision, tolerance):
     off = ga.body({"sphere": 0.15}, mass=1, position=(0.3, 0.1, 0.05), velocity=(-1, 0.1, 0), spin=(0, 9, 0))
     for members, friction in (((one, two), 0.0), ((one, off), 0.0), ((one, off), 0.4)):
         sim = world(
-            members, forces=[], precision=precision, dt=1 / 120, rigid={"restitution": 1.0, "friction": friction}, ledger=True
+            members,
+            forces=[],
+            precision=precision,
+            dt=1 / 120,
+            rigid={"restitution": 1.0, "friction": friction},
+            ledger=True,
         )
         first = sim.diagnostics()
         sim.step(40)
@@ -333,6 +379,43 @@ def test_blocks_of_all_shapes_collide_and_come_to_rest():
     assert np.abs(account.momentum_residual).max() < 1e-9
     assert set(account.impulse) == {"b.gravity", "b.rigid", "b.box", "b.sphere", "b.block", "b.capsule"}
     assert account.impulse["b.sphere"][1] > 0
+
+
+def test_colliders_that_move_or_are_given_by_distance():
+    """A belt carries a block along and books its work; a bowl given as an array of distances holds a ball."""
+    block = ga.body({"box": [0.4, 0.2, 0.3]}, position=(0, 0.1, 0))
+    belt = ga.colliders.Plane(restitution=0.0, friction=0.3, velocity=(0.5, 0, 0))
+    sim = world([block], floor=[belt], ledger=True)
+    sim.step(72)
+    assert speed(sim)[0] == pytest.approx(0.5, rel=1e-9)  # after v / mu g = 0.17 s
+    account = sim.ledger()
+    assert account.work["b.plane"] == pytest.approx(
+        block.mass * 0.25, rel=1e-6
+    )  # half of it to the block, half to heat
+    assert account.dissipated["b.rigid"] == pytest.approx(block.mass * 0.125, rel=1e-6)
+    assert abs(account.residual) < 1e-9 * account.scale
+
+    axis = np.linspace(-1, 1, 41)
+    x, y, z = np.meshgrid(axis, axis, axis, indexing="ij")
+    bowl = ga.colliders.SDF(0.9 - np.sqrt(x**2 + y**2 + z**2), restitution=0.0, friction=0.2)
+    ball = ga.body({"sphere": 0.2}, position=(0.5, -0.2, 0))
+    sim = world([ball], floor=[bowl], dt=1 / 120)
+    sim.step(90)
+    far = np.linalg.norm(inside(sim).x[0])
+    assert 0.6 < far < 0.71 and inside(sim).x[0, 1] < -0.5
+
+
+@pytest.mark.parametrize("integrator", ["semi_implicit_euler", "velocity_verlet"])
+def test_other_integrators(integrator):
+    """A block comes to rest on an incline; one that slides has its acceleration."""
+    for mu, degrees in ((0.5, 20), (0.2, 20)):
+        a, n, way = slope(degrees)
+        one = ga.body({"box": [0.4, 0.2, 0.3]}, position=n * 0.1, turn=(0, 0, -a))
+        plane = ga.colliders.Plane(normal=n, restitution=0.0, friction=mu)
+        sim = world([one], floor=[plane], integrator=integrator)
+        sim.step(40)
+        expected = max(0.0, G * (np.sin(a) - mu * np.cos(a))) * sim.time
+        assert speed(sim) @ way == pytest.approx(expected, rel=1e-8, abs=1e-10)
 
 
 # -- stacks
@@ -505,7 +588,9 @@ def test_a_preset_with_bodies_and_its_snapshot(tmp_path):
     sim = ga.Simulation(preset)
     blocks = sim["blocks"]
     assert blocks.interactions[0]._world.x.shape == (7, 3)
-    assert sorted(np.unique(blocks.attribute("tint")).round(6)) == pytest.approx([k * 0.6180339887 % 1 for k in (0, 5, 2, 4, 1, 3)])
+    assert sorted(np.unique(blocks.attribute("tint")).round(6)) == pytest.approx(
+        [k * 0.6180339887 % 1 for k in (0, 5, 2, 4, 1, 3)]
+    )
     assert 0.99 < np.linalg.norm([blocks.attribute(f"normal_{a}")[0] for a in "xyz"]) < 1.01
     assert blocks.attribute("shade").max() > 0.9
     sim.step(20)
@@ -550,9 +635,7 @@ def test_threads_do_not_change_bits(threads):
     from pathlib import Path
 
     env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
-    runs = [
-        subprocess.Popen([sys.executable, "-c", SCRIPT, n], stdout=subprocess.PIPE, env=env) for n in threads
-    ]
+    runs = [subprocess.Popen([sys.executable, "-c", SCRIPT, n], stdout=subprocess.PIPE, env=env) for n in threads]
     digests = {run.communicate()[0] for run in runs}
     assert len(digests) == 1 and len(digests.pop()) > 60
 
@@ -562,3 +645,11 @@ def test_other_particles_need_a_system_of_their_own():
         **PRESET["systems"]["blocks"]["emitters"], "dust": {"count": 5}}}}}  # fmt: skip
     with pytest.raises(ga.UsageError, match="give other particles a system of their own"):
         ga.Simulation(ga.load_preset(preset))
+
+
+def test_an_audit_leaves_bodies_whole():
+    from gen_art.audit.thinning import thinned
+
+    piece = ga.load_preset(PRESET)
+    few, changes = thinned(piece, 0.1, 10)
+    assert not changes and few == piece
