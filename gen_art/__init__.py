@@ -20,7 +20,7 @@ _NAMES = {
     "UsageError": "gen_art.errors",
     "Velocity": "gen_art.emitters.base",
     "colliders": None,
-    "bodies": "gen_art.rigid.body",
+    "bodies": "gen_art.rigid.group",
     "body": "gen_art.rigid.body",
     "chain": "gen_art.interactions.nets",
     "cloth": "gen_art.interactions.nets",

@@ -53,7 +53,8 @@ class RigidBody(Emitter):
     declares = ("area", "normal_x", "normal_y", "normal_z", "shade", "tint")
 
     def prepare(self):
-        from gen_art.rigid.body import bodies, body
+        from gen_art.rigid.body import body
+        from gen_art.rigid.group import bodies
 
         v = dict(self.values)
         low, high = v.pop("tint")

@@ -7,7 +7,7 @@ them out.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,10 +15,9 @@ from gen_art.errors import UsageError
 from gen_art.rigid.shapes import Part, parts_of
 from gen_art.rigid.turns import cross, matrices, product, quaternion, rotation
 
-__all__ = ["ATTRIBUTES", "FREE", "STATIC", "PIVOTED", "AXLED", "Body", "Group", "bodies", "body"]
+__all__ = ["AXLED", "FREE", "PIVOTED", "STATIC", "Body", "body"]
 
 FREE, PIVOTED, AXLED, STATIC = range(4)
-ATTRIBUTES = ("area", "normal_x", "normal_y", "normal_z", "shade", "tint")
 _CARRIERS = 6
 
 
@@ -64,56 +63,74 @@ def body(
     pivot : (3,) m, a point that is held in place     axle : (3,), it turns about this axis alone, through the pivot or the
     centre of mass     static : it stays where it is
     draw : "cloud", points on the surface, or "wire", along edges     points : about how many
-    grain : m, radius of the particles; half again their spacing when left out     tint : a number to colour it by
+    grain : m, radius of the particles; three quarters of their spacing when left out     tint : a number to colour it by
     Raises UsageError.
     """
-    spec = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in locals().items()}
+    spec = {k: _plain(v) for k, v in locals().items()}
     parts = parts_of(shape)
     weights = np.array([p.share * (p.area if hollow else p.volume) for p in parts])
     whole = float(mass) if mass is not None else density * float(weights.sum())
     if not (math.isfinite(whole) and whole > 0):
         raise UsageError(f"{name}: a body's mass must be above 0 kg, not {whole:g}")
-    weights = weights / weights.sum()
-    centre = sum(w * p.center for w, p in zip(weights, parts))
-    second = sum(
-        w * (p.moments(hollow) + np.outer(p.center - centre, p.center - centre)) for w, p in zip(weights, parts)
-    )
+    centre, second = _moments(parts, weights / weights.sum(), hollow)
     x, n, area, spacing = _samples(parts, draw, int(points))
     x, masses = _carried(x - centre, whole, second)
-    grow = [
-        np.concatenate([a, np.zeros((_CARRIERS, *a.shape[1:]))]) for a in (n, area, np.full(len(n), spacing * 0.75))
-    ]
-    radii = grow[2] if grain is None else np.where(grow[2] > 0, float(grain), 0.0)
+    inside = np.zeros(_CARRIERS)
+    radii = np.concatenate([np.full(len(n), spacing * 0.75 if grain is None else float(grain)), inside])
+    n, area = np.concatenate([n, np.zeros((_CARRIERS, 3))]), np.concatenate([area, inside])
     user = rotation(np.asarray(turn, float))
     R = matrices(user)
     at = np.asarray(position, float) + R @ centre
-    hold = STATIC if static else AXLED if axle is not None else PIVOTED if pivot is not None else FREE
     origin = at if pivot is None or static else np.asarray(pivot, float)
     lever = R.T @ (at - origin)  # from the origin of the body's frame to the centre, along the shape's axes
     second = second + np.outer(lever, lever)
     inertia, axes = _principal(whole * (np.trace(second) * np.eye(3) - second))
-    own = lambda p: (p + lever) @ axes  # noqa: E731  (from the centre of mass, shape's axes)
-    turned = [
-        Part(p.kind, p.half, p.radius, own(p.center - centre), axes.T @ p.axes, p.share) for p in parts
-    ]  # fmt: skip
+
+    def own(p):
+        """From the centre of mass and the shape's axes to the body's frame."""
+        return (p + lever) @ axes
+
+    turned = [Part(p.kind, p.half, p.radius, own(p.center - centre), axes.T @ p.axes, p.share) for p in parts]
     attitude = product(user, quaternion(axes))
     v, w = np.asarray(velocity, float), np.asarray(spin, float)
-    direction = np.array([0.0, 1.0, 0.0])
-    if axle is not None:
-        length = float(np.linalg.norm(axle))
-        if length == 0:
-            raise UsageError(f"{name}: axle must not be the zero vector")
-        direction = matrices(attitude).T @ (np.asarray(axle, float) / length)
-        if np.linalg.norm(cross(w, np.asarray(axle, float))) > 1e-9 * max(1.0, np.linalg.norm(w)) * length:
-            raise UsageError(f"{name}: spin must be along the axle")
+    hold = STATIC if static else AXLED if axle is not None else PIVOTED if pivot is not None else FREE
+    direction = _held(name, hold, axle, v, w)
+    return Body(
+        spec, turned, hold, whole, inertia, matrices(attitude).T @ direction, origin, attitude, v, w, own(x), masses, radii,
+        n @ axes, area, float(tint), name,
+    )  # fmt: skip
+
+
+def _plain(value):
+    """Numbers, words and lists, as a snapshot keeps them."""
+    if isinstance(value, dict):
+        return {k: _plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [_plain(v) for v in value]
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _moments(parts: list[Part], shares: np.ndarray, hollow: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Centre of mass (3,) and mean of x x^T about it (3, 3), of parts with these shares of the mass."""
+    centers = np.array([p.center for p in parts])
+    centre = (shares[:, None] * centers).sum(0)
+    each = [p.moments(hollow) + np.outer(p.center - centre, p.center - centre) for p in parts]
+    return centre, (shares[:, None, None] * np.array(each)).sum(0)
+
+
+def _held(name: str, hold: int, axle, v: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """The axle's direction (3,) in the world. Raises UsageError for motion that a held body cannot have."""
+    way = np.array([0.0, 1.0, 0.0]) if axle is None else np.asarray(axle, float)
+    length = float(np.linalg.norm(way))
+    if length == 0:
+        raise UsageError(f"{name}: axle must not be the zero vector")
+    if hold == AXLED and np.linalg.norm(cross(w, way)) > 1e-9 * np.linalg.norm(w) * length:
+        raise UsageError(f"{name}: spin must be along the axle")
     if hold != FREE and v.any():
         raise UsageError(f"{name}: a body that is held has no velocity of its own: give it a spin")
     if hold == STATIC and w.any():
         raise UsageError(f"{name}: a static body does not spin; give it an axle")
-    return Body(
-        spec, turned, hold, whole, inertia, direction, origin, attitude, v, w, own(x), masses, radii, grow[0] @ axes, grow[1],
-        float(tint), name,
-    )  # fmt: skip
+    return way / length
 
 
 def _principal(inertia: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -164,64 +181,3 @@ def _carried(x: np.ndarray, mass: float, second: np.ndarray) -> tuple[np.ndarray
         [np.full(len(x), share * mass / len(x)), np.full(_CARRIERS, (1 - share) * mass / _CARRIERS)]
     )
     return np.concatenate([x, centre + arms, centre - arms]), masses
-
-
-@dataclass(frozen=True, eq=False)
-class Group:
-    """Bodies, and the particles that stand for them, one body after the other.
-
-    position, velocity : (n, 3)     mass, radius : (n,)     attributes : of the particles, by name     fixed : (n,) bool
-    """
-
-    members: list[Body]
-    position: np.ndarray = field(init=False)
-    velocity: np.ndarray = field(init=False)
-    mass: np.ndarray = field(init=False)
-    radius: np.ndarray = field(init=False)
-    fixed: np.ndarray = field(init=False)
-    attributes: dict = field(init=False)
-
-    def __post_init__(self):
-        x, v, n = [], [], []
-        for one in self.members:
-            R = matrices(one.attitude)
-            arm = one.local @ R.T
-            x.append(one.place + arm)
-            v.append(one.velocity + np.cross(one.spin, arm))
-            n.append(one.normals @ R.T)
-        many = lambda f: np.concatenate([np.full(len(b.local), f(b)) for b in self.members])  # noqa: E731
-        normal = np.concatenate(n)
-        fields = {
-            "position": np.concatenate(x), "velocity": np.concatenate(v),
-            "mass": np.concatenate([b.masses for b in self.members]), "radius": np.concatenate([b.radii for b in self.members]), "fixed": many(lambda b: b.hold == STATIC),
-            "attributes": {
-                "area": np.concatenate([b.areas for b in self.members]), "normal_x": normal[:, 0], "normal_y": normal[:, 1],
-                "normal_z": normal[:, 2], "shade": np.zeros(len(normal)), "tint": many(lambda b: b.tint),
-            },
-        }  # fmt: skip
-        for key, value in fields.items():
-            object.__setattr__(self, key, value)
-
-    def rigid(self, **parameters):
-        """The interaction for a ParticleSystem whose particles are these, in their order."""
-        from gen_art.interactions.rigid import Rigid
-
-        return Rigid(bodies=[b.spec for b in self.members], **parameters)
-
-    def system(self, *, rigid=None, interactions=(), attributes=None, **others):
-        """A ParticleSystem of these bodies. rigid : a mapping of the interaction's parameters; the rest as for ParticleSystem."""
-        from gen_art.particles.system import ParticleSystem
-
-        return ParticleSystem(
-            position=self.position, velocity=self.velocity, mass=self.mass, radius=self.radius, fixed=self.fixed,
-            attributes={**self.attributes, **(attributes or {})}, interactions=[self.rigid(**(rigid or {})), *interactions],
-            **others,
-        )  # fmt: skip
-
-
-def bodies(members) -> Group:
-    """Several bodies as the particles of one system. Raises UsageError if there are none."""
-    members = list(members)
-    if not members or not all(isinstance(b, Body) for b in members):
-        raise UsageError("bodies must be a list of what ga.body makes")
-    return Group(members)
