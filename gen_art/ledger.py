@@ -142,7 +142,7 @@ class Bookkeeper:
             return
         taken = 0.5 * float(((before.astype(np.float64) ** 2 - now**2) @ mass).sum())
         if turn.drift > 0:
-            taken += self._lifted(name, state, change * turn.kick)
+            taken += self._lifted(name, state, change * turn.kick + one.shifts())
         for label, (impulse, work) in one.impulses().items():
             other = self._solved.setdefault(f"{name}.{label}", np.zeros(4))
             other[:3] += impulse

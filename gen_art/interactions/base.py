@@ -59,7 +59,7 @@ class Interaction(Parametric):
     `energy(state, slots, precision)` gives the potential energy, J, that the particles in these slots have together.
     Where `implicit`, `solve(state, turn)` changes velocities instead, between each kick of a step and the drift after it.
     Where it `carries` the particles, `drift(state, turn)` moves them too, in the place of the kernel's drift; the system's
-    colliders are then its own, by `take_colliders`.
+    colliders are then its own, by `take_colliders`, and the ledger asks for their `impulses` and for its `shifts`.
     `memory` is what it knows beyond the particles and its parameters, arrays by name; `remember(memory, time)` takes it back.
     """
 
@@ -87,6 +87,14 @@ class Interaction(Parametric):
         raise NotImplementedError
 
     def take_colliders(self, colliders) -> None:
+        raise NotImplementedError
+
+    def impulses(self) -> dict[str, tuple[np.ndarray, float]]:
+        """(N s (3,), J) that each collider gave in the last solve, by name: impulse, and work where it moves."""
+        raise NotImplementedError
+
+    def shifts(self):
+        """(3, n) m that the coming drift moves particles by, beside their velocities; or 0."""
         raise NotImplementedError
 
     @property

@@ -114,8 +114,10 @@ class Rigid(Interaction):
         self._world.drift(state, turn)
 
     def impulses(self):
-        """(N s, J) that each collider gave in the last solve, by name: impulse, and work where it moves."""
         return self._world.given
+
+    def shifts(self):
+        return self._world.shifts()
 
     def energy(self, state, slots, precision):
         return 0.0

@@ -1,7 +1,8 @@
 """The impulses of all contacts of one system at one moment.
 
 Before a drift, no gap may close within it, and what comes in fast leaves at once, with restitution times its speed; at the
-end of a step, what touches must not approach. Where the speeds that restitution asks for would gain energy, as they can with
+end of a step, what touches must not approach. What has sunk in, as bodies that spin against each other do by a little, is
+moved apart again, slowly and without speed. Where the speeds that restitution asks for would gain energy, as they can with
 friction or several contacts at once, the impulses are taken part of the way from the inelastic ones: as far as none is gained.
 """
 
@@ -12,6 +13,8 @@ from gen_art.rigid.turns import cross
 
 __all__ = ["Blow"]
 
+_OVERLAP = 5e-3  # of the smaller body's size: what is left alone
+_PART = 0.1  # of what is beyond it, taken back in a step
 _EXACT = 1e-8  # of the largest speed: what a sweep over the contacts may still change
 
 
@@ -74,19 +77,40 @@ class Blow:
 
     def _solved(self, aim: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Impulses for the aims, and how they change the speeds at the contacts, both (k, 3)."""
-        meeting, world, k = self._meeting, self._world, len(aim)
-        C = np.zeros((k, NUMBERS))
-        C[:, 0:3], C[:, 3:6], C[:, 6:15] = self._ra, self._rb, self._frame.reshape(k, 9)
-        C[:, 15], C[:, 16], C[:, 17:20] = aim, self._friction, start
+        world = self._world
+        C = self._numbers(aim)
+        C[:, 16], C[:, 17:20] = self._friction, start
         C[:, 20:23] = (self._frame * self._surface[:, None]).sum(2)
-        many = len(world.v)
-        V, B = np.zeros((many + 1, 6)), np.zeros((many + 1, 10))
-        V[:many, :3], V[:many, 3:], B[:many, 0], B[:many, 1:] = world.v, world.w, world.ease, world.J.reshape(-1, 9)
-        one, two = (np.where(i >= 0, i, many).astype(np.int32) for i in (meeting.first, meeting.second))
-        tolerance = _EXACT * float(np.abs(V).max()) + 1e-300
-        contact_kernel()(B, V, one, two, C, np.zeros((k, 36)), np.zeros((k, 9)), meeting.most, tolerance)
-        change = self._slip(V[:many, :3], V[:many, 3:]) - self._after
+        V = self._swept(C, np.concatenate([world.v, world.w], 1))
+        change = self._slip(V[:, :3], V[:, 3:]) - self._after
         return C[:, 17:20], (self._frame * change[:, None]).sum(2)
+
+    def _numbers(self, aim: np.ndarray) -> np.ndarray:
+        C = np.zeros((len(aim), NUMBERS))
+        C[:, 0:3], C[:, 3:6], C[:, 6:15], C[:, 15] = self._ra, self._rb, self._frame.reshape(-1, 9), aim
+        return C
+
+    def _swept(self, C: np.ndarray, start: np.ndarray) -> np.ndarray:
+        """Velocities and spins (b, 6) after the contacts C have acted on those at the start; their impulses are left in C."""
+        meeting, world, many = self._meeting, self._world, len(start)
+        V, B = np.zeros((many + 1, 6)), np.zeros((many + 1, 10))
+        V[:many], B[:many, 0], B[:many, 1:] = start, world.ease, world.J.reshape(-1, 9)
+        one, two = (np.where(i >= 0, i, many).astype(np.int32) for i in (meeting.first, meeting.second))
+        tolerance = (
+            _EXACT * float(max(np.abs(V).max(), np.abs(C[:, 15]).max(where=C[:, 15] > -1e299, initial=0))) + 1e-300
+        )
+        contact_kernel()(B, V, one, two, C, np.zeros((len(C), 36)), np.zeros((len(C), 9)), meeting.most, tolerance)
+        return V[:many]
+
+    def parting(self) -> np.ndarray | None:
+        """Shifts (b, 3) m and turns (b, 3) rad that take bodies apart by a part of what they overlap by; None if they do not."""
+        meeting = self._meeting
+        deep = np.maximum(-meeting.gap - _OVERLAP * meeting.sizes, 0.0)
+        if not deep.any():
+            return None
+        return self._swept(
+            self._numbers(_PART * deep - np.maximum(meeting.gap, 0.0)), np.zeros((len(self._world.v), 6))
+        )
 
     def impulses(self, start: np.ndarray) -> np.ndarray:
         """What the contacts give, found from the guess `start`."""

@@ -92,13 +92,13 @@ class Meeting:
         self.normal = np.concatenate([found.normal, n])
         self.gap = np.concatenate([found.gap, g])
         self.key = np.concatenate([found.key, base + p * max(len(self.walls.owner), 1) + s])
-        self._sizes = np.concatenate(
+        self.sizes = np.concatenate(
             [np.minimum(self._size[found.first], self._size[found.second]), self._size[shape[p]]]
         )
 
     def refuse_overlaps(self, name: str) -> None:
         """UsageError that names two bodies, or a body and a collider, that overlap."""
-        deep = self.gap + _OVERLAP * self._sizes
+        deep = self.gap + _OVERLAP * self.sizes
         if not len(deep) or deep.min() >= 0:
             return
         k = int(deep.argmin())
@@ -114,12 +114,15 @@ class Meeting:
 
         Returns each collider's impulse, N s, and its work, J, by name.
         """
+        self.world.shift = None
         if not len(self.gap):
             self._keys, self._impulses = np.zeros(0, np.int64), np.zeros((0, 3))
             return {}
         blow = Blow(self, v, w, turn)
         start = self._warm() * turn.kick
         impulses = blow.impulses(start)
+        if turn.drift > 0:
+            self.world.shift = blow.parting()
         self._keys = self.key  # kept as forces: the next solve may be over another length of time
         self._impulses = np.where(blow.hits[:, None], 0.0, impulses) / turn.kick
         given = blow.give(impulses) * blow.sign

@@ -8,7 +8,7 @@ from gen_art.rigid.body import AXLED, FREE, STATIC, Body
 from gen_art.rigid.contacts import Meeting
 from gen_art.rigid.kernels import particle_kernels
 from gen_art.rigid.motion import ANGLE, inverse_inertia, plan, turn_kernel
-from gen_art.rigid.turns import matrices
+from gen_art.rigid.turns import cross, matrices, product, rotation
 
 __all__ = ["World"]
 
@@ -41,6 +41,7 @@ class World:
         self._check(system)
         self._bound()
         self.meeting = Meeting(self, colliders, values, dt)
+        self.shift: np.ndarray | None = None  # (b, 6) that the drift moves and turns the bodies by beside their motion
         self.given: dict[str, tuple[np.ndarray, float]] = {}
         if system.state.count:
             self.meeting.look(0.0)
@@ -96,6 +97,14 @@ class World:
         if turn.booked or not turn.drift:
             self._put(state, False)
 
+    def shifts(self) -> np.ndarray | float:
+        """(3, n) m, how far the coming drift moves the particles beside their velocities."""
+        if self.shift is None:
+            return 0.0
+        arm = np.einsum("nij,nj->ni", self.R[self._of], self._table[:, 1:4])
+        by = self.shift[self._of]
+        return (by[:, :3] + cross(by[:, 3:], arm)).T
+
     def impulse(self, P: np.ndarray, L: np.ndarray) -> None:
         """Take impulses (b, 3) and angular impulses (b, 3) about the origins."""
         self.v = self.v + P * self.ease[:, None]
@@ -115,6 +124,9 @@ class World:
         if self._still:
             return
         self.x = self.x + turn.drift * self.v
+        if self.shift is not None:
+            self.x += self.shift[:, :3]
+            self.q = product(rotation(self.shift[:, 3:]), self.q)
         turn_kernel()(self.q, self.L, self._plan, self.axle, turn.drift, ANGLE)
         self._bound()
         self._put(state, True)

@@ -371,7 +371,8 @@ def test_blocks_of_all_shapes_collide_and_come_to_rest():
         sim.step(20)
         deepest = min(deepest, inside(sim).meeting.gap.min(initial=0))
         energy.append(sim.diagnostics().energy)
-    assert deepest > -0.02
+    assert deepest > -0.012
+    assert inside(sim).meeting.gap.min() > -1.5e-3  # what sank in on the way has been taken back
     assert np.diff(energy).max() < 1e-3 * energy[0]
     assert sim.diagnostics().kinetic_energy < 0.02 * energy[0]
     account = sim.ledger()
