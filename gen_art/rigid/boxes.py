@@ -26,7 +26,7 @@ def between_boxes(c1, A1, h1, c2, A2, h2, reach):
     first = np.abs(t) - h1 - np.einsum("mij,mj->mi", size, h2)
     along = np.einsum("mi,mij->mj", t, C)
     second = np.abs(along) - h2 - np.einsum("mij,mi->mj", size, h1)
-    edges, sign = _edge_axes(t, C, size, h1, h2)
+    edges = _edge_axes(t, C, size, h1, h2)
     faces = np.concatenate([first, second], 1)
     face, edge = faces.argmax(1), edges.argmax(1)
     rows = np.arange(len(t))
@@ -42,7 +42,7 @@ def between_boxes(c1, A1, h1, c2, A2, h2, reach):
             found.append(_faces(k, [a[k] for a in one], [a[k] for a in two], face[k] % 3, reach[k], flip))
     k = np.flatnonzero(near & crossed)
     if len(k):
-        found.append(_edges(k, c1[k], A1[k], h1[k], c2[k], A2[k], h2[k], edge[k], sign[k, edge[k]], edges[k, edge[k]]))
+        found.append(_edges(k, [a[k] for a in (c1, A1, h1)], [a[k] for a in (c2, A2, h2)], edge[k], edges[k, edge[k]]))
     if not found:
         return np.zeros(0, int), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, int)
     joined = [np.concatenate(parts) for parts in zip(*found)]
@@ -51,8 +51,8 @@ def between_boxes(c1, A1, h1, c2, A2, h2, reach):
 
 
 def _edge_axes(t, C, size, h1, h2):
-    """Separation along the nine products of edges (m, 9), -inf where they are parallel, and the sign of the way 1 to 2."""
-    separation, sign = [], []
+    """Separation along the nine products of edges (m, 9), -inf where they are parallel."""
+    separation = []
     for i in range(3):
         a, b = (i + 1) % 3, (i + 2) % 3
         for j in range(3):
@@ -66,8 +66,7 @@ def _edge_axes(t, C, size, h1, h2):
                 + h2[:, d] * size[:, i, c]
             )
             separation.append(np.where(length > 1e-3, (np.abs(off) - width) / np.maximum(length, 1e-3), -np.inf))
-            sign.append(np.where(off < 0, -1.0, 1.0))
-    return np.stack(separation, 1), np.stack(sign, 1)
+    return np.stack(separation, 1)
 
 
 def _wide(a):
@@ -159,14 +158,14 @@ def _chosen(P, gap, ok):
     return take & ok
 
 
-def _edges(pair, c1, A1, h1, c2, A2, h2, edge, sign, gap):
+def _edges(pair, one, two, edge, gap):
     """One contact between two edges that cross."""
+    (c1, A1, h1), (c2, A2, h2) = one, two
     rows = np.arange(len(pair))
     i, j = edge // 3, edge % 3
     a, b = A1[rows, :, i], A2[rows, :, j]
     n = cross(a, b)
-    n *= (sign / np.sqrt((n * n).sum(1)))[:, None]  # from 1 to 2
-    n *= np.where(((c2 - c1) * n).sum(1) < 0, -1.0, 1.0)[:, None]
+    n *= (np.where(((c2 - c1) * n).sum(1) < 0, -1.0, 1.0) / np.sqrt((n * n).sum(1)))[:, None]  # from 1 to 2
     s1, s2 = np.sign(np.einsum("mi,mij->mj", n, A1)), np.sign(np.einsum("mi,mij->mj", n, A2))
     s1[rows, i], s2[rows, j] = 0.0, 0.0
     p = c1 + np.einsum("mij,mj->mi", A1, s1 * h1)

@@ -406,6 +406,53 @@ def test_colliders_that_move_or_are_given_by_distance():
     assert 0.6 < far < 0.71 and inside(sim).x[0, 1] < -0.5
 
 
+def test_a_lift_takes_a_block_up():
+    """A plane, and a block that stands in the way, rise at 0.2 m/s with what lies on them, and work against gravity."""
+    up = {"velocity": (0, 0.2, 0), "restitution": 0.0, "friction": 0.3}
+    for lift in (ga.colliders.Plane(**up), ga.colliders.Block((-1, -1, -1), (1, 0, 1), **up)):
+        one = ga.body({"box": [0.4, 0.2, 0.3]}, position=(0, 0.1, 0))
+        sim = world([one], floor=[lift], ledger=True)
+        sim.step(48)
+        assert inside(sim).x[0, 1] == pytest.approx(0.1 + 0.2 * sim.time, abs=1e-6)
+        account = sim.ledger()
+        assert account.work[f"b.{lift.name}"] == pytest.approx(one.mass * (0.04 + G * 0.2 * sim.time), rel=1e-2)
+        assert abs(account.residual) < 1e-6 * account.scale
+
+
+def test_what_has_sunk_in_is_taken_back():
+    """A block 5 mm in the floor rises to where it may stay, 0.5 % of its size, without speed; the account has the work."""
+    from gen_art.ledger import Bookkeeper
+
+    one = ga.body({"box": [0.2, 0.2, 0.2]}, position=(0, 0.1, 0))
+    sim = world([one], floor=0.5)
+    inside(sim).x[0, 1] -= 5e-3
+    inside(sim).meeting.look(0.0)
+    inside(sim)._put(sim["b"].state, True)
+    sim._ledger = Bookkeeper(sim)
+    for stepper in sim._stepped.values():
+        stepper.books = sim._ledger
+    energy = sim.diagnostics().energy
+    sim.step(60)
+    assert inside(sim).meeting.gap.min() == pytest.approx(-1e-3, abs=1e-4)
+    assert np.abs(inside(sim).v).max() < 1e-9
+    assert sim.diagnostics().energy - energy == pytest.approx(one.mass * G * 4e-3, rel=0.03)
+    assert sim.ledger().dissipated["b.rigid"] == pytest.approx(energy - sim.diagnostics().energy, rel=1e-6)
+
+
+def test_nearest_points_of_segments():
+    """Against all pairs of 401 points on each."""
+    from gen_art.rigid.touching import _between_segments
+
+    c, u, d, v = np.random.default_rng(3).normal(size=(4, 60, 3))
+    v[:5] = u[:5]  # parallel
+    a, b = _between_segments(c, u, d, v)
+    found = np.linalg.norm(c + a[:, None] * u - d - b[:, None] * v, axis=1)
+    s = np.linspace(-1, 1, 401)
+    grid = (c - d)[:, None, None] + s[:, None, None] * u[:, None, None] - s[:, None] * v[:, None, None]
+    best = np.sqrt((grid**2).sum(-1)).min((1, 2))
+    assert np.abs(found - best).max() < 5e-3
+
+
 @pytest.mark.parametrize("integrator", ["semi_implicit_euler", "velocity_verlet"])
 def test_other_integrators(integrator):
     """A block comes to rest on an incline; one that slides has its acceleration."""
