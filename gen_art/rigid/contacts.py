@@ -63,38 +63,46 @@ class Meeting:
             axes[still] = self._axes[still]
         return Shapes(self._kind, self._body, self._half, self._radius, center, axes)
 
-    def look(self, time: float) -> None:
-        """Find the contacts at the bodies' places, at `time`, s."""
-        world, many = self.world, len(self.world.members)
-        shapes = self._shapes(time)
-        speed = np.sqrt((world.v**2).sum(1))[np.minimum(self._body, many - 1)]
-        speed += np.sqrt((world.w**2).sum(1))[np.minimum(self._body, many - 1)] * self._reach
-        walls = self._body >= many
-        if walls.any():
-            speed[walls] = np.sqrt((self.walls.velocity[self._body[walls] - many] ** 2).sum(1))
+    def _reaches(self) -> np.ndarray:
+        """(s,) m, how far from each shape something may be that touches it in the next step."""
+        many = len(self.world.members)
+        b = np.minimum(self._body, many - 1)
+        speed = np.sqrt((self.world.v[b] ** 2).sum(1)) + np.sqrt((self.world.w[b] ** 2).sum(1)) * self._reach
         reach = _REACH * self.dt * speed + _NEAR * self._size
-        reach[walls] = 1.0 * self.dt * speed[walls]
-        found = touching(shapes, reach, self._movable)
+        still = self._body >= many
+        reach[still] = self.dt * np.sqrt((self.walls.velocity[self._body[still] - many] ** 2).sum(1))
+        return reach
+
+    def _by_distance(self, time: float, reach: np.ndarray):
+        """What colliders touch that are known by their distance: (point's number, surface, place, normal, gap), each (k, ...)."""
         shape = self._of_point
-        points = world.x[self._body[shape]] + np.einsum("pij,pj->pi", world.R[self._body[shape]], self._points)
+        body = self._body[shape]
+        points = self.world.x[body] + np.einsum("pij,pj->pi", self.world.R[body], self._points)
         distance, normals = self.walls.distances(points, time)
         gap = distance - self._radius[shape][:, None]
-        fastest = np.sqrt((self.walls.velocity**2).sum(1)).max(initial=0.0) * self.dt
+        fastest = self.dt * np.sqrt((self.walls.velocity**2).sum(1)).max(initial=0.0)
         p, s = np.nonzero(gap < (reach[shape] + fastest)[:, None])
         g, n = gap[p, s], normals[p, s]
+        return p, s, points[p] - (self._radius[shape[p]] + 0.5 * g)[:, None] * n, n, g
+
+    def look(self, time: float) -> None:
+        """Find the contacts at the bodies' places, at `time`, s."""
+        many, reach = len(self.world.members), self._reaches()
+        found = touching(self._shapes(time), reach, self._movable)
+        p, s, point, normal, gap = self._by_distance(time, reach)
         first, second = self._body[found.first], self._body[found.second]
-        base = 512 * len(self._kind) ** 2
-        self.first = np.concatenate([np.where(first < many, first, -1), self._body[shape[p]]]).astype(np.int32)
+        shape = self._of_point[p]
+        self.first = np.concatenate([np.where(first < many, first, -1), self._body[shape]]).astype(np.int32)
         self.second = np.concatenate([np.where(second < many, second, -1), np.full(len(p), -1)]).astype(np.int32)
-        wall = np.maximum(first, second) - many
-        self.wall = np.concatenate([np.where(wall >= 0, wall, -1), self.walls.owner[s] if len(p) else s]).astype(int)
-        self.point = np.concatenate([found.point, points[p] - (self._radius[shape[p]] + 0.5 * g)[:, None] * n])
-        self.normal = np.concatenate([found.normal, n])
-        self.gap = np.concatenate([found.gap, g])
-        self.key = np.concatenate([found.key, base + p * max(len(self.walls.owner), 1) + s])
-        self.sizes = np.concatenate(
-            [np.minimum(self._size[found.first], self._size[found.second]), self._size[shape[p]]]
-        )
+        solid = np.maximum(first, second) - many
+        self.wall = np.concatenate([np.where(solid >= 0, solid, -1), self.walls.owner[s]]).astype(int)
+        self.point = np.concatenate([found.point, point])
+        self.normal = np.concatenate([found.normal, normal])
+        self.gap = np.concatenate([found.gap, gap])
+        own = 512 * len(self._kind) ** 2 + p * len(self.walls.owner) + s
+        self.key = np.concatenate([found.key, own])
+        smaller = np.minimum(self._size[found.first], self._size[found.second])
+        self.sizes = np.concatenate([smaller, self._size[shape]])
 
     def refuse_overlaps(self, name: str) -> None:
         """UsageError that names two bodies, or a body and a collider, that overlap."""
@@ -102,11 +110,11 @@ class Meeting:
         if not len(deep) or deep.min() >= 0:
             return
         k = int(deep.argmin())
-        title = lambda b: f"body {b + 1} ('{self.world.members[b].name}')"  # noqa: E731
-        one = title(max(self.first[k], self.second[k]) if min(self.first[k], self.second[k]) < 0 else self.first[k])
-        other = f"the {self.walls.colliders[self.wall[k]].name}" if self.wall[k] >= 0 else title(self.second[k])
+        met = [f"body {b + 1} ('{self.world.members[b].name}')" for b in (self.first[k], self.second[k]) if b >= 0]
+        if self.wall[k] >= 0:
+            met.append(f"the {self.walls.colliders[self.wall[k]].name}")
         raise UsageError(
-            f"system '{name}': {one} and {other} overlap by {-self.gap[k]:.3g} m at the start: move them apart"
+            f"system '{name}': {' and '.join(met)} overlap by {-self.gap[k]:.3g} m at the start: move them apart"
         )
 
     def solve(self, v: np.ndarray, w: np.ndarray, turn) -> dict[str, tuple[np.ndarray, float]]:
