@@ -148,7 +148,11 @@ def default(parameter) -> str:
     if parameter.kind == "range":
         low, high = value
         return f"`{number(low)}`" if low == high else f"`{number(low)}..{number(high)}`"
-    return cell(round(math.degrees(value), 6) if in_degrees(parameter) and value is not None else value)
+    if in_degrees(parameter) and value is not None:
+        several = isinstance(value, tuple)
+        turned = [round(math.degrees(part), 6) for part in (value if several else (value,))]
+        value = tuple(turned) if several else turned[0]
+    return cell(value)
 
 
 def words(cls) -> str:

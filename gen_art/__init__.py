@@ -21,6 +21,8 @@ _NAMES = {
     "Velocity": "gen_art.emitters.base",
     "adaptive": "gen_art.adaptive_steps",
     "colliders": None,
+    "bodies": "gen_art.rigid.group",
+    "body": "gen_art.rigid.body",
     "chain": "gen_art.interactions.nets",
     "cloth": "gen_art.interactions.nets",
     "cos": "gen_art.elementary",

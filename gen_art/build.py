@@ -88,13 +88,16 @@ def _kind(name: str, own, emitter, particle) -> Kind:
             break
     for level in reversed(levels):
         attributes |= {key: (value.lo, value.hi) for key, value in level.attributes.items()}
+    scripted = getattr(emitter, "scripted", None)
+    for key in getattr(scripted, "declares", ()):
+        attributes.setdefault(key, (0.0, 0.0))
     count = first("count")
     return Kind(
         name=name,
         tag=first("tag"),
         shape=first("shape"),
         velocity=first("velocity"),
-        scripted=getattr(emitter, "scripted", None),
+        scripted=scripted,
         attributes=attributes,
         weight=getattr(own, "weight", 1.0),
         count=(1, 1) if count is None else (round(count.lo), round(count.hi)),

@@ -96,6 +96,7 @@ class Bookkeeper:
         self._kept: dict[str, np.ndarray] = {}
         self._born, self._died = _Passages(), _Passages()
         self._solved: dict[str, np.ndarray] = {}  # of implicit and torn interactions: impulse, dissipated
+        self._worked: dict[str, float] = {}  # by moving colliders that an interaction has taken
         self._start = diagnose(sim)
 
     def step(self, name: str, stepper, begin, first, dt, earliest, stage0, stage1) -> None:
@@ -125,12 +126,37 @@ class Bookkeeper:
         )  # fmt: skip
         self.books_of[name] += books.sum(axis=0).reshape(rows, BOOKS)
 
-    def solved(self, name: str, one, state, before: np.ndarray, dt: float) -> None:
+    def solved(self, name: str, one, state, before: np.ndarray, turn) -> None:
         """Book an implicit interaction's change of the velocities, which were `before`."""
-        change = (state.floats[3:6, : state.count] - before).astype(np.float64)
+        mass = state.floats[6, : state.count].astype(np.float64)
+        now = state.floats[3:6, : state.count].astype(np.float64)
+        change = now - before
         row = self._solved.setdefault(f"{name}.{one.name}", np.zeros(4))
-        row[:3] += change @ state.floats[6, : state.count].astype(np.float64)
-        row[3] += one.dissipated(state, dt)
+        row[:3] += change @ mass
+        if not one.carries:
+            row[3] += one.dissipated(state, turn.dt)
+            return
+        taken = 0.5 * float(((before.astype(np.float64) ** 2 - now**2) @ mass).sum())
+        if turn.drift > 0:
+            taken += self._lifted(name, state, change * turn.kick + one.shifts())
+        for label, (impulse, work) in one.impulses().items():
+            other = self._solved.setdefault(f"{name}.{label}", np.zeros(4))
+            other[:3] += impulse
+            row[:3] -= impulse
+            self._worked[f"{name}.{label}"] = self._worked.get(f"{name}.{label}", 0.0) + work
+            taken += work
+        row[3] += taken
+
+    def _lifted(self, name: str, state, way: np.ndarray) -> float:
+        """J that conservative forces give on half the way there and half the way back, `way` (3, n), m: their kick was for
+        velocities that the change has made others."""
+        slots, energy = np.flatnonzero(state.alive(self.sim.time)), []
+        kept = state.floats[:3, : state.count].copy()
+        for sign in (-0.5, 0.5):
+            state.floats[:3, : state.count] = kept + sign * way
+            energy.append(float(sums(self.sim, name, slots)[13:].sum()))
+        state.floats[:3, : state.count] = kept
+        return energy[0] - energy[1]
 
     def released(self, name: str, one, energy: float) -> None:
         """Book the energy, J, of what an interaction let go of."""
@@ -198,6 +224,8 @@ class Bookkeeper:
         for key, row in self._solved.items():
             impulse[key] = impulse.get(key, np.zeros(3)) + row[:3]
             dissipated[key] = dissipated.get(key, 0.0) + float(row[3])
+        for key, amount in self._worked.items():
+            work[key] = work.get(key, 0.0) + amount
         now = diagnose(self.sim)
         born, gone = self._born.total, died.total
         expected = self._start.energy + work.total + born.energy - gone.energy - dissipated.total

@@ -12,7 +12,7 @@ from gen_art.emitters.emission import Batch, give_birth, scheduled
 from gen_art.emitters.events import Window, children
 from gen_art.errors import UsageError
 from gen_art.integrators.kernels import make_step
-from gen_art.interactions.base import Pull
+from gen_art.interactions.base import Pull, Turn
 from gen_art.particles.state import PADDING, Particles
 from gen_art.particles.system import ParticleSystem
 from gen_art.registry import suggest
@@ -248,7 +248,7 @@ class Simulation:
                     self._pull(name, stepper, g)
             for name, stepper in active.items():
                 if any(one.implicit for one in stepper.system.interactions):
-                    self._implicit_step(name, stepper, first)
+                    self._implicit_stage(name, stepper, first, g)
                 else:
                     stepper.stage(first, self.dt, g, g + 1)
         # where nothing moves after the last kick, its pair accelerations serve the next step's first
@@ -263,18 +263,27 @@ class Simulation:
                     if self._ledger:
                         self._ledger.released(name, one, energy)
 
-    def _implicit_step(self, name: str, stepper: "_Stepper", first: int) -> None:
-        """Kick, the implicit interactions' own change of velocities, drift: backward Euler in them."""
-        state = stepper.system.state
-        parts = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0], state.floats.dtype)  # one step, as two stages
+    def _implicit_stage(self, name: str, stepper: "_Stepper", first: int, g: int) -> None:
+        """Kick, the implicit interactions' own change of velocities, and the drift: theirs, if one carries the particles."""
+        system, state = stepper.system, stepper.system.state
+        kick, time, drift = system.scheme.stages[g]
+        # two stages, so that walls and engines act in the drift alone
+        parts = np.array([0.0, kick, time, 0.0, 0.0, time, drift, 0.0], state.floats.dtype)
+        old = state.floats[3:6, : state.count].copy()
+        turn = Turn(old, self.dt * kick, self.dt * drift, self.time, self.dt, self.precision, bool(self._ledger))
         stepper.stage(first, self.dt, 0, 1, parts)
-        for one in stepper.system.interactions:
-            if one.implicit:
+        carrier = None
+        for one in system.interactions:
+            if one.implicit and state.count:
                 before = state.floats[3:6, : state.count].copy()
-                one.solve(state, self.dt, self.precision)
+                one.solve(state, turn)
+                carrier = one if one.carries else carrier
                 if self._ledger:
-                    self._ledger.solved(name, one, state, before, self.dt)
-        stepper.stage(first, self.dt, 1, 2, parts)
+                    self._ledger.solved(name, one, state, before, turn)
+        if carrier is None:
+            stepper.stage(first, self.dt, 1, 2, parts)
+        elif drift > 0:
+            carrier.drift(state, turn)
 
     def _pull(self, name: str, stepper: "_Stepper", g: int) -> None:
         system = self._members[name]
@@ -314,8 +323,8 @@ class Simulation:
             for column in state.columns():
                 h.update(np.ascontiguousarray(column[..., living]).tobytes())
             for one in self._members[name].interactions:
-                for key, array in one.memory().items():
-                    h.update(f"{one.name} {key}".encode() + array.tobytes())
+                for key, array in one.memory.items():
+                    h.update(f"{one.name} {key}".encode() + np.ascontiguousarray(array).tobytes())
         return h.hexdigest()
 
     def save(self, path) -> None:

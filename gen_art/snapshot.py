@@ -33,7 +33,7 @@ def save(sim, path) -> None:
         head["systems"][name] = {
             "count": state.count, "next_id": state.next_id, "may_die": state.may_die, "attributes": state.attributes,
             "done": [e.done for e in system.emitters], "behind": sim._behind[name],
-            "memory": [list(one.memory()) for one in system.interactions],
+            "memory": [list(one.memory) for one in system.interactions],
             "definition": None if sim.preset is not None else _definition(system),
         }  # fmt: skip
     path = Path(path)
@@ -46,7 +46,7 @@ def save(sim, path) -> None:
                     array = getattr(system.state, column)[..., : system.state.count]
                     _write(archive, f"{name}/{column}.npy", array)
                 for k, one in enumerate(system.interactions):
-                    for key, array in one.memory().items():
+                    for key, array in one.memory.items():
                         _write(archive, f"{name}/{k}.{key}.npy", array)
         os.replace(temporary, path)
     except OSError as error:
@@ -107,9 +107,11 @@ def restore(path):
         for emission, done in zip(system.emitters, entry["done"]):
             emission.done = done
         sim._behind[name] = tuple(entry["behind"])
-        for one, memory in zip(system.interactions, memories[name]):
-            one.recall(memory)
     sim.steps_done = head["steps"]
+    for name, known in memories.items():
+        for one, memory in zip(sim._members[name].interactions, known):
+            if memory:
+                one.remember(memory, sim.time)
     return sim
 
 

@@ -95,7 +95,7 @@ def rope(**more):
 def test_springs_and_contacts_say_the_largest_step():
     assert any("longest that is surely stable is" in sentence for sentence in step_advice(rope()))
     touching = piece(interactions={"contacts": {"duration": 0.05}}, particle={"radius": 0.1})
-    assert ["a step of at most 0.00625 s" in sentence for sentence in step_advice(touching)] == [True]
+    assert sum("a step of at most 0.00625 s" in sentence for sentence in step_advice(touching)) == 1
     assert step_advice(piece(interactions={"contacts": {}})) == step_advice(piece(SPRING)) == []
 
 

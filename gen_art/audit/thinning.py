@@ -47,6 +47,8 @@ def _parents_first(piece) -> list[str]:
 
 
 def _scaled(path: str, emitter, factor: float) -> dict[str, tuple]:
+    if getattr(emitter.scripted, "births", None) is not None:  # a net or a body: it is laid as it is
+        return {}
     even = emitter.source is not None and emitter.source.balance == "pairs"
     changes = {}
     if emitter.rate is not None:

@@ -1,6 +1,6 @@
 """Births: shapes, velocities, scripted emitters, schedules and events."""
 
-from gen_art.emitters import galaxies, nets, shapes, velocities
+from gen_art.emitters import galaxies, nets, rigid, shapes, velocities
 from gen_art.emitters.base import EMITTERS, SHAPES, VELOCITIES, Emitter, Shape, Velocity, emitter
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "emitter",
     "galaxies",
     "nets",
+    "rigid",
     "shapes",
     "velocities",
 ]

@@ -13,6 +13,7 @@ from gen_art.forces.flows import Aperture, Vortex
 from gen_art.forces.gravity import Gravity, HeightGravity
 from gen_art.forces.lift import Lift
 from gen_art.forces.magnetic_sources import MagneticDipole, MagneticGrid, MagneticLoop, MagneticWire
+from gen_art.forces.panel import Panel
 from gen_art.forces.random_driver import RandomDriver
 from gen_art.forces.spring import Spring
 from gen_art.forces.submarine import Ballast, Propeller
@@ -47,6 +48,7 @@ __all__ = [
     "MagneticLoop",
     "MagneticMirror",
     "MagneticWire",
+    "Panel",
     "PointGravity",
     "Propeller",
     "RandomDriver",

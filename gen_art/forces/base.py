@@ -31,7 +31,7 @@ class Force(Parametric):
     `depends_on_velocity` tells the integrators that a plain kick loses an order. `steady`: its vectors, and the rates of its
     damping, depend on neither time, age nor velocity, as those of a conservative force do not; leapfrog then keeps what its
     last kick found for the next step's first, where nothing has moved. `reads_medium` gives `p.flow` (3,) m/s,
-    the velocity of the system's medium where the particle is.
+    the velocity of the system's medium where the particle is. `needs` names attributes that particles must have.
     """
 
     repeat: ClassVar[str | None] = None
@@ -43,6 +43,7 @@ class Force(Parametric):
     steady: ClassVar[bool] = False
     reads_medium: ClassVar[bool] = False
     drags_on_mass: ClassVar[bool] = False  # True where the rates of `damping` are divided by the mass
+    needs: ClassVar[tuple[str, ...]] = ()
     quadratic_damping: ClassVar[bool] = True  # False where the second number of `damping` is always 0
 
     def __init_subclass__(cls, **kwargs):

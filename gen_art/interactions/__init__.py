@@ -5,6 +5,17 @@ from gen_art.interactions.contacts import Contacts
 from gen_art.interactions.coulomb import Coulomb
 from gen_art.interactions.gravity import SelfGravity
 from gen_art.interactions.pair_force import PairForce
+from gen_art.interactions.rigid import Rigid
 from gen_art.interactions.springs import Springs
 
-__all__ = ["INTERACTIONS", "Contacts", "Coulomb", "Interaction", "PairForce", "SelfGravity", "Springs", "interaction"]
+__all__ = [
+    "INTERACTIONS",
+    "Contacts",
+    "Coulomb",
+    "Interaction",
+    "PairForce",
+    "Rigid",
+    "SelfGravity",
+    "Springs",
+    "interaction",
+]

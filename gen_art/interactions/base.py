@@ -8,7 +8,7 @@ import numpy as np
 from gen_art.particles.state import Particles
 from gen_art.registry import Parametric, Registry
 
-__all__ = ["INTERACTIONS", "Interaction", "Pull", "interaction"]
+__all__ = ["INTERACTIONS", "Interaction", "Pull", "Turn", "interaction"]
 
 INTERACTIONS = Registry("interaction")
 interaction = INTERACTIONS
@@ -34,14 +34,34 @@ class Pull:
     precision: str
 
 
+@dataclass
+class Turn:
+    """The part of a step that an implicit interaction takes: what stands around its change of the velocities.
+
+    old : (3, n) velocities before the forces' kick     kick, drift : s, how long the forces kicked, and the drift that follows
+    time : s, at the start of the step     dt : s, the whole step     booked : the ledger reads the velocities before the drift
+    """
+
+    old: np.ndarray
+    kick: float
+    drift: float
+    time: float
+    dt: float
+    precision: str
+    booked: bool
+
+
 class Interaction(Parametric):
     """Acts between particles.
 
     `accelerate(pull, out)` writes accelerations, m/s^2, of the first pull.n particles into out, (3 len(parts), capacity):
     three rows for each of `parts`, which the ledger books apart: "" by the class's flags, any other name as dissipated.
     `energy(state, slots, precision)` gives the potential energy, J, that the particles in these slots have together.
-    Where `implicit`, `solve(state, dt, precision)` changes velocities instead, between the kick and the drift of a step.
+    Where `implicit`, `solve(state, turn)` changes velocities instead, between each kick of a step and the drift after it.
+    Where it `carries` the particles, `drift(state, turn)` moves them too, in the place of the kernel's drift; the system's
+    colliders are then its own, by `take_colliders`, and the ledger asks for their `impulses` and for its `shifts`.
     Where it `tears`, `let_go(state, precision)` is called at the end of each step.
+    `memory` is what it knows beyond the particles and its parameters, arrays by name; `remember(memory, time)` takes it back.
     """
 
     parts: ClassVar[tuple[str, ...]] = ("",)
@@ -50,6 +70,7 @@ class Interaction(Parametric):
     reciprocal: ClassVar[bool] = True
     implicit: bool = False
     tears: bool = False
+    carries: ClassVar[bool] = False
 
     @property
     def source_system(self) -> str | None:
@@ -62,19 +83,33 @@ class Interaction(Parametric):
     def accelerate(self, pull: Pull, out: np.ndarray) -> None:
         raise NotImplementedError
 
-    def solve(self, state: Particles, dt: float, precision: str) -> None:
+    def solve(self, state: Particles, turn: Turn) -> None:
+        raise NotImplementedError
+
+    def drift(self, state: Particles, turn: Turn) -> None:
+        raise NotImplementedError
+
+    def take_colliders(self, colliders) -> None:
+        raise NotImplementedError
+
+    def impulses(self) -> dict[str, tuple[np.ndarray, float]]:
+        """(N s (3,), J) that each collider gave in the last solve, by name: impulse, and work where it moves."""
+        raise NotImplementedError
+
+    def shifts(self):
+        """(3, n) m that the coming drift moves particles by, beside their velocities; or 0."""
+        raise NotImplementedError
+
+    @property
+    def memory(self) -> dict[str, np.ndarray]:
+        return {}
+
+    def remember(self, memory: dict[str, np.ndarray], time: float) -> None:
         raise NotImplementedError
 
     def let_go(self, state: Particles, precision: str) -> float | None:
         """Let go of what breaks at these positions: the energy it held, J, or None when nothing broke."""
         raise NotImplementedError
-
-    def memory(self) -> dict[str, np.ndarray]:
-        """What it knows beyond its parameters, by name: part of snapshots and of the digest."""
-        return {}
-
-    def recall(self, memory: dict[str, np.ndarray]) -> None:
-        """Take up what `memory` gave."""
 
     def energy(self, state: Particles, slots: np.ndarray, precision: str) -> float:
         raise NotImplementedError

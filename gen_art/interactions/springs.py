@@ -183,19 +183,19 @@ class Springs(Interaction):
             pull.rows, pull.state.floats, springs.first, springs.other, springs.of, out, pull.n, len(self.parts)
         )
 
-    def solve(self, state, dt: float, precision: str) -> None:
+    def solve(self, state, turn) -> None:
         """The implicit step: velocities at its end."""
         if not state.count:
             return
         springs = self._adjacency(state)
         if self.values["method"] == "implicit":
-            solve(state.floats, state.count, springs, dt, precision)
+            solve(state.floats, state.count, springs, turn.dt, turn.precision)
             return
         from gen_art.interactions import tethers, xpbd
 
-        xpbd.sweep(state.floats, state.count, self._threads, dt, precision, self.values["sweeps"])
+        xpbd.sweep(state.floats, state.count, self._threads, turn.dt, turn.precision, self.values["sweeps"])
         if self._tethers:
-            tethers.hold(state.floats, state.count, self._tethers, self.values["tether"], dt, precision)
+            tethers.hold(state.floats, state.count, self._tethers, self.values["tether"], turn.dt, turn.precision)
 
     def let_go(self, state, precision: str) -> float | None:
         """Break the springs that are stretched by more than `tear`; the energy they held, J."""
@@ -217,10 +217,11 @@ class Springs(Interaction):
             self._threads.numbers[self._threads.at[broken]] = 0
         return energy
 
+    @property
     def memory(self):
         return {"torn": self._torn} if self.tears else {}
 
-    def recall(self, memory):
+    def remember(self, memory, time):
         self._torn, self._key = memory.get("torn", self._torn), (-1, -1)
 
     def dissipated(self, state, dt: float) -> float:

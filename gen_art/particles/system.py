@@ -5,6 +5,7 @@ import numpy as np
 from gen_art.composition import Composition
 from gen_art.emitters.emission import Emission
 from gen_art.errors import UsageError
+from gen_art.forces.base import burns
 from gen_art.integrators import scheme
 from gen_art.integrators.schemes import charged
 from gen_art.interactions import Interaction
@@ -61,7 +62,15 @@ class ParticleSystem:
         self.scheme = charged(
             scheme(integrator), self.forces, speed_of_light, exact_gyration, self.interactions, self.colliders
         )
-        self.composition = Composition(self.forces, self.medium, self.colliders)
+        carriers = [one for one in self.interactions if one.carries]
+        for one in carriers:
+            one.take_colliders(self.colliders)
+            for force in self.forces:
+                if burns(force):
+                    raise UsageError(
+                        f"{force.name} takes mass, which a body of {one.name} keeps: push it with `propeller` instead"
+                    )
+        self.composition = Composition(self.forces, self.medium, () if carriers else self.colliders)
         self.emitters: list[Emission] = list(emitters)
         self.look = look
         lightest = min(self._least_masses(mass), default=None)
@@ -77,6 +86,12 @@ class ParticleSystem:
             raise UsageError(f"velocity must be below the speed of light, {speed_of_light:g} m/s")
         self._attributes = dict(attributes or {})
         self._fixed = self._which(fixed)
+        for one in self.forces:
+            missing = [name for name in one.needs if name not in self.attribute_names]
+            if missing:
+                raise UsageError(
+                    f"{one.name} needs particles with the attribute {missing[0]}: declare it, or use rigid bodies"
+                )
         self._state: Particles | None = None
         self._time = lambda: 0.0
 

@@ -69,7 +69,15 @@ class Estimate:
 
 def bytes_per_particle(system: System, precision: str = "f32") -> int:
     """Bytes of state a particle takes in a system's storage."""
-    return (FLOAT_CHANNELS + len(system.particle.attributes)) * (8 if precision == "f64" else 4) + BOOKKEEPING
+    return (FLOAT_CHANNELS + _attributes(system)) * (8 if precision == "f64" else 4) + BOOKKEEPING
+
+
+def _attributes(system: System) -> int:
+    """How many attributes a system's particles have: what it declares, and what its emitters' classes do."""
+    names = set(system.particle.attributes)
+    for emitter in system.emitters.values():
+        names |= set(getattr(emitter.scripted, "declares", ()))
+    return len(names)
 
 
 def estimate(preset: Preset, precision: str = "f32", until: float | None = None) -> Estimate:
@@ -232,7 +240,7 @@ def refuse_if_too_large(
     """The estimate; MemoryRefused, naming the figures, when its particles (and a picture of `size`) cannot fit."""
     expected = estimate(preset, precision, until)
     for name, peak in expected.peak.items():
-        limit = INDEX_LIMIT // (FLOAT_CHANNELS + len(preset.systems[name].particle.attributes))
+        limit = INDEX_LIMIT // (FLOAT_CHANNELS + _attributes(preset.systems[name]))
         if not peak <= limit:
             raise MemoryRefused(
                 f"system '{name}' would hold {peak:.3g} particles at once ({megabytes(expected.bytes[name])}); "

@@ -297,8 +297,9 @@ def _parameter_schema(parameter: Parameter) -> dict:
     one |= {"unit": unit} if unit else {}
     if parameter.default is not None:
         default = parameter.default
-        if in_degrees(parameter) and isinstance(default, (int, float)):
-            default = round(math.degrees(default), 9)
+        if in_degrees(parameter):
+            turned = [round(math.degrees(part), 9) for part in (default if isinstance(default, tuple) else (default,))]
+            default = turned if isinstance(default, tuple) else turned[0]
         one["default"] = str(Range.of(default)) if parameter.kind == "range" else default
     return one
 

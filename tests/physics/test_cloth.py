@@ -165,8 +165,8 @@ def test_a_spring_that_is_stretched_too_far_breaks_for_good(method):
     for sim in (whole, torn):
         sim.step(400)
     springs = torn["s"].interactions[0]
-    broken = springs.memory()["torn"]
-    assert 0 < broken.sum() < 6 and not whole["s"].interactions[0].memory()
+    broken = springs.memory["torn"]
+    assert 0 < broken.sum() < 6 and not whole["s"].interactions[0].memory
     gap = np.linalg.norm(np.diff(torn["s"].position, axis=0), axis=1)
     assert gap[broken].min() > 0.12 and gap[~broken].max() < 0.12  # none that holds is beyond the strain
     y = torn["s"].position[:, 1]
@@ -174,7 +174,7 @@ def test_a_spring_that_is_stretched_too_far_breaks_for_good(method):
     assert y[below] < whole["s"].position[below, 1] - 0.2  # what came off falls
     before, torn_before = torn["s"].velocity[below:].mean(0), broken.sum()
     torn.step(50)
-    assert springs.memory()["torn"].sum() == torn_before
+    assert springs.memory["torn"].sum() == torn_before
     assert torn["s"].velocity[below:].mean(0) == pytest.approx(before + [0, -9.81 * 0.05, 0], abs=1e-9)
 
 
@@ -186,7 +186,7 @@ def test_the_energy_of_torn_springs_is_booked():
         start = sim.diagnostics().energy
         sim.step(round(0.3 / dt))
         account = sim.ledger()
-        assert sim["s"].interactions[0].memory()["torn"].any()
+        assert sim["s"].interactions[0].memory["torn"].any()
         residuals.append(abs(account.residual))
         booked.append(account.dissipated["s.springs"])
         assert start - sim.diagnostics().energy == pytest.approx(booked[-1], rel=0.05)
@@ -199,7 +199,7 @@ def test_the_energy_of_torn_springs_is_booked():
 def test_snapshots_and_digests_know_what_is_torn(tmp_path, method):
     sim = chain(0.2, method, "f32")
     sim.step(200)
-    torn = sim["s"].interactions[0].memory()["torn"].copy()
+    torn = sim["s"].interactions[0].memory["torn"].copy()
     assert torn.any()
     sim.save(tmp_path / "torn.gas")
     again = ga.Simulation.restore(tmp_path / "torn.gas")
@@ -208,7 +208,7 @@ def test_snapshots_and_digests_know_what_is_torn(tmp_path, method):
     again.step(100)
     assert again.digest() == sim.digest()
     other = ga.Simulation.restore(tmp_path / "torn.gas")
-    other["s"].interactions[0].recall({"torn": np.zeros_like(torn)})
+    other["s"].interactions[0].remember({"torn": np.zeros_like(torn)}, 0.0)
     assert other.digest() != ga.Simulation.restore(tmp_path / "torn.gas").digest()
     other.step(100)
     assert not np.array_equal(other["s"].position, sim["s"].position)

@@ -155,7 +155,7 @@ IMPLICIT = {"pairs": [[0, 1]], "stiffness": 5.0, "method": "implicit"}
 LIGHT = {"integrator": "vay", "speed_of_light": 3.0}
 REFUSED = {
     "implicit springs off their integrator": (
-        lambda: simulated(s=system(interactions=[I.Springs(**IMPLICIT)])), "replaces the kick of semi_implicit_euler"
+        lambda: simulated(s=system(interactions=[I.Springs(**IMPLICIT)])), "beside the kick of semi_implicit_euler"
     ),
     "speed of light without a pusher": (lambda: system(speed_of_light=3.0), "needs an integrator for charges .* not leapfrog"),
     "exact gyration without a pusher": (lambda: system(exact_gyration=True), "exact_gyration needs an integrator for charges"),

@@ -1,0 +1,1 @@
+"""Rigid bodies: their shapes, their motion, and what happens where they touch."""

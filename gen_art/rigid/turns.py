@@ -1,0 +1,66 @@
+"""Rotations of many bodies at once, in NumPy: unit quaternions (w, x, y, z) and the matrices they stand for.
+
+Sums are written out or left to einsum without BLAS, so that their order, and the bits, never depend on threads.
+"""
+
+import numpy as np
+
+__all__ = ["cross", "matrices", "product", "quaternion", "rotation"]
+
+
+def rotation(vectors: np.ndarray) -> np.ndarray:
+    """(..., 4) quaternions of turns about rotation vectors (..., 3): axis times angle, rad."""
+    v = np.asarray(vectors, float)
+    square = (v * v).sum(-1, keepdims=True)
+    half = 0.5 * np.sqrt(square)
+    near = half < 1e-4
+    share = np.where(near, 0.5 - square / 48, np.sin(half) / np.where(near, 1.0, 2 * half))
+    return np.concatenate([np.cos(half), share * v], -1)
+
+
+def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """The turn q, then p, as a unit quaternion (..., 4)."""
+    a, u, b, v = p[..., :1], p[..., 1:], q[..., :1], q[..., 1:]
+    both = np.concatenate([a * b - (u * v).sum(-1, keepdims=True), a * v + b * u + cross(u, v)], -1)
+    return both / np.sqrt((both * both).sum(-1, keepdims=True))
+
+
+def cross(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """The cross product along the last axis."""
+    return np.stack(
+        [
+            u[..., 1] * v[..., 2] - u[..., 2] * v[..., 1],
+            u[..., 2] * v[..., 0] - u[..., 0] * v[..., 2],
+            u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0],
+        ],
+        -1,
+    )
+
+
+def matrices(q: np.ndarray) -> np.ndarray:
+    """(..., 3, 3): from the body's frame to the world's; columns are the body's axes."""
+    w, x, y, z = (q[..., k] for k in range(4))
+    return np.stack(
+        [
+            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], -1),
+            np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], -1),
+            np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], -1),
+        ],
+        -2,
+    )
+
+
+def quaternion(matrix: np.ndarray) -> np.ndarray:
+    """(4,) of one rotation matrix (3, 3), by its largest component."""
+    m = matrix
+    squares = np.array([m[0, 0] + m[1, 1] + m[2, 2], m[0, 0], m[1, 1], m[2, 2]])
+    k = int(np.argmax(squares))
+    if k == 0:
+        q = np.array([1 + squares[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
+    else:
+        i, j, l = k - 1, k % 3, (k + 1) % 3
+        q = np.zeros(4)
+        q[0] = m[l, j] - m[j, l]
+        q[1 + i] = 1 + m[i, i] - m[j, j] - m[l, l]
+        q[1 + j], q[1 + l] = m[i, j] + m[j, i], m[i, l] + m[l, i]
+    return q / np.linalg.norm(q)
