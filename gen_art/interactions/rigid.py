@@ -51,6 +51,10 @@ class Rigid(Interaction):
         for one in colliders:
             if one.values["action"] != "bounce":
                 raise UsageError(f"rigid bodies bounce off a {one.name}: its action cannot be {one.values['action']}")
+            if one.turns:
+                raise UsageError(
+                    f"rigid bodies meet walls that stand or slide: leave out the angular_velocity of the {one.name}"
+                )
         self._colliders = list(colliders)
 
     def join(self, system, dt):

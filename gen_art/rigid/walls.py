@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from gen_art import runtime
-from gen_art.colliders.impact import count, gap, gradient
+from gen_art.colliders.surface import count
 from gen_art.composition import Composition
 from gen_art.integrators.terms import Terms
 from gen_art.rigid.shapes import BALL, BOX, CAPSULE, Part
@@ -60,8 +60,7 @@ class Walls:
         n, many = len(points), len(self.owner)
         D, N = np.zeros((n, many)), np.zeros((n, 3 * many))
         if n and many:
-            shift = np.ascontiguousarray(self.velocity[self.owner] * time)
-            _kernel(self._composition)(np.ascontiguousarray(points), shift, self._numbers, D, N)
+            _kernel(self._composition)(np.ascontiguousarray(points), time, self._numbers, D, N)
         return D, N.reshape(n, many, 3)
 
 
@@ -86,20 +85,19 @@ def _solid(one) -> Part | None:
 
 @cache
 def _kernel(composition: Composition):
-    walls = Terms(composition, (), 0).walls
+    terms = Terms(composition, (), 0, real=ti.f64)
     matrix = ti.types.ndarray(ti.f64, 2)
 
     @ti.kernel
-    def measure(X: matrix, shift: matrix, Q: ti.types.ndarray(ti.f64, 1), D: matrix, N: matrix):
+    def measure(X: matrix, time: ti.f64, Q: ti.types.ndarray(ti.f64, 1), D: matrix, N: matrix):
         n = X.shape[0]
         ti.loop_config(block_dim=1)
         for block in range((n + 255) // 256):
             for i in range(block * 256, ti.min((block + 1) * 256, n)):
-                for s in range(count(walls)):
-                    x = ti.Vector([X[i, 0] - shift[s, 0], X[i, 1] - shift[s, 1], X[i, 2] - shift[s, 2]])
-                    D[i, s] = gap(walls, Q, s, x)
-                    normal = gradient(walls, Q, s, x)
+                for s in range(count(terms.walls)):
+                    on = terms.surface(Q, s, ti.Vector([X[i, 0], X[i, 1], X[i, 2]]), time, 1)
+                    D[i, s] = on[3]
                     for c in ti.static(range(3)):
-                        N[i, 3 * s + c] = normal[c]
+                        N[i, 3 * s + c] = on[c]
 
     return runtime.kernel(measure, "f64")

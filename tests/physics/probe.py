@@ -23,6 +23,7 @@ def states(n: int = 64, seed: int = 1) -> SimpleNamespace:
         position=r.normal(size=(3, n)), velocity=r.normal(size=(3, n)), mass=r.uniform(0.5, 2, n),
         charge=r.uniform(0.5, 2, n), radius=r.uniform(0.1, 0.3, n), age=r.uniform(0, 2, n), time=0.7,
         key=r.integers(0, 2**32, (2, n), dtype=np.uint32), flow=np.array(FLOW)[:, None],
+        area=r.uniform(0.5, 2, n), normal_x=r.normal(size=n), normal_y=r.normal(size=n), normal_z=r.normal(size=n),
     )  # fmt: skip
 
 
@@ -31,7 +32,10 @@ def probe(force, p, precision="f64", medium=None):
     dtype = np.float64 if precision == "f64" else np.float32
     composition = Composition([force], medium or Medium())
     n = p.position.shape[1]
-    S = np.zeros((10, n), dtype)
+    needs = sorted(force.needs)
+    S = np.zeros((10 + len(needs), n), dtype)
+    for k, name in enumerate(needs):
+        S[10 + k] = getattr(p, name)
     S[0:3], S[3:6], S[6], S[7], S[8], S[9] = p.position, p.velocity, p.mass, p.charge, p.radius, np.inf
     out = np.zeros((9, n), dtype)
     count = force.values[force.repeat] if force.repeat else 1
@@ -44,7 +48,7 @@ def probe(force, p, precision="f64", medium=None):
 def _kernel(composition, precision):
     """One for each class and its choices: numbers are run-time data here as they are in the step."""
     real, force = runtime.DTYPES[precision], composition.terms[0].force
-    terms = Terms(composition, (), 0)
+    terms = Terms(composition, tuple(sorted(force.needs)), 0)
     kinds = {k: force.provides(k) for k in ("acceleration", "force", "electric", "magnetic", "damping", "potential")}
     pushes = kinds["acceleration"] or kinds["force"] or kinds["electric"]
 

@@ -76,6 +76,16 @@ def lift(p):
     return (0.5 * 1.3 * (w * w).sum(1) * 0.6 * 0.8 * across.T) / p.mass
 
 
+def panel(p):
+    w, n = (p.velocity - p.flow).T, np.stack([p.normal_x, p.normal_y, p.normal_z], 1)
+    speed = np.linalg.norm(w, axis=1)[:, None]
+    way = w / speed
+    sine = (way * n).sum(1)[:, None]
+    lift = 1.7 * sine * (way * sine - n)
+    drag = -(1.9 * sine**2 + 0.05 * (n * n).sum(1)[:, None]) * way
+    return (0.5 * 1.3 * speed**2 * p.area[:, None] * (lift + drag)).T / p.mass
+
+
 def aircraft(p):
     w = (p.velocity - p.flow).T
     speed = np.linalg.norm(w, axis=1)[:, None]
@@ -216,6 +226,7 @@ CASES = {
         "push",
         ballast,
     ),
+    "panel": (F.Panel(lift=1.7, drag=1.9, friction=0.05, density=1.3), "push", panel),
     "propeller": (F.Propeller(max_thrust=2.5, throttle=0.3, heading=0.7, pitch=0.2), "push", propeller),
     "lift": (F.Lift(0.8, 0.6, (0.2, 0.0, 3.0), 1.3), "push", lift),
     "thrust": (F.Thrust((3.0, 0.0, 4.0), 3.0, 0.2, 0.5, 0.5), "push", thrust),

@@ -27,6 +27,7 @@ def together(request):
     names = DRAGS if request.param == "euler" else [n for n in BUILT_IN if n not in DRAGS]
     system = ga.ParticleSystem(
         position=p.position.T, velocity=p.velocity.T, mass=p.mass, charge=p.charge, radius=p.radius,
+        attributes={name: getattr(p, name) for name in ("area", "normal_x", "normal_y", "normal_z")},
         forces=[CASES[name][0] for name in names], medium=ga.Medium(wind=FLOW), integrator=request.param,
     )  # fmt: skip
     sim = ga.Simulation({"s": system}, dt=H, precision="f64")
