@@ -47,6 +47,8 @@ def _parents_first(piece) -> list[str]:
 
 
 def _scaled(path: str, emitter, factor: float) -> dict[str, tuple]:
+    if getattr(emitter.scripted, "births", None) is not None:
+        return {}  # a chain, rope or cloth lays all its points, or is another body
     even = emitter.source is not None and emitter.source.balance == "pairs"
     changes = {}
     if emitter.rate is not None:
