@@ -148,7 +148,5 @@ def test_fast_charges_close_too():
 
 
 def test_a_cloth_is_never_thinned():
-    from gen_art.audit.thinning import thinned
-
     piece = ga.load_preset("course/flag")
     assert thinned(piece, 1.0, 10) == (piece, {})
