@@ -145,3 +145,8 @@ def test_fast_charges_close_too():
     assert found.problems == found.warnings == []
     assert found.invariants["s", "energy"].order == pytest.approx(2, abs=0.3)
     assert found.momentum["s"].at_round_off
+
+
+def test_a_cloth_is_never_thinned():
+    piece = ga.load_preset("course/flag")
+    assert thinned(piece, 1.0, 10) == (piece, {})

@@ -36,6 +36,8 @@ class SDF(Collider):
         if not callable(given):
             grid = read_array(given) if isinstance(given, (str, Path)) else given
             try:
+                if np.iscomplexobj(grid):
+                    raise TypeError
                 grid = np.asarray(grid, np.float64)
             except (TypeError, ValueError):
                 raise UsageError("function must be a @ti.func, a .npy file or an array of distances") from None

@@ -69,7 +69,7 @@ def _facts(piece, size, precision) -> dict:
             "bytes": _count(expected.bytes[name]),
             "forces": [repr(force) for force in forces_of(piece, system)],
             "interactions": [repr(one) for one in system.interactions],
-            "colliders": [repr(one) for one in colliders_of(piece, system)],
+            "colliders": [_still(one) for one in colliders_of(piece, system)],
             "medium": [repr(term) for term in (system.medium or piece.medium).terms],
             "emitters": list(system.emitters),
             "should_hold": holds,
@@ -97,6 +97,12 @@ def _facts(piece, size, precision) -> dict:
         "systems": systems,
         "advice": [*advice(piece), *step_advice(piece)],
     }
+
+
+def _still(one) -> str:
+    """A collider, without the words for a motion that it does not have."""
+    moves = {"velocity": any(one.values["velocity"]), "angular_velocity": one.turns, "pivot": one.turns}
+    return f"{type(one).__name__}({', '.join(f'{k}={v!r}' for k, v in one.values.items() if moves.get(k, True))})"
 
 
 def _count(value: float) -> int | float:

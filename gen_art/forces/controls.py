@@ -50,23 +50,24 @@ def _read(given) -> dict[str, list[float]]:
         raise UsageError(f"{given}: there is no such file")
     try:
         with open(path, newline="", encoding="utf-8-sig") as file:
-            rows = [row for row in csv.reader(file, skipinitialspace=True) if row and not row[0].startswith("#")]
+            reader = csv.reader(file, skipinitialspace=True)
+            rows = [(reader.line_num, row) for row in reader if row and not row[0].startswith("#")]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UsageError(f"{given}: cannot be read as a table of comma-separated numbers") from error
     if len(rows) < 2:
         raise UsageError(f"{given}: needs a line of names and at least one of numbers")
-    names = [name.strip() for name in rows[0]]
+    names = [name.strip() for name in rows[0][1]]
     columns: dict[str, list[float]] = {name: [] for name in names}
     if len(columns) < len(names):
         raise UsageError(f"{given}: names a column twice")
-    for number, row in enumerate(rows[1:], 2):
+    for number, row in rows[1:]:
         if len(row) != len(names):
-            raise UsageError(f"{given}: row {number} has {len(row)} numbers for {len(names)} columns")
+            raise UsageError(f"{given}: line {number} has {len(row)} numbers for {len(names)} columns")
         for name, word in zip(names, row):
             try:
                 columns[name].append(float(word))
             except ValueError:
-                raise UsageError(f"{given}: row {number}: {word!r} is not a number") from None
+                raise UsageError(f"{given}: line {number}: {word!r} is not a number") from None
     return columns
 
 
@@ -89,10 +90,16 @@ class Controlled(Force):
         for name in self.inputs:
             if name in table:
                 parameter = self.parameters[name]
-                factor = math.pi / 180 if parameter.unit == "rad" else 1.0
-                column = table[name] * factor
-                for value in (float(column.min()), float(column.max())):
-                    parameter.check(value)
+                angle = parameter.unit == "rad"
+                column = np.radians(table[name]) if angle else table[name]
+                low, high = parameter.minimum, parameter.maximum
+                if column.min() < low or column.max() > high:
+                    low, high = (math.degrees(low), math.degrees(high)) if angle else (low, high)
+                    wrong = next(x for x in table[name] if not low <= x <= high)
+                    label = "controls" if isinstance(given, Mapping) else given
+                    raise UsageError(
+                        f"{label}: {name} must be from {low:g} to {high:g}{' degrees' if angle else ''}, not {wrong:g}"
+                    )
             else:
                 column = np.full(len(table["time"]), self.values[name])
             columns.append(column)

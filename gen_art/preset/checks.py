@@ -1,16 +1,17 @@
 """What must fit across a whole preset: systems, tags and attributes that other parts refer to.
 
-These work on plain data, so that they speak even where another part of the file is wrong; what is no mapping is
+`references` works on plain data, so that it speaks even where another part of the file is wrong; what is no mapping is
 skipped.
 """
 
 from collections.abc import Iterator
 from typing import Any
 
+from gen_art.errors import UsageError
 from gen_art.preset.look import Color
 from gen_art.registry import suggest
 
-__all__ = ["references"]
+__all__ = ["references", "unbound"]
 
 _COLOR_KEYS = tuple(Color.model_fields)
 Found = Iterator[tuple[tuple, str]]
@@ -38,6 +39,7 @@ def references(data: dict) -> Found:
             if "." in emitter_name:
                 yield there, "a name may not hold a dot: paths are written with dots"
             yield from _emitter(there, _mapping(emitter), systems, declared)
+            yield from _impacts((*there, "from"), _mapping(emitter).get("from"), data, systems)
         for kind, interaction in _mapping(system.get("interactions")).items():
             yield from _sources((*here, "interactions", kind), interaction, systems)
         yield from _colors((*here, "look"), _mapping(system.get("look")), tags_of(system))
@@ -79,6 +81,35 @@ def _emitter(here: tuple, emitter: dict, systems: dict, declared: dict) -> Found
     for tag in [tags] if isinstance(tags, str) else tags if isinstance(tags, list) else []:
         if isinstance(tag, str) and tag not in known:
             yield (*here, "from", "tag"), f"no emitter of '{feeding}' has the tag '{tag}'{_known(tag, known)}"
+
+
+def _impacts(here: tuple, source: Any, data: dict, systems: dict) -> Found:
+    """Impacts are told of by colliders that emit: without one, no particle would ever be born."""
+    event = source if isinstance(source, str) else _mapping(source).get("event")
+    feeding, _, kind = event.rpartition(".") if isinstance(event, str) else ("", "", "")
+    if kind != "impact" or feeding not in systems:
+        return
+    system = _mapping(systems[feeding])
+    walls = [system.get("colliders")]
+    if system.get("inherit_colliders", True) is not False:
+        walls.append(data.get("colliders"))
+    for several in (one for kinds in walls for one in _mapping(kinds).values()):
+        if any(_mapping(one).get("action") == "emit" for one in (several if isinstance(several, list) else [several])):
+            return
+    yield here, f"no collider of '{feeding}' has action: emit, so it has no impacts to tell of"
+
+
+def unbound(preset) -> Found:
+    """(path, problem) of every force of a Preset that needs what its medium does not give, such as a density."""
+    for name, system in preset.systems.items():
+        medium = system.medium or preset.medium
+        shared = preset.forces if system.inherit_forces else ()
+        for here, forces in ((("forces",), shared), (("systems", name, "forces"), system.forces)):
+            for force in forces:
+                try:
+                    force.bound_numbers(medium)
+                except UsageError as error:
+                    yield (*here, force.name), str(error)
 
 
 def _sources(here: tuple, interaction: Any, systems: dict) -> Found:

@@ -245,9 +245,9 @@ def _ways(emitter: Emitter) -> str:
         return "from a path takes a steady rate, not a curve"
     if source is not None and source.kind != "path":
         if rate is not None:
-            return f"from a {source.kind} takes a count, not a rate"
+            return f"from {source.system}.{source.kind} takes a count, not a rate"
         if not counted:
-            return f"from a {source.kind} needs a count: births for each event"
+            return f"from {source.system}.{source.kind} needs a count: births for each event"
     if source is None and rate is None and at is None and not counted:
         return "needs one of rate, at, count or from: when are its particles born?"
     if emitter.stop is not None and rate is None:

@@ -71,7 +71,7 @@ def load_preset(
 
 def validate(data: dict, name: str, source: Source, set_paths: list[tuple]):
     """The Preset of plain data; PresetError with every problem, each where it stands in `source` or at its `--set`."""
-    from gen_art.preset.checks import references
+    from gen_art.preset.checks import references, unbound
     from gen_art.preset.registered import GRAVITATION
     from gen_art.preset.schema import Preset
     from gen_art.preset.types import friendly
@@ -87,6 +87,8 @@ def validate(data: dict, name: str, source: Source, set_paths: list[tuple]):
     finally:
         GRAVITATION.reset(token)
     listed += references(filled)
+    if made is not None:
+        listed += unbound(made)
     problems = source.problems + [_located(data, source, set_paths, path, text) for path, text in listed]
     problems = _distinct(problems)
     if problems or made is None:

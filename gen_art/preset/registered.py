@@ -166,6 +166,14 @@ class Many:
         classes = registry(self.kind)
         return [name for name in classes if self.accept(classes[name])]
 
+    def _elsewhere(self, name: str) -> str:
+        """Where a name that is known as something else belongs."""
+        for kind in ("forces", "interactions", "colliders"):
+            if kind != self.kind and name in registry(kind):
+                one = registry(kind).kind
+                return f"; it is {'an' if one[0] in 'aeiou' else 'a'} {one}, and goes under {kind}:"
+        return ""
+
     def validate(self, value: Any) -> tuple:
         if isinstance(value, tuple) and all(isinstance(item, Parametric) for item in value):
             return value
@@ -177,7 +185,11 @@ class Many:
         for name in sorted(value):
             if name not in names:
                 one = registry(self.kind).kind
-                hint = suggest(name, names) or f"; there are {', '.join(sorted(names))}; is a --plugin missing?"
+                hint = (
+                    self._elsewhere(name)
+                    or suggest(name, names)
+                    or f"; there are {', '.join(sorted(names))}; is a --plugin missing?"
+                )
                 problems.append(((name,), f"unknown {one}{hint}"))
                 continue
             cls, item = registry(self.kind)[name], value[name]

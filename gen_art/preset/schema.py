@@ -171,12 +171,13 @@ class Preset(Model):
 
     @property
     def files(self) -> list:
-        """The files it names, of looks in the order of the systems and then of forces and fields: PresetFile."""
+        """The files it names, of looks in the order of the systems and then of forces, fields and colliders."""
         looks = (system.look for system in self.systems.values())
         found = [look.picture.image for look in looks if look is not None and look.picture is not None]
-        laws = [*self.forces, *self.medium.terms]
+        laws = [*self.forces, *self.medium.terms, *self.colliders]
         for system in self.systems.values():
-            laws += [*system.forces, *(system.medium.terms if system.medium is not None else ())]
+            own = system.medium.terms if system.medium is not None else ()
+            laws += [*system.forces, *own, *system.colliders]
         return found + [v for law in laws for v in law.values.values() if isinstance(v, PresetFile)]
 
     def resolved(self) -> dict:

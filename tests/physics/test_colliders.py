@@ -453,6 +453,7 @@ systems: {a: {emitters: {e: {count: 1, shape: {point: [0, 0.9, 0]}}}}}
     (lambda: C.Plane(action="explode"), "bounce, stick, kill"),
     (lambda: C.SDF(np.zeros((1, 4, 4))), "at least 2"),
     (lambda: C.SDF(np.full((3, 3, 3), np.nan)), "not finite"),
+    (lambda: C.SDF(np.ones((2, 2, 2), complex)), "a @ti.func, a .npy file or an array"),
     (lambda: C.SDF("ball"), "there is no such file"),
     (lambda: C.SDF({}), "a @ti.func, a .npy file or an array"),
     (lambda: ga.ParticleSystem(position=[[0, 0, 0]], colliders=[F.Gravity()]), "ga.colliders.Plane"),

@@ -3,10 +3,12 @@
 import copy
 import json
 
+import numpy as np
 import pytest
 
 from gen_art.errors import MemoryRefused, PresetError, UsageError
 from gen_art.preset.estimate import estimate, refuse_if_too_large
+from gen_art.preset.files import FOLDER
 from gen_art.preset.load import load_preset
 from gen_art.preset.reader import read_text
 from gen_art.preset.schema import json_schema
@@ -136,6 +138,10 @@ WRONG = [
     ("systems.splash.forces", {"gravty": 1}, "did you mean 'gravity'", "systems.splash.forces.gravty"),
     ("systems.splash.look.emission.color.dry", "red", "nor a tag", "systems.splash.look.emission.color.dry"),
     ("systems.a.b", {}, "there is no 'a' in systems", ""),
+    ("systems.splash.forces", {"self_gravity": {}}, "goes under interactions:", "systems.splash.forces.self_gravity"),
+    ("systems.splash.interactions", {"lift": {}}, "it is a force", "systems.splash.interactions.lift"),
+    ("systems.splash.emitters.burst.from", "drops.impact", "has action: emit", "systems.splash.emitters.burst.from"),
+    ("medium.density", 0, "needs the fluid's density", "forces.drag"),
     ("medium.density", -1, "at least 0", "medium.density"),
     ("medium.drag", {}, "unknown key", "medium.drag"),
     ("forces.drag.cd", "big", "must be a number", "forces.drag.cd"),
@@ -160,6 +166,27 @@ def test_what_is_wrong_is_named_with_its_place(path, value, words, place):
         load_preset(PIECE, overrides={path: value})
     if place:
         assert place in [_dotted(problem) for problem in caught.value.problems]
+
+
+def test_impacts_need_one_collider_that_emits_shared_or_own():
+    wall = {"plane": {"normal": [0, 1, 0], "action": "emit"}}
+    fed = {"systems.splash.emitters.burst.from": "drops.impact"}
+    several = {"plane": [{"normal": [0, 1, 0]}, *wall.values()]}
+    for given in ({"colliders": wall}, {"systems.drops.colliders": wall}, {"colliders": several}):
+        load_preset(PIECE, overrides={**fed, **given})
+    with pytest.raises(PresetError, match="no collider of 'drops'"):
+        load_preset(PIECE, overrides={**fed, "colliders": wall, "systems.drops.inherit_colliders": False})
+
+
+def test_the_files_of_colliders_are_part_of_the_preset(tmp_path):
+    np.save(tmp_path / "ball.npy", np.ones((2, 2, 2)))
+    for where in ("colliders", "systems.drops.colliders"):
+        token = FOLDER.set(tmp_path)
+        try:
+            piece = load_preset(PIECE, overrides={where: {"sdf": {"function": "ball.npy"}}})
+        finally:
+            FOLDER.reset(token)
+        assert [str(file) for file in piece.files] == ["ball.npy"]
 
 
 def _dotted(problem):
