@@ -59,7 +59,7 @@ def test_children_start_on_the_surface_and_take_the_velocity_after_the_bounce():
 
 
 def test_a_bounce_tells_nothing_unless_asked_and_impacts_need_someone_who_tells():
-    with pytest.raises(ga.UsageError, match="none of its colliders has `action: emit`"):
+    with pytest.raises(ga.PresetError, match="no collider of 'drops' has action: emit"):
         ga.Simulation(rain(action="bounce"))
     loud, still = rain(count=20), rain(count=20)
     a, b = ga.Simulation(loud, ledger=True), ga.Simulation(still)
