@@ -63,14 +63,6 @@ class Aircraft(Controlled):
         pressure = 0.5 * q.density * speed * speed * q.area
         return across * (pressure * lift) + ahead * (self.recorded(2, t, q) * q.max_thrust - pressure * drag)
 
-    def bound_numbers(self, medium):
-        if self.values["density"] is None and not medium.density:
-            raise UsageError("aircraft needs the air's density: aircraft.density, or medium.density")
-        numbers = self.numbers()
-        if self.values["density"] is None:
-            numbers[-1] = medium.density
-        return numbers
-
     def trim(self, speed: float, mass: float, density: float, gravity: float = 9.81) -> tuple[float, float]:
         """(angle_of_attack in radians, throttle) that keep `mass` (kg) level at `speed` (m/s) in air of `density` (kg/m^3).
 

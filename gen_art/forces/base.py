@@ -74,8 +74,18 @@ class Force(Parametric):
             )
 
     def bound_numbers(self, medium) -> list[float]:
-        """The run-time numbers, once the medium the particle moves in is known."""
-        return self.numbers()
+        """The run-time numbers, once the medium the particle moves in is known: a `density` left out is the medium's."""
+        numbers = self.numbers()
+        if "density" in self.parameters and self.values["density"] is None:
+            if self.needs_density and not medium.density:
+                raise UsageError(f"{self.name} needs the fluid's density: {self.name}.density, or medium.density")
+            numbers[next(start for name, start, _ in self.layout() if name == "density")] = medium.density
+        return numbers
+
+    @property
+    def needs_density(self) -> bool:
+        """Whether it can do nothing without the density of the fluid, where it has a parameter for it."""
+        return True
 
 
 @ti.func

@@ -2,7 +2,6 @@
 
 import math
 
-from gen_art.errors import UsageError
 from gen_art.forces.base import Force, force
 from gen_art.registry import param
 from gen_art.runtime import ti
@@ -28,18 +27,14 @@ class Drag(Force):
     density: float = param(None, unit="kg/m^3", min=0, doc="of the fluid; the medium's when left out")
     dissipative = True
 
+    @property
+    def needs_density(self) -> bool:
+        return bool(self.values["cd"])
+
     @ti.func
     def damping(self, p, t, q):
         area = math.pi * p.radius * p.radius
         return ti.Vector([q.linear, q.quadratic + 0.5 * q.density * q.cd * area]) / p.mass
-
-    def bound_numbers(self, medium):
-        if self.values["cd"] and self.values["density"] is None and not medium.density:
-            raise UsageError("drag with cd needs the fluid's density: drag.density, or medium.density")
-        numbers = self.numbers()
-        if self.values["density"] is None:
-            numbers[-1] = medium.density
-        return numbers
 
 
 @force("damping")

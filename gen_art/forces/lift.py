@@ -35,11 +35,3 @@ class Lift(Force):
         w = p.velocity - p.flow
         across = q.span_axis.cross(w)
         return across * (0.5 * q.density * w.dot(w) * q.area * q.coefficient / ti.max(across.norm(), 1e-30))
-
-    def bound_numbers(self, medium):
-        if self.values["density"] is None and not medium.density:
-            raise UsageError("lift needs the fluid's density: lift.density, or medium.density")
-        numbers = self.numbers()
-        if self.values["density"] is None:
-            numbers[-1] = medium.density
-        return numbers

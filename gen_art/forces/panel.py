@@ -1,6 +1,5 @@
 """Lift and drag on panels: sails, blades, leaves."""
 
-from gen_art.errors import UsageError
 from gen_art.forces.base import Force, force
 from gen_art.registry import param
 from gen_art.runtime import ti
@@ -40,11 +39,3 @@ class Panel(Force):
         lift = (way * sine - n) * sine
         drag = way * -(q.drag * sine * sine + q.friction * n.dot(n))
         return (lift * q.lift + drag) * (0.5 * q.density * speed * speed * p.area)
-
-    def bound_numbers(self, medium):
-        if self.values["density"] is None and not medium.density:
-            raise UsageError("panel needs the fluid's density: panel.density, or medium.density")
-        numbers = self.numbers()
-        if self.values["density"] is None:
-            numbers[-1] = medium.density
-        return numbers
