@@ -15,18 +15,21 @@ os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 
 from gen_art import lean_tracing  # isort: skip  (before anything of Taichi)
+import numpy as np
 import taichi as ti  # the variables above must be set before this
 from taichi.lang import impl
 from taichi.lang.matrix import make_matrix
 
+from gen_art import lean_launching
 from gen_art.errors import UsageError
 
 __all__ = [
-    "DTYPES", "cache_folder", "compilations", "finish", "impl", "init", "is_f64", "kernel", "make_matrix", "real",
+    "DTYPES", "aligned", "cache_folder", "compilations", "finish", "impl", "init", "is_f64", "kernel", "make_matrix", "real",
     "threads", "ti",
 ]  # fmt: skip
 
 DTYPES = {"f32": ti.f32, "f64": ti.f64}
+_ALIGNMENT = 128  # bytes: sixteen float64
 _state: dict = {"config": None, "kernels": [], "lock": None}
 
 lean_tracing.install()
@@ -116,29 +119,38 @@ def threads() -> int:
 
 
 @contextlib.contextmanager
-def _default_float(dtype):
+def _compiling(dtype, vectors: bool):
     runtime = impl.get_runtime()
     config = runtime.prog.config()
-    old, old_config = runtime.default_fp, config.default_fp
-    runtime.default_fp = config.default_fp = dtype
+    old = runtime.default_fp, config.default_fp, config.real_matrix_scalarize
+    runtime.default_fp, config.default_fp, config.real_matrix_scalarize = dtype, dtype, not vectors
     try:
         yield
     finally:
-        runtime.default_fp, config.default_fp = old, old_config
+        runtime.default_fp, config.default_fp, config.real_matrix_scalarize = old
 
 
-def kernel(function, precision: str = "f32"):
-    """Wrap a @ti.kernel so that it is traced, and launched, with `precision` as the default float type."""
+def kernel(function, precision: str = "f32", vectors: bool = False):
+    """Wrap a @ti.kernel so that it is traced, and launched, with `precision` as the default float type.
+
+    vectors : its ti.Vectors (of a power of two of numbers) are the processor's: an operation between two is one instruction, and
+    so is loading or storing one of an ndarray of vectors, which must come from `aligned`. Else Taichi takes vectors apart.
+    """
     dtype = DTYPES[precision]
     primal = function._primal
     _state["kernels"].append(primal)
-
-    def launch(*args):
-        with _default_float(dtype):
-            return function(*args)
-
+    launch = lean_launching.lean(primal, function, lambda: _compiling(dtype, vectors))
     launch.primal = primal  # type: ignore[attr-defined]  # a function may carry attributes
     return launch
+
+
+def aligned(shape, dtype) -> np.ndarray:
+    """Zeros at an address that vectors can be loaded from and stored to whole."""
+    dtype = np.dtype(dtype)
+    size = int(np.prod(shape)) * dtype.itemsize
+    raw = np.zeros(size + _ALIGNMENT, np.uint8)
+    begin = -raw.ctypes.data % _ALIGNMENT
+    return raw[begin : begin + size].view(dtype).reshape(shape)
 
 
 def compilations() -> int:

@@ -214,7 +214,7 @@ class Springs(Interaction):
         springs.numbers[broken] = 0  # what has no stiffness and no damping is gone
         springs.of[:, springs.halves[broken]] = 0
         if self.values["method"] == "xpbd":
-            self._threads.numbers[self._threads.at[broken]] = 0
+            self._threads.numbers.reshape(-1)[self._threads.at[broken]] = 0
         return energy
 
     @property

@@ -25,11 +25,12 @@ _BATCH = 256  # slots a task, at least
 class Threads:
     """The springs between `pairs` ((m, 2) slots) of `count` particles, with `numbers` (m, 3): stiffness, rest length, damping.
 
-    nodes (slots,): the particle at each slot     numbers (3 slots,): of the springs that end there, three rows of LANES a step
-    at (m, 3): where the numbers of each spring stand     first (groups + 1,): each group's first slot
+    Slots lie in rows of LANES: nodes (slots,): the particle at each slot     numbers (3 rows, LANES): of the springs ending there
+    at (m, 3): where the numbers of each spring stand, flat     first (groups + 1,): each group's first row
     tasks (tasks + 1,): the first group of each task     colours: (first task, end) of each
-    index, parts: tasks, first, nodes and which steps have neighbours in memory, in one array, and where all but the first begin
-    scratch: `room` numbers for each task of a colour     total (slots,): the impulse of each spring in the sweeps so far
+    index, parts: tasks, first and nodes in one array, and where all but the first begin
+    scratch: `room` rows for each task of a colour     total (rows, LANES): the impulse of each spring in the sweeps so far
+    particles (2 count', 4): what a sweep asks of each particle and of those past the end
     """
 
     def __init__(self, pairs: np.ndarray, numbers: np.ndarray, count: int, dtype):
@@ -66,16 +67,18 @@ class Threads:
         where = np.zeros(len(pairs), np.int64)
         where[of[spring] - order[own[spring]] - 1] = slot[spring]  # each thread has one node more than springs
         self.at = (where + 2 * (where - where % LANES))[:, None] + LANES * np.arange(3)
-        self.numbers = np.zeros(3 * max(total, 1), dtype)
-        self.numbers[self.at] = numbers
+        rows = max(total // LANES, 1)
+        self.numbers = runtime.aligned((3 * rows, LANES), dtype)
+        self.numbers.reshape(-1)[self.at] = numbers
         self.tasks, self.colours = _tasks(shade[leads], size)
-        near = (np.diff(self.nodes.reshape(-1, LANES), axis=1) == 1).all(1) if total else np.zeros(1, bool)
-        index = [self.tasks, self.first, self.nodes, near.astype(np.int32)]
+        self.first //= LANES
+        index = [self.tasks, self.first, self.nodes]
         self.index = np.concatenate(index)  # in one: a launch costs by the array
-        self.parts = np.cumsum([len(part) for part in index])[:3].tolist()
-        self.room = 5 * int(size.max(initial=0))
-        self.scratch = np.zeros(_TASKS * self.room + 1, dtype)
-        self.total = np.zeros(max(total, 1), dtype)
+        self.parts = np.cumsum([len(part) for part in index])[:2].tolist()
+        self.room = 5 * int(size.max(initial=0)) // LANES
+        self.scratch = runtime.aligned((_TASKS * self.room + 1, LANES), dtype)
+        self.total = runtime.aligned((rows, LANES), dtype)
+        self.particles = runtime.aligned((2 * (count + LANES), 4), dtype)
 
 
 def _runs(pairs, count):

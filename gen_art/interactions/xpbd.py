@@ -17,10 +17,12 @@ import numpy as np
 
 from gen_art import runtime
 from gen_art.interactions.threads import LANES, Threads
-from gen_art.particles.fixed import fixed_lifetimes
+from gen_art.particles.fixed import is_fixed
 from gen_art.runtime import ti
 
 __all__ = ["sweep"]
+
+_BLOCK = 1024
 
 
 def sweep(floats: np.ndarray, n: int, threads: Threads, h: float, precision: str, sweeps: int = 1) -> None:
@@ -28,122 +30,109 @@ def sweep(floats: np.ndarray, n: int, threads: Threads, h: float, precision: str
 
     sweeps : rounds of Newton's method; a spring's impulses add up, so that its stiffness is the same after any number
     """
-    give = np.zeros(n + LANES, floats.dtype)
-    np.divide(1, floats[6, :n], out=give[:n], where=floats[6, :n] > 0)
-    give[:n][fixed_lifetimes(floats[9, :n])] = 0
-    kernel, flat, capacity = _kernel(precision), floats.reshape(-1), floats.shape[1]
+    load, project, store = _kernels(precision)
+    load(floats, n, threads.particles)
     for k in range(sweeps):
         for begin, end in threads.colours:
-            kernel(
-                flat, give, threads.index, threads.numbers, threads.scratch, threads.total, begin, end, *threads.parts,
-                capacity, threads.room, h, min(k, 1), sweeps - 1 - k,
+            project(
+                threads.particles, threads.index, threads.numbers, threads.scratch, threads.total, begin, end, *threads.parts,
+                threads.room, h, min(k, 1), sweeps - 1 - k,
             )  # fmt: skip
+    store(floats, n, threads.particles)
 
 
 @cache
-def _kernel(precision: str):
+def _kernels(precision: str):
     real = runtime.DTYPES[precision]
-    vector, whole = ti.types.ndarray(real, 1), ti.types.ndarray(ti.i32, 1)
+    rows = ti.types.ndarray(real, 2)
+    whole = ti.types.ndarray(ti.i32, 1)
+    lanes = ti.types.ndarray(ti.types.vector(LANES, real), 1)
+    fours = ti.types.ndarray(ti.types.vector(4, real), 1)
+
+    @ti.kernel
+    def load(S: rows, n: ti.i32, P: fours):
+        """P: position and inverse mass, 0 where fixed; velocity: what a spring asks of a particle, side by side"""
+        ti.loop_config(block_dim=1)
+        for b in range((n + _BLOCK - 1) // _BLOCK):
+            for i in range(b * _BLOCK, ti.min((b + 1) * _BLOCK, n)):
+                give = 0.0
+                if S[6, i] > 0.0 and not is_fixed(S[9, i]):
+                    give = 1.0 / S[6, i]
+                P[2 * i] = ti.Vector([S[0, i], S[1, i], S[2, i], give])
+                P[2 * i + 1] = ti.Vector([S[3, i], S[4, i], S[5, i], 0.0])
+
+    @ti.kernel
+    def store(S: rows, n: ti.i32, P: fours):
+        ti.loop_config(block_dim=1)
+        for b in range((n + _BLOCK - 1) // _BLOCK):
+            for i in range(b * _BLOCK, ti.min((b + 1) * _BLOCK, n)):
+                v = P[2 * i + 1]
+                S[3, i], S[4, i], S[5, i] = v[0], v[1], v[2]
 
     @ti.kernel
     def project(
-        S: vector, give: vector, index: whole, N: vector, T: vector, G: vector, begin: ti.i32, end: ti.i32, tasks: ti.i32,
-        nodes: ti.i32, near: ti.i32, capacity: ti.i32, room: ti.i32, h: real, keep: real, more: ti.i32,
+        P: fours, index: whole, N: lanes, T: lanes, G: lanes, begin: ti.i32, end: ti.i32, tasks: ti.i32, nodes: ti.i32,
+        room: ti.i32, h: real, keep: real, more: ti.i32,
     ):  # fmt: skip
-        """index: first group of each task, first slot of each group, particle of each slot, steps of neighbours;
-        room: scratch a task; keep: 0 in a step's first sweep, else 1; more: sweeps follow."""
+        """index: first group of each task, first row of each group, particle of each slot of a row;
+        room: rows of scratch a task; keep: 0 in a step's first sweep, else 1; more: sweeps follow."""
         ti.loop_config(block_dim=1)
         for t in range(begin, end):
-            mine = (t - begin) * room
-            row = capacity  # flat arrays with strides in registers: half the time of two-dimensional ones
             for g in range(index[t], index[t + 1]):
                 at = index[tasks + g]
-                count = (index[tasks + g + 1] - at) // LANES
-                X, Y, Z = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)  # the last node
-                U, V, W = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
-                x, y, z = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)  # the next
-                u, v, w = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
-                A, B, C = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)  # direction
-                M, m = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
-                acc = ti.Vector([0.0] * LANES)
-                s, J, f = ti.Vector([1e24] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
-                for j in range(LANES):
-                    i = index[nodes + at + j]
-                    X[j], Y[j], Z[j], M[j] = S[i], S[i + row], S[i + 2 * row], give[i]
-                    U[j], V[j], W[j] = S[i + 3 * row], S[i + 4 * row], S[i + 5 * row]
+                count = index[tasks + g + 1] - at
+                first, mine = nodes + at * LANES, (t - begin) * room
+                zero = ti.Vector([0.0] * LANES)
+                X, Y, Z, M, U, V, W = zero, zero, zero, zero, zero, zero, zero  # the last node
+                for j in ti.static(range(LANES)):
+                    p, q = P[2 * index[first + j]], P[2 * index[first + j] + 1]
+                    X[j], Y[j], Z[j], M[j], U[j], V[j], W[j] = p[0], p[1], p[2], p[3], q[0], q[1], q[2]
+                A, B, C, J, f = zero, zero, zero, zero, zero  # the direction of the spring before, its impulse
+                s = zero + 1e24
                 for e in range(1, count):
-                    q = at + e * LANES
-                    i = index[nodes + q]
-                    if index[near + q // LANES] > 0:  # neighbours in memory too: whole vectors
-                        for j in range(LANES):
-                            x[j], y[j], z[j], m[j] = S[i + j], S[i + j + row], S[i + j + 2 * row], give[i + j]
-                            u[j], v[j], w[j] = S[i + j + 3 * row], S[i + j + 4 * row], S[i + j + 5 * row]
-                    else:
-                        for j in range(LANES):
-                            o = index[nodes + q + j]
-                            x[j], y[j], z[j], m[j] = S[o], S[o + row], S[o + 2 * row], give[o]
-                            u[j], v[j], w[j] = S[o + 3 * row], S[o + 4 * row], S[o + 5 * row]
+                    x, y, z, m, u, v, w = zero, zero, zero, zero, zero, zero, zero  # the next node
+                    for j in ti.static(range(LANES)):
+                        i = 2 * index[first + e * LANES + j]
+                        p, q = P[i], P[i + 1]
+                        x[j], y[j], z[j], m[j], u[j], v[j], w[j] = p[0], p[1], p[2], p[3], q[0], q[1], q[2]
+                    total = zero
                     if keep > 0.0:
-                        for j in range(LANES):
-                            acc[j] = G[q + j]
-                    for j in range(LANES):
-                        k, rest, c = N[3 * q + j], N[3 * q + LANES + j], N[3 * q + 2 * LANES + j]
-                        a, b, c0 = u[j] - U[j], v[j] - V[j], w[j] - W[j]
-                        dx, dy, dz = x[j] - X[j] + h * a, y[j] - Y[j] + h * b, z[j] - Z[j] + h * c0
-                        length = ti.sqrt(dx * dx + dy * dy + dz * dz)
-                        each = 1.0 / ti.max(length, 1e-30)
-                        dx, dy, dz = dx * each, dy * each, dz * each
-                        loose = 1.0 / ti.max(h * (h * k + c), 1e-24)
-                        wants = (h * (k * (length - rest) + c * (dx * a + dy * b + dz * c0)) - acc[j]) * loose
-                        cosine = dx * A[j] + dy * B[j] + dz * C[j]
-                        pivot = 1.0 / (M[j] + s[j])  # of the spring before
-                        share = M[j] * cosine
-                        f[j] = share * pivot
-                        s[j] = loose + M[j] * ((s[j] + M[j] * ti.max(1.0 - cosine * cosine, 0.0)) * pivot)
-                        M[j] = m[j]
-                        J[j] = (wants + share * J[j]) / (s[j] + m[j])
-                        X[j], Y[j], Z[j], U[j], V[j], W[j] = x[j], y[j], z[j], u[j], v[j], w[j]
-                        A[j], B[j], C[j] = dx, dy, dz
-                    for j in range(LANES):
-                        o = mine + 5 * (q - at) + j
-                        T[o], T[o + LANES], T[o + 2 * LANES] = A[j], B[j], C[j]
-                        T[o + 3 * LANES], T[o + 4 * LANES] = J[j], f[j]
-                for j in range(LANES):  # from the end back: A, B, C now the impulse of the spring after, f its share
-                    A[j], B[j], C[j], J[j], f[j] = 0.0, 0.0, 0.0, 0.0, 0.0
-                for e in range(1, count):
-                    q = at + (count - e) * LANES
-                    i, close = index[nodes + q], index[near + q // LANES] > 0
-                    if close:
-                        for j in range(LANES):
-                            u[j], v[j], w[j] = S[i + j + 3 * row], S[i + j + 4 * row], S[i + j + 5 * row]
-                            m[j] = give[i + j]
-                    else:
-                        for j in range(LANES):
-                            o = index[nodes + q + j]
-                            u[j], v[j], w[j], m[j] = S[o + 3 * row], S[o + 4 * row], S[o + 5 * row], give[o]
-                    for j in range(LANES):
-                        o = mine + 5 * (q - at) + j
-                        J[j] = T[o + 3 * LANES] + f[j] * J[j]
-                        f[j] = T[o + 4 * LANES]
-                        a, b, c = J[j] * T[o], J[j] * T[o + LANES], J[j] * T[o + 2 * LANES]
-                        u[j] += m[j] * (A[j] - a)
-                        v[j] += m[j] * (B[j] - b)
-                        w[j] += m[j] * (C[j] - c)
-                        A[j], B[j], C[j] = a, b, c
-                    if close:
-                        for j in range(LANES):
-                            S[i + j + 3 * row], S[i + j + 4 * row], S[i + j + 5 * row] = u[j], v[j], w[j]
-                    else:
-                        for j in range(LANES):
-                            o = index[nodes + q + j]
-                            S[o + 3 * row], S[o + 4 * row], S[o + 5 * row] = u[j], v[j], w[j]
+                        total = G[at + e]
+                    k, rest, c = N[3 * (at + e)], N[3 * (at + e) + 1], N[3 * (at + e) + 2]
+                    du, dv, dw = u - U, v - V, w - W
+                    a, b, d = x - X + h * du, y - Y + h * dv, z - Z + h * dw
+                    length = ti.sqrt(a * a + b * b + d * d)
+                    each = 1.0 / ti.max(length, 1e-30)
+                    a, b, d = a * each, b * each, d * each
+                    loose = 1.0 / ti.max(h * (h * k + c), 1e-24)
+                    wants = (h * (k * (length - rest) + c * (a * du + b * dv + d * dw)) - total) * loose
+                    cosine = a * A + b * B + d * C
+                    pivot = 1.0 / (M + s)  # of the spring before
+                    share = M * cosine
+                    s = loose + M * ((s + M * ti.max(1.0 - cosine * cosine, 0.0)) * pivot)
+                    J = (wants + share * J) / (s + m)
+                    X, Y, Z, M, U, V, W, A, B, C = x, y, z, m, u, v, w, a, b, d
+                    o = mine + 5 * e
+                    T[o], T[o + 1], T[o + 2], T[o + 3], T[o + 4] = A, B, C, J, share * pivot
+                A, B, C, J = zero, zero, zero, zero  # from the end back: the impulse of the spring after, f its share
+                for r in range(1, count):
+                    e = count - r
+                    o = mine + 5 * e
+                    J = T[o + 3] + f * J
+                    f = T[o + 4]
+                    a, b, d = J * T[o], J * T[o + 1], J * T[o + 2]
+                    A, B, C = A - a, B - b, C - d
+                    for j in ti.static(range(LANES)):
+                        i = 2 * index[first + e * LANES + j]
+                        P[i + 1] = P[i + 1] + P[i][3] * ti.Vector([A[j], B[j], C[j], 0.0])
+                    A, B, C = a, b, d
                     if more > 0:
-                        for j in range(LANES):
-                            G[q + j] = keep * G[q + j] + J[j]
-                for j in range(LANES):
-                    i = index[nodes + at + j]
-                    S[i + 3 * row] = S[i + 3 * row] + give[i] * A[j]
-                    S[i + 4 * row] = S[i + 4 * row] + give[i] * B[j]
-                    S[i + 5 * row] = S[i + 5 * row] + give[i] * C[j]
+                        G[at + e] = keep * G[at + e] + J
+                for j in ti.static(range(LANES)):
+                    i = 2 * index[first + j]
+                    P[i + 1] = P[i + 1] + P[i][3] * ti.Vector([A[j], B[j], C[j], 0.0])
 
-    return runtime.kernel(project, precision)
+    return (
+        runtime.kernel(load, precision, vectors=True), runtime.kernel(project, precision, vectors=True),
+        runtime.kernel(store, precision, vectors=True),
+    )  # fmt: skip

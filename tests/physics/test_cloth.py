@@ -64,14 +64,14 @@ def test_threads_of_a_colour_share_no_particle():
     pairs = np.concatenate([net.pairs, ring, hub])
     numbers = np.random.default_rng(0).uniform(1, 2, (len(pairs), 3))
     threads = Threads(pairs, numbers, n, np.float64)
-    assert np.array_equal(threads.numbers[threads.at], numbers)
+    assert np.array_equal(threads.numbers.reshape(-1)[threads.at], numbers)
     seen = []
     for begin, end in threads.colours:
         used = np.zeros(n, int)
         for t in range(begin, end):
             mine = set()
             for g in range(threads.tasks[t], threads.tasks[t + 1]):
-                nodes = threads.nodes[threads.first[g] : threads.first[g + 1]].reshape(-1, LANES)
+                nodes = threads.nodes.reshape(-1, LANES)[threads.first[g] : threads.first[g + 1]]
                 k = threads.numbers[3 * threads.first[g] : 3 * threads.first[g + 1]].reshape(-1, 3, LANES)[:, 0]
                 in_group = []
                 for lane in range(LANES):
