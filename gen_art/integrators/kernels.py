@@ -93,12 +93,13 @@ def _splitting(terms: Terms, resumes: bool, real):
                         if stage0 < 0:
                             drift(L, X, P[0])
                         for g in range(ti.max(stage0, 0), stage1):
-                            if ti.static(terms.kept):
-                                if step == 0 or g > 0 or not still:
+                            if P[1 + 3 * g] != 0.0:  # else the drift after an interaction's own change of velocities
+                                if ti.static(terms.kept):
+                                    if step == 0 or g > 0 or not still:
+                                        accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
+                                else:
                                     accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
-                            else:
-                                accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
-                            kick(terms, L, X, S, i, P[1 + 3 * g], P[P.shape[0] - 1])
+                                kick(terms, L, X, S, i, P[1 + 3 * g], P[P.shape[0] - 1])
                             drift(L, X, P[3 + 3 * g])
                         if ti.static(len(terms.walls) > 0):
                             if stage1 == (P.shape[0] - 1) // 3:
