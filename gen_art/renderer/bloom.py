@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from gen_art.renderer.resample import PAD, ROWS, TILE, Columns, Rows, blend_weights, mirrored, resample, steps, variance
+from gen_art.runtime import aligned
 
 __all__ = ["Halo", "chain", "flat", "levels", "stray_light"]
 
@@ -50,9 +51,16 @@ def levels(height: int, radius: float) -> np.ndarray:
     return weights.astype(np.float32)
 
 
+def _stride(width: int) -> int:
+    return -(-(width + 2 * PAD) // 4) * 16
+
+
 @dataclass(frozen=True)
 class _Picture:
-    """A picture of the chain: its floats, whose end has room for a tile's reading beyond it, and its size without borders."""
+    """A picture of the chain: its floats, whose end has room for a tile's reading beyond it, and its size without borders.
+
+    Rows begin where whole vectors can be loaded: the stride, in floats, is a multiple of sixteen.
+    """
 
     floats: np.ndarray
     width: int
@@ -60,12 +68,13 @@ class _Picture:
 
     @property
     def stride(self) -> int:
-        return (self.width + 2 * PAD) * 4
+        return _stride(self.width)
 
     @property
     def whole(self) -> np.ndarray:
         """(height + 2 PAD, width + 2 PAD, 4)"""
-        return self.floats[:-TILE].reshape(self.height + 2 * PAD, -1, 4)
+        rows = self.floats[:-TILE].reshape(self.height + 2 * PAD, -1, 4)
+        return rows[:, : self.width + 2 * PAD]
 
     def mirror(self) -> None:
         """Fill the borders."""
@@ -76,7 +85,7 @@ class _Picture:
 
 
 def _picture(width: int, height: int) -> _Picture:
-    return _Picture(np.zeros((height + 2 * PAD) * (width + 2 * PAD) * 4 + TILE, np.float32), width, height)
+    return _Picture(aligned((height + 2 * PAD) * _stride(width) + TILE, np.float32), width, height)
 
 
 class Halo:
@@ -150,8 +159,10 @@ def flat(film: np.ndarray, least: int) -> tuple[np.ndarray, int]:
     if width < least:
         film, width = np.pad(film, ((0, 0), (0, least - width), (0, 0))), least
     row = film.strides[0] // 4
-    if film.strides[1:] != (16, 4) or film.strides[0] % 16 or row < 4 * width:
-        film, row = np.ascontiguousarray(film), 4 * width
+    if film.strides[1:] != (16, 4) or film.strides[0] % 16 or row < 4 * width or film.ctypes.data % 16:
+        whole = aligned(film.shape, np.float32)
+        whole[:] = film
+        film, row = whole, 4 * width
     length = (height - 1) * row + 4 * width
     return np.lib.stride_tricks.as_strided(film, (length,), (4,), writeable=False), row
 

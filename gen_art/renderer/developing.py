@@ -1,0 +1,305 @@
+"""The developing kernel: sixteen pixels at a time, each channel one vector of the processor.
+
+Taichi cannot cast a vector: floats and whole numbers change into each other by way of a few vectors of memory that two
+arrays share. A float of 2^23 + n or of 1.5 2^23 + n has the whole number n in its last bits.
+"""
+
+import math
+from functools import cache
+from typing import NamedTuple
+
+from gen_art.renderer.resample import blend_weights
+from gen_art.renderer.tone import GREY
+from gen_art.runtime import kernel, ti
+
+__all__ = ["NUMBERS", "SCRATCH", "WIDE", "Steps", "compiled"]
+
+WIDE = 16  # pixels of a turn
+SCRATCH = 64  # vectors of memory for each row: twice the places below
+
+# run-time numbers
+EXPOSURE, OWN, STRAY, VIGNETTE, GRAIN, DITHER, BACKGROUND, TOP, CONTRAST, DENSITY, VIBRANCY, WHITE = range(12)
+LOW, HIGH, ABOVE, BELOW = 12, 13, 14, 18
+BEFORE, AFTER, BLEND = 22, 31, 40
+NUMBERS = 60
+
+# sRGB's power branch, 1.055 x^(1/2.4) - 0.055 for x from 0.0031308 to 1, as a polynomial in x^(1/4): within 2e-6
+_ENCODE = (-0.0594615168, 0.138698142, 1.36968298, -0.860760117, 0.665713904, -0.323057044, 0.069183654)
+_ATANH = tuple(1 / (2 * k + 1) for k in range(4, -1, -1))
+_TWICE_LOG2_E = 2.0 / math.log(2)
+_POWER = tuple(math.log(2) ** k / math.factorial(k) for k in range(6, -1, -1))  # 2^x
+_WHOLE, _ROUND = (
+    8388608.0,
+    12582912.0,
+)  # 2^23: what has its bits is whole; 1.5 2^23: adding it rounds, negative numbers too
+_WHOLE_BITS, _ONE_BITS = 0x4B000000, 0x3F800000
+# places in that memory: one for each change and channel
+_LOG, _EXP, _NOISE, _CODE = 0, 9, 18, 22
+_LANES = tuple(float(k) for k in range(WIDE))
+_TAPS = tuple(tuple(float(w) for w in blend_weights()[:, e].tolist() * (WIDE // 4)) for e in range(5))
+
+F1, F2 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2)
+FLOATS, WORDS = (ti.types.ndarray(ti.types.vector(WIDE, kind), 1) for kind in (ti.f32, ti.u32))
+PIXELS, FOURS = (ti.types.ndarray(ti.types.vector(4, kind), 1) for kind in (ti.f32, ti.u32))
+
+
+class Steps(NamedTuple):
+    """What a picture is developed with: only that is compiled, and loaded. Numbers are never in it."""
+
+    strays: bool
+    vignette: bool
+    contrast: bool
+    whole: str
+    transparent: bool
+    grain: bool
+    deep: bool
+
+
+@ti.func
+def _within(x, low, high):
+    """x held in a range; what is no number becomes `low`."""
+    y = ti.select(x > low, x, low)
+    return ti.select(y < high, y, high)
+
+
+@ti.func
+def _horner(x, coefficients: ti.template()):
+    y = x * coefficients[0] + coefficients[1]
+    for k in ti.static(range(2, len(coefficients))):
+        y = y * x + coefficients[k]
+    return y
+
+
+@ti.func
+def _encoded(x):
+    """sRGB-encoded light, 0..1."""
+    y = _within(x, 0.0, 1.0)
+    e = _horner(ti.sqrt(ti.sqrt(y)), ti.static(_ENCODE[::-1]))
+    return ti.select(y > 0.0031308, e, y * 12.92)
+
+
+@ti.func
+def _hash(a):
+    h = (a ^ (a >> ti.u32(16))) * ti.u32(0x7FEB352D)
+    h = (h ^ (h >> ti.u32(15))) * ti.u32(0x846CA68B)
+    return h ^ (h >> ti.u32(16))
+
+
+@ti.func
+def _log2(x, F: ti.template(), I: ti.template(), o):
+    """The logarithm of positive floats, by three places of the memory."""
+    F[o] = x
+    bits = I[o]
+    I[o + 1] = (bits >> ti.u32(23)) | ti.u32(_WHOLE_BITS)
+    I[o + 2] = (bits & ti.u32(0x7FFFFF)) | ti.u32(_ONE_BITS)
+    e, m = F[o + 1] - (_WHOLE + 127.0), F[o + 2]
+    big = m > 1.4142135
+    e, m = ti.select(big, e + 1.0, e), ti.select(big, m * 0.5, m)
+    s = (m - 1.0) / (m + 1.0)
+    return e + s * _horner(s * s, _ATANH) * _TWICE_LOG2_E
+
+
+@ti.func
+def _two_to(x, F: ti.template(), I: ti.template(), o):
+    """2^x for x from -126 to 127, by two places of the memory."""
+    y = _within(x, -126.0, 127.0)
+    rounded = y + _ROUND
+    F[o] = rounded
+    I[o + 1] = (I[o] << ti.u32(23)) + ti.u32(_ONE_BITS)
+    return _horner(y - (rounded - _ROUND), _POWER) * F[o + 1]
+
+
+@ti.func
+def _contrasted(x, power, F: ti.template(), I: ti.template(), o, c: ti.template()):
+    light = ti.max(x * (1.0 / GREY), 1e-30)
+    return GREY * _two_to(_log2(light, F, I, o + _LOG + 3 * c) * power, F, I, o + _EXP + 3 * c)
+
+
+@ti.func
+def _spread(low, high, c: ti.template()):
+    """Channel c of the light of eight coarse pixels, over the sixteen pixels in their middle."""
+    total = low * 0.0
+    for e in ti.static(range(5)):
+        part = low * 0.0
+        for j in ti.static(range(WIDE)):
+            k = ti.static(4 * (j // 4 + e) + c)
+            if ti.static(k < WIDE):
+                part[j] = low[k]
+            else:
+                part[j] = high[k - WIDE]
+        total += part * ti.Vector(_TAPS[e])
+    return total
+
+
+@ti.func
+def _cubic(x, Q: ti.template(), k: ti.template()):
+    return ((Q[k + 3] * x + Q[k + 2]) * x + Q[k + 1]) * x + Q[k]
+
+
+@ti.func
+def _mixed(r, g, b, Q: ti.template(), k: ti.template()):
+    return Q[k] * r + Q[k + 1] * g + Q[k + 2] * b
+
+
+@ti.func
+def _over(v, sky, back):
+    """Light with the background behind it, dimmed by what shines over it."""
+    return v + (1.0 - _within(v, 0.0, 1.0)) * (sky * back)
+
+
+@ti.func
+def _coded(v, noise, Q: ti.template(), F: ti.template(), I: ti.template(), o, c: ti.template()):
+    """The whole number of encoded light v, dithered by ten bits of `noise`; among the last bits of the words that come back."""
+    I[o + _NOISE + c] = ((noise >> ti.u32(10 * c)) & ti.u32(1023)) | ti.u32(_WHOLE_BITS)
+    n = F[o + _NOISE + c] - _WHOLE
+    F[o + _CODE + c] = v * Q[TOP] + (n * (Q[DITHER] / 1024.0) - 0.49951171875 * Q[DITHER]) + _ROUND
+    return I[o + _CODE + c]
+
+
+@ti.func
+def _next(words):
+    """Each lane the word of the lane after."""
+    after = words
+    for j in ti.static(range(WIDE - 1)):
+        after[j] = words[j + 1]
+    return after
+
+
+@cache
+def compiled(steps: Steps):
+    """The kernel of these steps."""
+
+    @ti.kernel
+    def develop_steps(
+        film: PIXELS, stride: ti.i32, width: ti.i32, height: ti.i32, seen: ti.i32, coarse: FLOATS, across: ti.i32,
+        key: ti.i32, sky: F2, Q: F1, F: FLOATS, I: WORDS, out: FOURS,
+    ):  # fmt: skip
+        """width : a multiple of WIDE, of which `seen` pixels are the picture     stride : pixels     across : vectors
+
+        F, I : one memory, SCRATCH vectors a row     out : the picture's bytes
+        """
+        ti.loop_config(block_dim=4)
+        for i in range(height):
+            zero, lane = ti.Vector([0.0] * WIDE), ti.Vector(_LANES)
+            order = ti.Vector([ti.u32(k) for k in range(WIDE)])
+            dy = (ti.cast(i, ti.f32) + 0.5) / ti.cast(height, ti.f32) * 2.0 - 1.0
+            across_one = 2.0 / ti.cast(seen, ti.f32)
+            take = _hash(ti.cast(key, ti.u32))
+            for t in range(width // WIDE):
+                at = t * WIDE
+                o = i * SCRATCH + (t & 1) * (SCRATCH // 2)  # by turns, lest Taichi takes them for constants of the loop
+                R, G, B, A, E = zero, zero, zero, zero, zero
+                for j in ti.static(range(WIDE)):
+                    p = film[i * stride + at + j]
+                    R[j], G[j], B[j], A[j] = p[0], p[1], p[2], p[3]
+                R, G, B, A = R * Q[OWN], G * Q[OWN], B * Q[OWN], _within(A, 0.0, 1.0)
+                if ti.static(steps.strays):
+                    low, high = zero, zero  # the coarse rows around, blended
+                    for e in ti.static(range(5)):
+                        weight = Q[BLEND + 5 * (i & 3) + e] * Q[STRAY]
+                        low += coarse[((i >> 2) + e) * across + t] * weight
+                        high += coarse[((i >> 2) + e) * across + t + 1] * weight
+                    R, G, B = R + _spread(low, high, 0), G + _spread(low, high, 1), B + _spread(low, high, 2)
+                shine = zero + Q[EXPOSURE]
+                E = zero + 1.0
+                if ti.static(steps.vignette):
+                    dx = (lane + (ti.cast(at, ti.f32) + 0.5)) * across_one - 1.0
+                    edge = 1.0 + Q[VIGNETTE] * 0.5 * (dx * dx + dy * dy)
+                    E = 1.0 / (edge * edge)
+                    shine = E * Q[EXPOSURE]
+                r, g, b = R * shine, G * shine, B * shine
+                R, G, B = _mixed(r, g, b, Q, BEFORE), _mixed(r, g, b, Q, BEFORE + 3), _mixed(r, g, b, Q, BEFORE + 6)
+                if ti.static(steps.contrast):
+                    R = _contrasted(R, Q[CONTRAST], F, I, o, 0)
+                    G = _contrasted(G, Q[CONTRAST], F, I, o, 1)
+                    B = _contrasted(B, Q[CONTRAST], F, I, o, 2)
+                if ti.static(steps.whole == "neutral"):  # Khronos PBR Neutral
+                    least = ti.min(R, ti.min(G, B))
+                    toe = ti.select(least < 0.08, least - 6.25 * least * least, 0.04)
+                    peak = ti.max(R, ti.max(G, B)) - toe
+                    peak = ti.select(peak > 0.76, peak, 0.76)
+                    top = 1.0 - 0.0576 / (peak - 0.52)
+                    keep = 1.0 / (0.15 * (peak - top) + 1.0)
+                    scale, white = top / peak * keep, top * (1.0 - keep)
+                    R, G, B = (R - toe) * scale + white, (G - toe) * scale + white, (B - toe) * scale + white
+                elif ti.static(steps.whole == "log"):  # log density; a logarithm to any base
+                    R, G, B = _within(R, 0.0, 1e12), _within(G, 0.0, 1e12), _within(B, 0.0, 1e12)
+                    peak = ti.max(R, ti.max(G, ti.max(B, 1e-20)))
+                    whole = 1.0 / _log2(zero + (1.0 + Q[DENSITY] * Q[WHITE]), F, I, o)
+                    scale = _log2(1.0 + Q[DENSITY] * peak, F, I, o + 3) * whole * Q[VIBRANCY] / peak
+                    rest = whole * (1.0 - Q[VIBRANCY])
+                    R = R * scale + _log2(1.0 + Q[DENSITY] * R, F, I, o + 6) * rest
+                    G = G * scale + _log2(1.0 + Q[DENSITY] * G, F, I, o + 9) * rest
+                    B = B * scale + _log2(1.0 + Q[DENSITY] * B, F, I, o + 12) * rest
+                else:  # N / D of each channel, by one division
+                    r, g, b = _within(R, Q[LOW], Q[HIGH]), _within(G, Q[LOW], Q[HIGH]), _within(B, Q[LOW], Q[HIGH])
+                    dr, dg, db = _cubic(r, Q, BELOW), _cubic(g, Q, BELOW), _cubic(b, Q, BELOW)
+                    one = 1.0 / (dr * dg * db)
+                    R = _cubic(r, Q, ABOVE) * dg * db * one
+                    G = _cubic(g, Q, ABOVE) * dr * db * one
+                    B = _cubic(b, Q, ABOVE) * (dr * dg) * one
+                # the background is seen as it is written
+                back = (1.0 - A) * E * Q[BACKGROUND]
+                r, g, b = _mixed(R, G, B, Q, AFTER), _mixed(R, G, B, Q, AFTER + 3), _mixed(R, G, B, Q, AFTER + 6)
+                R, G, B = _over(r, sky[i, 0], back), _over(g, sky[i, 1], back), _over(b, sky[i, 2], back)
+                if ti.static(steps.transparent):
+                    A = _within(ti.max(A, ti.max(R, ti.max(G, B))), 1e-6, 1.0)
+                    R, G, B = R / A, G / A, B / A
+                R, G, B = _encoded(R), _encoded(G), _encoded(B)
+                noise = _hash((order + ti.cast(i * 16384 + at, ti.u32)) ^ take)
+                if ti.static(steps.grain):  # four bytes' mean: nearly normal, standard deviation 1
+                    h = _hash(noise)
+                    two = (h & ti.u32(0xFF00FF)) + ((h >> ti.u32(8)) & ti.u32(0xFF00FF))
+                    I[o + _NOISE + 3] = ((two & ti.u32(0xFFFF)) + (two >> ti.u32(16))) | ti.u32(_WHOLE_BITS)
+                    n = (F[o + _NOISE + 3] - (_WHOLE + 510.0)) * (Q[GRAIN] * 4.0 / 147.8)
+                    R = _within(R + n * R * (1.0 - R), 0.0, 1.0)
+                    G = _within(G + n * G * (1.0 - G), 0.0, 1.0)
+                    B = _within(B + n * B * (1.0 - B), 0.0, 1.0)
+                x, y, z = (
+                    _coded(R, noise, Q, F, I, o, 0),
+                    _coded(G, noise, Q, F, I, o, 1),
+                    _coded(B, noise, Q, F, I, o, 2),
+                )
+                w = x
+                if ti.static(steps.transparent):
+                    F[o + _CODE + 3] = A * Q[TOP] + _ROUND
+                    w = I[o + _CODE + 3]
+                if ti.static(not steps.deep):
+                    x, y, z = x & ti.u32(255), (y & ti.u32(255)) << ti.u32(8), (z & ti.u32(255)) << ti.u32(16)
+                    x = x | y | z
+                    if ti.static(steps.transparent):
+                        x = x | (w << ti.u32(24))
+                        for j in ti.static(range(4)):
+                            out[(i * width + at) // 4 + j] = ti.Vector([x[4 * j + c] for c in range(4)])
+                    else:  # the end of each word and the start of the next: three of four are used
+                        x = (x >> ti.Vector([ti.u32(8 * (k % 4)) for k in range(WIDE)])) | (
+                            _next(x) << ti.Vector([ti.u32(24 - 8 * (k % 4)) for k in range(WIDE)])
+                        )
+                        for j in ti.static(range(3)):
+                            out[(i * width + at) * 3 // 16 + j] = ti.Vector(
+                                [x[(4 * j + c) // 3 * 4 + (4 * j + c) % 3] for c in range(4)]
+                            )
+                else:
+                    x = (x & ti.u32(0xFFFF)) | (y << ti.u32(16))
+                    z = z & ti.u32(0xFFFF)
+                    if ti.static(steps.transparent):
+                        z = z | (w << ti.u32(16))
+                        for j in ti.static(range(8)):
+                            out[(i * width + at) // 2 + j] = ti.Vector([x[2 * j], z[2 * j], x[2 * j + 1], z[2 * j + 1]])
+                    else:  # three words for two pixels
+                        after = _next(x)
+                        y = z | (after << ti.u32(16))
+                        z = (after >> ti.u32(16)) | (_next(z) << ti.u32(16))
+                        for j in ti.static(range(6)):
+                            words = ti.Vector([ti.u32(0)] * 4)
+                            for c in ti.static(range(4)):
+                                k = ti.static((4 * j + c) // 3 * 2)
+                                if ti.static((4 * j + c) % 3 == 0):
+                                    words[c] = x[k]
+                                elif ti.static((4 * j + c) % 3 == 1):
+                                    words[c] = y[k]
+                                else:
+                                    words[c] = z[k]
+                            out[(i * width + at) * 3 // 8 + j] = words
+
+    return kernel(develop_steps, vectors=True)
