@@ -5,8 +5,9 @@ from _bench import Bench, alternate
 
 from gen_art import runtime
 from gen_art.preset.develop import DevelopSpec
-from gen_art.renderer.bloom import chain
+from gen_art.renderer.bloom import chain, flat
 from gen_art.renderer.develop import develop
+from gen_art.renderer.film import Film
 from gen_art.renderer.metering import meter
 from gen_art.runtime import kernel, ti
 
@@ -40,13 +41,14 @@ def _write(picture: ti.types.ndarray(ti.i32, 1), value: ti.i32):
 
 
 read, write = kernel(_read), kernel(_write)
-film = np.random.default_rng(0).exponential(0.2, (height, width, 4)).astype(np.float32)
-sums, picture = np.zeros(CHUNKS, np.float32), np.empty((height, width, 3), np.uint8)
+film = Film((width, height)).pixels  # as the renderer keeps it
+film[:] = np.random.default_rng(0).exponential(0.2, film.shape)
+plane, sums, picture = film.reshape(-1), np.zeros(CHUNKS, np.float32), np.empty((height, width, 3), np.uint8)
 words = picture.reshape(-1).view(np.int32)
 
 
 def once():
-    read(film.reshape(-1), sums)
+    read(plane, sums)
     write(words, 7)
 
 
@@ -56,7 +58,7 @@ things = {
     "read the film, write the picture": once,
     "develop": lambda: develop(film, out=picture),
     "of this, without bloom": lambda: develop(film, plain, out=picture),
-    "of this, the halos": lambda: halo.spread(film.reshape(-1), 4 * width, 0.5),
+    "of this, the halos": lambda: halo.spread(*flat(film), 0.5),
     "metering for automatic exposure": lambda: meter(film),
 }
 taken = alternate(rounds, **things)

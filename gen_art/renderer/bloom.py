@@ -5,12 +5,11 @@ width and height; a small film's has a half or all of them, so that its narrow h
 changes by under 1 % of its peak with the point's place.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from gen_art.renderer.resample import PAD, ROWS, TILE, Columns, Rows, blend_weights, mirrored, resample, steps, variance
+from gen_art.renderer.resample import PAD, WIDE, Taps, blend_weights, mirrored, resample, scratch, steps, variance
 from gen_art.runtime import aligned
 
 __all__ = ["Halo", "chain", "flat", "levels", "stray_light"]
@@ -51,41 +50,25 @@ def levels(height: int, radius: float) -> np.ndarray:
     return weights.astype(np.float32)
 
 
-def _stride(width: int) -> int:
-    return -(-(width + 2 * PAD) // 4) * 16
-
-
-@dataclass(frozen=True)
 class _Picture:
-    """A picture of the chain: its floats, whose end has room for a tile's reading beyond it, and its size without borders.
+    """A picture of the chain with PAD pixels around it: its size, its floats and, of these, the pixels and the vectors.
 
-    Rows begin where whole vectors can be loaded: the stride, in floats, is a multiple of sixteen.
+    Rows begin where whole vectors can be loaded: the stride, in pixels, is a multiple of four.
     """
 
-    floats: np.ndarray
-    width: int
-    height: int
-
-    @property
-    def stride(self) -> int:
-        return _stride(self.width)
-
-    @property
-    def whole(self) -> np.ndarray:
-        """(height + 2 PAD, width + 2 PAD, 4)"""
-        rows = self.floats[:-TILE].reshape(self.height + 2 * PAD, -1, 4)
-        return rows[:, : self.width + 2 * PAD]
+    def __init__(self, width: int, height: int):
+        self.width, self.height = width, height
+        self.stride = -(-(width + 2 * PAD) // 4) * 4
+        self.pixels = aligned(((height + 2 * PAD) * self.stride, 4), np.float32)
+        self.vectors = self.pixels.reshape(-1, WIDE)
+        self.whole = self.pixels.reshape(-1, self.stride, 4)[:, : width + 2 * PAD]
 
     def mirror(self) -> None:
         """Fill the borders."""
         for side in (self.whole, self.whole.transpose(1, 0, 2)):
             n = len(side) - 2 * PAD
-            beyond = np.array([-2, -1, n, n + 1])
-            side[beyond + PAD] = side[mirrored(beyond, n) + PAD]
-
-
-def _picture(width: int, height: int) -> _Picture:
-    return _Picture(aligned((height + 2 * PAD) * _stride(width) + TILE, np.float32), width, height)
+            for k in (-2, -1, n, n + 1):
+                side[k + PAD] = side[mirrored(k, n) + PAD]
 
 
 class Halo:
@@ -94,54 +77,60 @@ class Halo:
     def __init__(self, width: int, height: int):
         self.size, self.scales = (width, height), _scales(height)[0]
         self._across, self._down = steps(width, self.scales), steps(height, self.scales)
-        self.pictures: list[_Picture] = []
-        self._work = []
-        for (m, _, down, _, up), (n, *_), scale in zip(self._across, self._down, self.scales, strict=True):
-            self.pictures.append(_picture(m, n))
-            # buffers of their own: what lies between the phases is never written, and stays zero
-            rows = ((n, down), (scale * n, up))
-            self._work.append([np.zeros((-(-h // ROWS) * c.room << c.shift) * 4, np.float32) for h, c in rows])
-        self._full = None if self.scales[0] == 4 else _picture(width, height)
+        self.pictures = [_Picture(m, n) for (m, *_), (n, *_) in zip(self._across, self._down, strict=True)]
+        self._work: dict[tuple[int, int], tuple] = {}
+        self._full = None if self.scales[0] == 4 else _Picture(width, height)
 
-    def _go(self, goal: _Picture, source, start, stride, size, rows: Rows, columns: Columns, own, work):
+    def _go(
+        self,
+        goal: _Picture,
+        source: np.ndarray,
+        start: int,
+        stride: int,
+        last: int,
+        rows: Taps,
+        columns: Taps,
+        left,
+        own,
+    ):
+        across = min(stride, -(-(int(columns.first[-1]) + columns.weights.shape[1] + left) // 4))
+        if (across, goal.height) not in self._work:  # what lies beyond a row's end is never written, and stays zero
+            room, size = scratch(across, goal.height)
+            self._work[across, goal.height] = room, aligned((size, WIDE), np.float32)
+        room, work = self._work[across, goal.height]
         resample(
-            source, start, stride, *size, rows.first, rows.weights, columns.shift, columns.room, columns.left,
-            columns.offset, columns.weights, own, PAD * (goal.stride + 4), goal.stride, goal.width, goal.height, work,
-            goal.floats,
+            source, start, stride, across, last, *rows, *columns, left, own, PAD * (goal.stride + 1), goal.stride, work,
+            work.reshape(-1, 4), room, goal.pixels,
         )  # fmt: skip
 
-    def _up(self, k: int, goal: _Picture, own: float):
+    def _from(self, k: int, goal: _Picture, rows: Taps, columns: Taps, own: float):
         source = self.pictures[k]
-        size = source.width + 2 * PAD, source.height + 2 * PAD
-        up, wide = self._down[k][3], self._across[k][4]
-        self._go(goal, source.floats, 0, source.stride, size, up, wide, own, self._work[k][1])
+        stride = source.stride // 4
+        self._go(goal, source.vectors, PAD * stride, stride, source.height - 1, rows, columns, PAD, own)
 
     def spread(self, film: np.ndarray, stride: int, radius: float) -> tuple[float, _Picture]:
         """The film's stray light: the share that stays where it is, and the first picture.
 
-        film : flat float32 RGBA, `stride` floats a row, at least TILE. The picture holds the rest, as bright as it is to be seen.
+        film : RGBA in whole vectors, `stride` a row. The picture holds the rest, as bright as it is to be seen.
         """
         weights = levels(self.size[1], radius)
-        source, start, step, size = film, 0, stride, self.size
-        for k, goal in enumerate(self.pictures):
-            rows, columns = self._down[k][1], self._across[k][2]
-            self._go(goal, source, start, step, size, rows, columns, 0.0, self._work[k][0])
-            goal.mirror()
-            source, step, size = goal.floats, goal.stride, (goal.width, goal.height)
-            start = PAD * (step + 4)
-        np.multiply(source, weights[-1], out=source)
+        self._go(self.pictures[0], film, 0, stride, self.size[1] - 1, self._down[0][1], self._across[0][1], 0, 0.0)
+        for k, goal in enumerate(self.pictures[1:]):
+            self._from(k, goal, self._down[k + 1][1], self._across[k + 1][1], 0.0)
+        coarsest = self.pictures[-1].pixels
+        np.multiply(coarsest, weights[-1], out=coarsest)
         for k in range(len(self.pictures) - 1, 0, -1):
-            self._up(k, self.pictures[k - 1], float(weights[k]))
-            self.pictures[k - 1].mirror()
+            self._from(k, self.pictures[k - 1], self._down[k][2], self._across[k][2], float(weights[k]))
+        self.pictures[0].mirror()
         return float(weights[0]), self.pictures[0]
 
     def bloomed(self, film: np.ndarray, strength: float, radius: float) -> np.ndarray:
         """(height, width, 4): the film of a small size with `strength` of its light spread; a buffer that is used again."""
-        own, _ = self.spread(*flat(film, TILE // 4), radius)
+        own, first = self.spread(*flat(film), radius)
         inner = self._full.whole[PAD:-PAD, PAD:-PAD]
         inner[:] = film
-        np.multiply(self.pictures[0].floats, strength, out=self.pictures[0].floats)
-        self._up(0, self._full, 1.0 + strength * (own - 1.0))
+        np.multiply(first.pixels, strength, out=first.pixels)
+        self._from(0, self._full, self._down[0][2], self._across[0][2], 1.0 + strength * (own - 1.0))
         inner[..., 3] = film[..., 3]
         return inner
 
@@ -152,19 +141,18 @@ def chain(width: int, height: int) -> Halo:
     return Halo(width, height)
 
 
-def flat(film: np.ndarray, least: int) -> tuple[np.ndarray, int]:
-    """The film as flat float32, at least so many pixels wide, and the floats from row to row; copied only where it must be."""
+def flat(film: np.ndarray) -> tuple[np.ndarray, int]:
+    """The film as whole vectors of four pixels, and how many lie from row to row; copied only where it must be."""
     film = np.asarray(film, dtype=np.float32)
     height, width, _ = film.shape
-    if width < least:
-        film, width = np.pad(film, ((0, 0), (0, least - width), (0, 0))), least
-    row = film.strides[0] // 4
-    if film.strides[1:] != (16, 4) or film.strides[0] % 16 or row < 4 * width or film.ctypes.data % 16:
-        whole = aligned(film.shape, np.float32)
-        whole[:] = film
-        film, row = whole, 4 * width
-    length = (height - 1) * row + 4 * width
-    return np.lib.stride_tricks.as_strided(film, (length,), (4,), writeable=False), row
+    row = film.strides[0] // 64
+    if film.strides[0] % 64 or film.strides[1:] != (16, 4) or film.ctypes.data % 64 or width % 16:
+        row = -(-width // 16) * 4
+        whole = aligned((height, 4 * row, 4), np.float32)
+        whole[:, :width] = film
+        film, width = whole, 4 * row
+    length = (height - 1) * row + width // 4
+    return np.lib.stride_tricks.as_strided(film, (length, WIDE), (64, 4), writeable=False), row
 
 
 def stray_light(film: np.ndarray, radius: float) -> np.ndarray:
@@ -176,7 +164,7 @@ def stray_light(film: np.ndarray, radius: float) -> np.ndarray:
     halo = chain(width, height)
     if halo.scales[0] != 4:
         return halo.bloomed(np.asarray(film, np.float32), 1.0, radius).copy()
-    own, coarse = halo.spread(*flat(film, TILE // 4), radius)
+    own, coarse = halo.spread(*flat(film), radius)
     weights = blend_weights()
 
     def up(picture, n):

@@ -71,14 +71,12 @@ def develop(
     if halo and halo.scales[0] != 4:
         film, halo = halo.bloomed(np.asarray(film, np.float32), strength, spec.bloom.radius), None
     wide = width + -width % kernel.WIDE  # black beside the picture
-    if wide > width:
-        film = np.pad(np.asarray(film, np.float32), ((0, 0), (0, wide - width), (0, 0)))
-    light, stride = flat(film, wide)
+    light, stride = flat(film)
     coarse, across = _NOTHING, 1
     if halo:
         own, picture = halo.spread(light, stride, spec.bloom.radius)
         q[kernel.OWN], q[kernel.STRAY] = 1.0 + strength * (own - 1.0), strength
-        coarse, across = picture.floats.reshape(-1, kernel.WIDE), picture.stride // kernel.WIDE
+        coarse, across = picture.vectors, picture.stride // 4
     channels = 4 if transparent else 3
     depth = np.uint8 if bits == 8 else np.uint16
     picture = out
@@ -91,7 +89,7 @@ def develop(
     )  # fmt: skip
     scratch = _scratch(height)
     kernel.compiled(steps)(
-        light.reshape(-1, 4), stride // 4, wide, height, width, coarse, across, int(frame), sky, q, scratch,
+        light, stride, wide, height, width, coarse, across, int(frame), sky, q, scratch,
         scratch.view(np.uint32), picture.reshape(-1).view(np.uint32).reshape(-1, 4),
     )  # fmt: skip
     if out is None:

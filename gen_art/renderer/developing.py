@@ -40,7 +40,7 @@ _TAPS = tuple(tuple(float(w) for w in blend_weights()[:, e].tolist() * (WIDE // 
 
 F1, F2 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2)
 FLOATS, WORDS = (ti.types.ndarray(ti.types.vector(WIDE, kind), 1) for kind in (ti.f32, ti.u32))
-PIXELS, FOURS = (ti.types.ndarray(ti.types.vector(4, kind), 1) for kind in (ti.f32, ti.u32))
+FOURS = ti.types.ndarray(ti.types.vector(4, ti.u32), 1)
 
 
 class Steps(NamedTuple):
@@ -171,10 +171,10 @@ def compiled(steps: Steps):
 
     @ti.kernel
     def develop_steps(
-        film: PIXELS, stride: ti.i32, width: ti.i32, height: ti.i32, seen: ti.i32, coarse: FLOATS, across: ti.i32,
+        film: FLOATS, stride: ti.i32, width: ti.i32, height: ti.i32, seen: ti.i32, coarse: FLOATS, across: ti.i32,
         key: ti.i32, sky: F2, Q: F1, F: FLOATS, I: WORDS, out: FOURS,
     ):  # fmt: skip
-        """width : a multiple of WIDE, of which `seen` pixels are the picture     stride : pixels     across : vectors
+        """width : a multiple of WIDE, of which `seen` pixels are the picture     stride, across : vectors of four pixels a row
 
         F, I : one memory, SCRATCH vectors a row     out : the picture's bytes
         """
@@ -189,9 +189,15 @@ def compiled(steps: Steps):
                 at = t * WIDE
                 o = i * SCRATCH + (t & 1) * (SCRATCH // 2)  # by turns, lest Taichi takes them for constants of the loop
                 R, G, B, A, E = zero, zero, zero, zero, zero
-                for j in ti.static(range(WIDE)):
-                    p = film[i * stride + at + j]
-                    R[j], G[j], B[j], A[j] = p[0], p[1], p[2], p[3]
+                for k in ti.static(range(4)):
+                    p = film[i * stride + 4 * t + k]
+                    for j in ti.static(range(4)):
+                        R[4 * k + j], G[4 * k + j], B[4 * k + j], A[4 * k + j] = (
+                            p[4 * j],
+                            p[4 * j + 1],
+                            p[4 * j + 2],
+                            p[4 * j + 3],
+                        )
                 R, G, B, A = R * Q[OWN], G * Q[OWN], B * Q[OWN], _within(A, 0.0, 1.0)
                 if ti.static(steps.strays):
                     low, high = zero, zero  # the coarse rows around, blended

@@ -8,6 +8,7 @@ from gen_art.errors import MemoryRefused
 from gen_art.renderer.picture import NO_TEXELS, finish_pictures, texels
 from gen_art.renderer.splat import BIN, CHUNKS, SLICES, count, drawing, lay, list_bins
 from gen_art.renderer.sprite import FIRST, KIND, LAST, LEVEL, MARKS, ROW, finish
+from gen_art.runtime import aligned
 
 __all__ = ["Film", "Sprites", "splat"]
 
@@ -91,7 +92,7 @@ class Film:
         self.width, self.height = size
         self.across, self.down = -(-self.width // BIN), -(-self.height // BIN)
         self.stride = 4 * BIN * self.across
-        self.buffer = np.zeros(self.down * BIN * self.stride, np.float32)
+        self.buffer = aligned(self.down * BIN * self.stride, np.float32)
         self._listed, self._touched = np.zeros(0, np.int32), np.zeros(0, np.int32)
         self._half: Film | None = None
 

@@ -60,10 +60,10 @@ def _edges(n: int, parts: int) -> np.ndarray:
 def meter(film: np.ndarray) -> float:
     """How bright linear light (height, width, 4) float32 is, in stops above middle grey; -inf when it is black."""
     height, width, _ = film.shape
-    light, stride = flat(film, 1)
+    light, stride = flat(film)
     y, x = _edges(height, DOWN), _edges(width, ACROSS)
     cells = np.zeros((len(y) - 1, len(x) - 1))
-    cells_kernel(light, stride, y, x, *(float(c) for c in LUMINANCE), cells)
+    cells_kernel(light.reshape(-1), 16 * stride, y, x, *(float(c) for c in LUMINANCE), cells)
     cells = cells[np.isfinite(cells) & (cells > DARKEST)]
     if not len(cells):
         return -math.inf
