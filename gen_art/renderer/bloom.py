@@ -53,12 +53,12 @@ def levels(height: int, radius: float) -> np.ndarray:
 class _Picture:
     """A picture of the chain with PAD pixels around it: its size, its floats and, of these, the pixels and the vectors.
 
-    Rows begin where whole vectors can be loaded: the stride, in pixels, is a multiple of four.
+    Rows begin where whole vectors can be loaded: the stride, in pixels, is a multiple of sixteen.
     """
 
     def __init__(self, width: int, height: int):
         self.width, self.height = width, height
-        self.stride = -(-(width + 2 * PAD) // 4) * 4
+        self.stride = -(-(width + 2 * PAD) // 16) * 16
         self.pixels = aligned(((height + 2 * PAD) * self.stride, 4), np.float32)
         self.vectors = self.pixels.reshape(-1, WIDE)
         self.whole = self.pixels.reshape(-1, self.stride, 4)[:, : width + 2 * PAD]
@@ -76,37 +76,26 @@ class Halo:
 
     def __init__(self, width: int, height: int):
         self.size, self.scales = (width, height), _scales(height)[0]
-        self._across, self._down = steps(width, self.scales), steps(height, self.scales)
-        self.pictures = [_Picture(m, n) for (m, *_), (n, *_) in zip(self._across, self._down, strict=True)]
+        across, self._down = steps(width, self.scales), steps(height, self.scales)
+        self.pictures = [_Picture(m, n) for (m, *_), (n, *_) in zip(across, self._down, strict=True)]
+        self._across = [(down.columns(PAD if k else 0), up.columns(PAD)) for k, (_, down, up) in enumerate(across)]
         self._work: dict[tuple[int, int], tuple] = {}
         self._full = None if self.scales[0] == 4 else _Picture(width, height)
 
-    def _go(
-        self,
-        goal: _Picture,
-        source: np.ndarray,
-        start: int,
-        stride: int,
-        last: int,
-        rows: Taps,
-        columns: Taps,
-        left,
-        own,
-    ):
-        across = min(stride, -(-(int(columns.first[-1]) + columns.weights.shape[1] + left) // 4))
-        if (across, goal.height) not in self._work:  # what lies beyond a row's end is never written, and stays zero
-            room, size = scratch(across, goal.height)
-            self._work[across, goal.height] = room, aligned((size, WIDE), np.float32)
-        room, work = self._work[across, goal.height]
-        resample(
-            source, start, stride, across, last, *rows, *columns, left, own, PAD * (goal.stride + 1), goal.stride, work,
-            work.reshape(-1, 4), room, goal.pixels,
-        )  # fmt: skip
+    def _go(self, goal: _Picture, source: tuple, rows: Taps, columns: Taps, own: float):
+        """source : vectors, number of the first, vectors from row to row and in a row, number of the last row"""
+        key = source[3], goal.height
+        if key not in self._work:  # what lies beyond a row's end is never written, and stays zero
+            room, size = scratch(*key)
+            self._work[key] = room, aligned((size, WIDE), np.float32)
+        room, work = self._work[key]
+        first = PAD * (goal.stride + 1)
+        resample(*source, *rows, *columns, own, first, goal.stride, work, room, goal.pixels)
 
     def _from(self, k: int, goal: _Picture, rows: Taps, columns: Taps, own: float):
         source = self.pictures[k]
-        stride = source.stride // 4
-        self._go(goal, source.vectors, PAD * stride, stride, source.height - 1, rows, columns, PAD, own)
+        across = source.stride // 4
+        self._go(goal, (source.vectors, PAD * across, across, across, source.height - 1), rows, columns, own)
 
     def spread(self, film: np.ndarray, stride: int, radius: float) -> tuple[float, _Picture]:
         """The film's stray light: the share that stays where it is, and the first picture.
@@ -114,13 +103,14 @@ class Halo:
         film : RGBA in whole vectors, `stride` a row. The picture holds the rest, as bright as it is to be seen.
         """
         weights = levels(self.size[1], radius)
-        self._go(self.pictures[0], film, 0, stride, self.size[1] - 1, self._down[0][1], self._across[0][1], 0, 0.0)
+        whole = film, 0, stride, -(-self.size[0] // 16) * 4, self.size[1] - 1
+        self._go(self.pictures[0], whole, self._down[0][1], self._across[0][0], 0.0)
         for k, goal in enumerate(self.pictures[1:]):
-            self._from(k, goal, self._down[k + 1][1], self._across[k + 1][1], 0.0)
+            self._from(k, goal, self._down[k + 1][1], self._across[k + 1][0], 0.0)
         coarsest = self.pictures[-1].pixels
         np.multiply(coarsest, weights[-1], out=coarsest)
         for k in range(len(self.pictures) - 1, 0, -1):
-            self._from(k, self.pictures[k - 1], self._down[k][2], self._across[k][2], float(weights[k]))
+            self._from(k, self.pictures[k - 1], self._down[k][2], self._across[k][1], float(weights[k]))
         self.pictures[0].mirror()
         return float(weights[0]), self.pictures[0]
 
@@ -130,7 +120,7 @@ class Halo:
         inner = self._full.whole[PAD:-PAD, PAD:-PAD]
         inner[:] = film
         np.multiply(first.pixels, strength, out=first.pixels)
-        self._from(0, self._full, self._down[0][2], self._across[0][2], 1.0 + strength * (own - 1.0))
+        self._from(0, self._full, self._down[0][2], self._across[0][1], 1.0 + strength * (own - 1.0))
         inner[..., 3] = film[..., 3]
         return inner
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gen_art.runtime import kernel, ti
+from gen_art.runtime import aligned, kernel, ti
 
 __all__ = ["PAD", "WIDE", "Taps", "blend_weights", "mirrored", "resample", "scratch", "steps", "variance"]
 
@@ -23,7 +23,6 @@ PAD = 2  # mirrored pixels on each side of a coarse picture, so that who blends 
 TAPS = 4  # coarse pixels that a fine one hands its light to
 WIDE = 16  # floats of a vector: four pixels of RGBA
 _ROWS = 8  # rows that one turn makes, with one row of scratch
-_UNROLLED = 4  # taps taken together
 
 F2, I1 = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i32, 1)
 FLOATS, PIXELS = (ti.types.ndarray(ti.types.vector(n, ti.f32), 1) for n in (WIDE, 4))
@@ -68,10 +67,20 @@ def blend_weights() -> np.ndarray:
 
 
 class Taps(NamedTuple):
-    """Along one axis, result i is the sum over a of weights[i, a] times what stands at first[i] + a; beyond the end they are 0."""
+    """Along one axis, result i is the sum over a of weights[i, a] times what stands at first[i] + a; beyond the end it is 0."""
 
     first: np.ndarray
     weights: np.ndarray
+
+    def columns(self, left: int) -> "Taps":
+        """The same by whole vectors of a row whose first pixel is number `left`: first vectors, and (n count, WIDE) weights."""
+        n, length = self.weights.shape
+        begin, lead = np.divmod(self.first + left, 4)
+        wide = np.zeros((n, -(-(length + 3) // 4) * 4))
+        np.put_along_axis(wide, lead[:, None] + np.arange(length), self.weights, axis=1)
+        weights = aligned((wide.size // 4, WIDE), np.float32)
+        weights[:] = wide.repeat(4, axis=1).reshape(-1, WIDE)
+        return Taps(begin.astype(np.int32), weights)
 
 
 def _taps(result: np.ndarray, place: np.ndarray, weight: np.ndarray, first: np.ndarray, length: int) -> Taps:
@@ -101,41 +110,51 @@ def steps(n: int, scales: list[int]) -> list[tuple[int, Taps, Taps]]:
 
 def scratch(across: int, high: int) -> tuple[int, int]:
     """How many vectors one turn needs for rows of `across` vectors, and how many all turns of `high` rows do."""
-    room = across + TAPS  # the taps of a picture narrower than they are
+    room = across + 4 * TAPS  # the columns of a picture narrower than their taps
     return room, -(-high // _ROWS) * room
 
 
 @ti.kernel
 def _resample(
-    source: FLOATS, start: ti.i32, stride: ti.i32, across: ti.i32, last: ti.i32, y: I1, wy: F2, x: I1, wx: F2, left: ti.i32,
-    own: ti.f32, goal_start: ti.i32, goal_stride: ti.i32, W: FLOATS, P: PIXELS, room: ti.i32, goal: PIXELS,
+    source: FLOATS, start: ti.i32, stride: ti.i32, across: ti.i32, last: ti.i32, y: I1, wy: F2, x: I1, wx: FLOATS,
+    own: ti.f32, goal_start: ti.i32, goal_stride: ti.i32, work: FLOATS, room: ti.i32, goal: PIXELS,
 ):  # fmt: skip
     """goal = own goal + source resampled, first its rows, then its columns.
 
-    source : `across` vectors of each row, `stride` apart, are looked at; the last row is number `last`
-    left : pixels of a row before the first     goal : pixels     W, P : one memory, `room` vectors a turn
+    source : `across` vectors of each row, a multiple of four, are looked at, rows `stride` apart; the last is number `last`
+    goal : pixels     work : `room` vectors a turn
     """
     high, wide = y.shape[0], x.shape[0]
+    count = wx.shape[0] // wide
     ti.loop_config(block_dim=1)
     for b in range((high + _ROWS - 1) // _ROWS):
+        base = b * room
         for r in range(b * _ROWS, ti.min((b + 1) * _ROWS, high)):
-            for t in range(across):
-                v = ti.Vector([0.0] * WIDE)
-                for a in range(wy.shape[1] // _UNROLLED):
-                    for g in ti.static(range(_UNROLLED)):
-                        row = ti.min(y[r] + a * _UNROLLED + g, last)
-                        v += source[start + row * stride + t] * wy[r, a * _UNROLLED + g]
-                W[b * room + t] = v
+            for t in range(across // 4):
+                v0, v1, v2, v3 = (
+                    ti.Vector([0.0] * WIDE),
+                    ti.Vector([0.0] * WIDE),
+                    ti.Vector([0.0] * WIDE),
+                    ti.Vector([0.0] * WIDE),
+                )
+                for a in range(wy.shape[1]):
+                    o, weight = start + ti.min(y[r] + a, last) * stride + 4 * t, wy[r, a]
+                    v0 += source[o] * weight
+                    v1 += source[o + 1] * weight
+                    v2 += source[o + 2] * weight
+                    v3 += source[o + 3] * weight
+                o = base + 4 * t
+                work[o], work[o + 1], work[o + 2], work[o + 3] = v0, v1, v2, v3
             for q in range(wide):
-                p = 4 * b * room + x[q] + left
-                v = ti.Vector([0.0] * 4)
-                for a in range(wx.shape[1] // _UNROLLED):
-                    for g in ti.static(range(_UNROLLED)):
-                        v += P[p + a * _UNROLLED + g] * wx[q, a * _UNROLLED + g]
+                o = base + x[q]
+                v = ti.Vector([0.0] * WIDE)
+                for k in range(count):
+                    v += work[o + k] * wx[q * count + k]
                 e = goal_start + r * goal_stride + q
+                p = ti.Vector([(v[c] + v[4 + c]) + (v[8 + c] + v[12 + c]) for c in range(4)])
                 if own != 0.0:
-                    v += goal[e] * own
-                goal[e] = v
+                    p += goal[e] * own
+                goal[e] = p
 
 
 resample = kernel(_resample, vectors=True)
