@@ -71,6 +71,9 @@ class _Picture:
                 side[k + PAD] = side[mirrored(k, n) + PAD]
 
 
+ALONE = False
+
+
 class Halo:
     """The chain for one size of film: its tables and buffers, used again for each picture."""
 
@@ -90,7 +93,7 @@ class Halo:
             self._work[key] = room, aligned((size, WIDE), np.float32)
         room, work = self._work[key]
         first = PAD * (goal.stride + 1)
-        resample(*source, *rows, *columns, own, first, goal.stride, work, room, goal.pixels)
+        resample(*source, *rows, *columns, own, first, goal.stride, work, room, goal.pixels, alone=ALONE)
 
     def _from(self, k: int, goal: _Picture, rows: Taps, columns: Taps, own: float):
         source = self.pictures[k]

@@ -114,47 +114,56 @@ def scratch(across: int, high: int) -> tuple[int, int]:
     return room, -(-high // _ROWS) * room
 
 
-@ti.kernel
-def _resample(
-    source: FLOATS, start: ti.i32, stride: ti.i32, across: ti.i32, last: ti.i32, y: I1, wy: F2, x: I1, wx: FLOATS,
-    own: ti.f32, goal_start: ti.i32, goal_stride: ti.i32, work: FLOATS, room: ti.i32, goal: PIXELS,
-):  # fmt: skip
-    """goal = own goal + source resampled, first its rows, then its columns.
+def _compiled(serial: bool):
+    @ti.kernel
+    def _resample(
+        source: FLOATS, start: ti.i32, stride: ti.i32, across: ti.i32, last: ti.i32, y: I1, wy: F2, x: I1, wx: FLOATS,
+        own: ti.f32, goal_start: ti.i32, goal_stride: ti.i32, work: FLOATS, room: ti.i32, goal: PIXELS,
+    ):  # fmt: skip
+        """goal = own goal + source resampled, first its rows, then its columns.
 
-    source : `across` vectors of each row, a multiple of four, are looked at, rows `stride` apart; the last is number `last`
-    goal : pixels     work : `room` vectors a turn
-    """
-    high, wide = y.shape[0], x.shape[0]
-    count = wx.shape[0] // wide
-    ti.loop_config(block_dim=1)
-    for b in range((high + _ROWS - 1) // _ROWS):
-        base = b * room
-        for r in range(b * _ROWS, ti.min((b + 1) * _ROWS, high)):
-            for t in range(across // 4):
-                v0, v1, v2, v3 = (
-                    ti.Vector([0.0] * WIDE),
-                    ti.Vector([0.0] * WIDE),
-                    ti.Vector([0.0] * WIDE),
-                    ti.Vector([0.0] * WIDE),
-                )
-                for a in range(wy.shape[1]):
-                    o, weight = start + ti.min(y[r] + a, last) * stride + 4 * t, wy[r, a]
-                    v0 += source[o] * weight
-                    v1 += source[o + 1] * weight
-                    v2 += source[o + 2] * weight
-                    v3 += source[o + 3] * weight
-                o = base + 4 * t
-                work[o], work[o + 1], work[o + 2], work[o + 3] = v0, v1, v2, v3
-            for q in range(wide):
-                o = base + x[q]
-                v = ti.Vector([0.0] * WIDE)
-                for k in range(count):
-                    v += work[o + k] * wx[q * count + k]
-                e = goal_start + r * goal_stride + q
-                p = ti.Vector([(v[c] + v[4 + c]) + (v[8 + c] + v[12 + c]) for c in range(4)])
-                if own != 0.0:
-                    p += goal[e] * own
-                goal[e] = p
+        source : `across` vectors of each row, a multiple of four, are looked at, rows `stride` apart; the last is number `last`
+        goal : pixels     work : `room` vectors a turn
+        """
+        high, wide = y.shape[0], x.shape[0]
+        count = wx.shape[0] // wide
+        ti.loop_config(serialize=serial, block_dim=1)
+        for b in range((high + _ROWS - 1) // _ROWS):
+            base = b * room
+            for r in range(b * _ROWS, ti.min((b + 1) * _ROWS, high)):
+                for t in range(across // 4):
+                    v0, v1, v2, v3 = (
+                        ti.Vector([0.0] * WIDE),
+                        ti.Vector([0.0] * WIDE),
+                        ti.Vector([0.0] * WIDE),
+                        ti.Vector([0.0] * WIDE),
+                    )
+                    for a in range(wy.shape[1]):
+                        o, weight = start + ti.min(y[r] + a, last) * stride + 4 * t, wy[r, a]
+                        v0 += source[o] * weight
+                        v1 += source[o + 1] * weight
+                        v2 += source[o + 2] * weight
+                        v3 += source[o + 3] * weight
+                    o = base + 4 * t
+                    work[o], work[o + 1], work[o + 2], work[o + 3] = v0, v1, v2, v3
+                for q in range(wide):
+                    o = base + x[q]
+                    v = ti.Vector([0.0] * WIDE)
+                    for k in range(count):
+                        v += work[o + k] * wx[q * count + k]
+                    e = goal_start + r * goal_stride + q
+                    one, two = ti.Vector([v[c] for c in range(4)]), ti.Vector([v[4 + c] for c in range(4)])
+                    three, four = ti.Vector([v[8 + c] for c in range(4)]), ti.Vector([v[12 + c] for c in range(4)])
+                    p = (one + two) + (three + four)
+                    if own != 0.0:
+                        p += goal[e] * own
+                    goal[e] = p
+
+    return kernel(_resample, vectors=True)
 
 
-resample = kernel(_resample, vectors=True)
+_together, _alone = _compiled(serial=False), _compiled(serial=True)
+
+
+def resample(*args, alone):
+    (_alone if alone else _together)(*args)
