@@ -65,13 +65,10 @@ class _Picture:
 
     def mirror(self) -> None:
         """Fill the borders."""
-        for side in (self.whole, self.whole.transpose(1, 0, 2)):
+        for side in (self.whole.transpose(1, 0, 2), self.whole):
             n = len(side) - 2 * PAD
             for k in (-2, -1, n, n + 1):
                 side[k + PAD] = side[mirrored(k, n) + PAD]
-
-
-ALONE = False
 
 
 class Halo:
@@ -92,8 +89,7 @@ class Halo:
             room, size = scratch(*key)
             self._work[key] = room, aligned((size, WIDE), np.float32)
         room, work = self._work[key]
-        first = PAD * (goal.stride + 1)
-        resample(*source, *rows, *columns, own, first, goal.stride, work, room, goal.pixels, alone=ALONE)
+        resample(source, rows, columns, own, (PAD * (goal.stride + 1), goal.stride, goal.pixels), work, room)
 
     def _from(self, k: int, goal: _Picture, rows: Taps, columns: Taps, own: float):
         source = self.pictures[k]

@@ -25,14 +25,14 @@ _PLAIN = DevelopSpec()
 
 
 @lru_cache(8)
-def _numbers(spec: DevelopSpec, bits: int, transparent: bool) -> np.ndarray:
+def _numbers(spec: DevelopSpec, bits: int) -> np.ndarray:
     q = np.zeros(kernel.NUMBERS, np.float32)
     q[kernel.VIGNETTE], q[kernel.GRAIN], q[kernel.DITHER] = (
         2.0 ** (spec.vignette / 2) - 1.0,
         spec.grain,
         spec.dither and bits == 8,
     )
-    q[kernel.BACKGROUND], q[kernel.TOP], q[kernel.CONTRAST] = not transparent, 2.0**bits - 1.0, spec.contrast
+    q[kernel.TOP], q[kernel.CONTRAST] = 2.0**bits - 1.0, spec.contrast
     q[kernel.DENSITY], q[kernel.VIBRANCY], q[kernel.WHITE] = spec.density, spec.vibrancy, spec.white
     q[kernel.LOW : kernel.BELOW + 4] = rational(spec.tone, spec.white)
     before, after = matrices(spec.tone, spec.saturation)
@@ -65,8 +65,8 @@ def develop(
     if bits not in (8, 16):
         raise UsageError(f"a picture has 8 or 16 bits a channel, not {bits}")
     height, width = film.shape[:2]
-    q = _numbers(spec, bits, transparent).copy()
-    q[kernel.EXPOSURE], q[kernel.OWN] = 2.0 ** (spec.exposure + (exposure or 0.0)), 1.0
+    q = _numbers(spec, bits).copy()
+    q[kernel.BEFORE : kernel.BEFORE + 9] *= 2.0 ** (spec.exposure + (exposure or 0.0))
     strength, halo = spec.bloom.strength, chain(width, height) if spec.bloom.strength else None
     if halo and halo.scales[0] != 4:
         film, halo = halo.bloomed(np.asarray(film, np.float32), strength, spec.bloom.radius), None
@@ -84,8 +84,9 @@ def develop(
         picture = aligned((height, wide, channels), depth)
     sky = _sky(spec.background, height)
     steps = kernel.Steps(
-        halo is not None, spec.vignette > 0.0, spec.contrast != 1.0, spec.tone if spec.tone in ("neutral", "log") else "",
-        transparent, spec.grain > 0.0, bits == 16,
+        strays=halo is not None, vignette=spec.vignette > 0.0, background=bool(sky.any()) and not transparent,
+        contrast=spec.contrast != 1.0, whole=spec.tone if spec.tone in ("neutral", "log") else "", transparent=transparent,
+        grain=spec.grain > 0.0, deep=bits == 16,
     )  # fmt: skip
     scratch = _scratch(height)
     kernel.compiled(steps)(

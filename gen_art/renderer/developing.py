@@ -18,10 +18,10 @@ WIDE = 16  # pixels of a turn
 SCRATCH = 64  # vectors of memory for each row: twice the places below
 
 # run-time numbers
-EXPOSURE, OWN, STRAY, VIGNETTE, GRAIN, DITHER, BACKGROUND, TOP, CONTRAST, DENSITY, VIBRANCY, WHITE = range(12)
-LOW, HIGH, ABOVE, BELOW = 12, 13, 14, 18
-BEFORE, AFTER, BLEND = 22, 31, 40
-NUMBERS = 60
+OWN, STRAY, VIGNETTE, GRAIN, DITHER, TOP, CONTRAST, DENSITY, VIBRANCY, WHITE = range(10)
+LOW, HIGH, ABOVE, BELOW = 10, 11, 12, 16
+BEFORE, AFTER, BLEND = 20, 29, 38
+NUMBERS = 58
 
 # sRGB's power branch, 1.055 x^(1/2.4) - 0.055 for x from 0.0031308 to 1, as a quartic over a cubic in sqrt(x): within 6e-7
 _ABOVE = (13.2843061, 63.0982864, 28.2357181, 0.877431184, -0.050273701)
@@ -50,6 +50,7 @@ class Steps(NamedTuple):
 
     strays: bool
     vignette: bool
+    background: bool
     contrast: bool
     whole: str
     transparent: bool
@@ -177,8 +178,8 @@ def _over(v, sky, back):
 def _coded(v, noise, Q: ti.template(), F: ti.template(), I: ti.template(), o, c: ti.template()):
     """The whole number of encoded light v, dithered by ten bits of `noise`; among the last bits of the words that come back."""
     I[o + _NOISE + c] = ((noise >> ti.u32(10 * c)) & ti.u32(1023)) | ti.u32(_WHOLE_BITS)
-    n = F[o + _NOISE + c] - _WHOLE
-    F[o + _CODE + c] = v * Q[TOP] + (n * (Q[DITHER] / 1024.0) - 0.49951171875 * Q[DITHER]) + _ROUND
+    n = F[o + _NOISE + c] * (Q[DITHER] / 1024.0) - ((_WHOLE + 511.0) / 1024.0) * Q[DITHER]
+    F[o + _CODE + c] = (v * Q[TOP] + n) + _ROUND
     return I[o + _CODE + c]
 
 
@@ -224,22 +225,21 @@ def compiled(steps: Steps):
                             p[4 * j + 2],
                             p[4 * j + 3],
                         )
-                R, G, B, A = R * Q[OWN], G * Q[OWN], B * Q[OWN], _within(A, 0.0, 1.0)
                 if ti.static(steps.strays):
+                    R, G, B = R * Q[OWN], G * Q[OWN], B * Q[OWN]
                     low, high = zero, zero  # the coarse rows around, blended
                     for e in ti.static(range(5)):
                         weight = Q[BLEND + 5 * (i & 3) + e] * Q[STRAY]
                         low += coarse[((i >> 2) + e) * across + t] * weight
                         high += coarse[((i >> 2) + e) * across + t + 1] * weight
                     R, G, B = R + _spread(low, high, 0), G + _spread(low, high, 1), B + _spread(low, high, 2)
-                shine = zero + Q[EXPOSURE]
                 E = zero + 1.0
                 if ti.static(steps.vignette):
                     dx = (lane + (ti.cast(at, ti.f32) + 0.5)) * across_one - 1.0
                     edge = 1.0 + Q[VIGNETTE] * 0.5 * (dx * dx + dy * dy)
                     E = 1.0 / (edge * edge)
-                    shine = E * Q[EXPOSURE]
-                r, g, b = R * shine, G * shine, B * shine
+                    R, G, B = R * E, G * E, B * E
+                r, g, b = R, G, B
                 R, G, B = _mixed(r, g, b, Q, BEFORE), _mixed(r, g, b, Q, BEFORE + 3), _mixed(r, g, b, Q, BEFORE + 6)
                 if ti.static(steps.contrast):
                     R = _contrasted(R, Q[CONTRAST], F, I, o, 0)
@@ -270,12 +270,13 @@ def compiled(steps: Steps):
                     R = _cubic(r, Q, ABOVE) * dg * db * one
                     G = _cubic(g, Q, ABOVE) * dr * db * one
                     B = _cubic(b, Q, ABOVE) * (dr * dg) * one
-                # the background is seen as it is written
-                back = (1.0 - A) * E * Q[BACKGROUND]
-                r, g, b = _mixed(R, G, B, Q, AFTER), _mixed(R, G, B, Q, AFTER + 3), _mixed(R, G, B, Q, AFTER + 6)
-                R, G, B = _over(r, sky[i, 0], back), _over(g, sky[i, 1], back), _over(b, sky[i, 2], back)
+                r, g, b = R, G, B
+                R, G, B = _mixed(r, g, b, Q, AFTER), _mixed(r, g, b, Q, AFTER + 3), _mixed(r, g, b, Q, AFTER + 6)
+                if ti.static(steps.background):  # which is seen as it is written
+                    back = (1.0 - _within(A, 0.0, 1.0)) * E
+                    R, G, B = _over(R, sky[i, 0], back), _over(G, sky[i, 1], back), _over(B, sky[i, 2], back)
                 if ti.static(steps.transparent):
-                    A = _within(ti.max(A, ti.max(R, ti.max(G, B))), 1e-6, 1.0)
+                    A = _within(ti.max(_within(A, 0.0, 1.0), ti.max(R, ti.max(G, B))), 1e-6, 1.0)
                     R, G, B = R / A, G / A, B / A
                 R, G, B = _encode(R, G, B, F, I, o, steps.deep)
                 noise = _hash((order + ti.cast(i * 16384 + at, ti.u32)) ^ take)

@@ -11,6 +11,7 @@ showing.
 Rows are blended first, then columns, a pixel (RGBA) at a time; whole vectors hold four pixels.
 """
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ __all__ = ["PAD", "WIDE", "Taps", "blend_weights", "mirrored", "resample", "scra
 PAD = 2  # mirrored pixels on each side of a coarse picture, so that who blends its pixels need not ask where the border is
 TAPS = 4  # coarse pixels that a fine one hands its light to
 WIDE = 16  # floats of a vector: four pixels of RGBA
+_FEW = 10000  # pixels, for which other threads are not woken
 _ROWS = 8  # rows that one turn makes, with one row of scratch
 
 F2, I1 = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i32, 1)
@@ -114,20 +116,18 @@ def scratch(across: int, high: int) -> tuple[int, int]:
     return room, -(-high // _ROWS) * room
 
 
-def _compiled(serial: bool):
+@cache
+def _resampling(alone: bool):
+    """The kernel on all threads, or on the one that calls it: sooner done where there is little to do."""
+
     @ti.kernel
-    def _resample(
+    def resample_rows_and_columns(
         source: FLOATS, start: ti.i32, stride: ti.i32, across: ti.i32, last: ti.i32, y: I1, wy: F2, x: I1, wx: FLOATS,
         own: ti.f32, goal_start: ti.i32, goal_stride: ti.i32, work: FLOATS, room: ti.i32, goal: PIXELS,
     ):  # fmt: skip
-        """goal = own goal + source resampled, first its rows, then its columns.
-
-        source : `across` vectors of each row, a multiple of four, are looked at, rows `stride` apart; the last is number `last`
-        goal : pixels     work : `room` vectors a turn
-        """
         high, wide = y.shape[0], x.shape[0]
         count = wx.shape[0] // wide
-        ti.loop_config(serialize=serial, block_dim=1)
+        ti.loop_config(serialize=alone, block_dim=1)
         for b in range((high + _ROWS - 1) // _ROWS):
             base = b * room
             for r in range(b * _ROWS, ti.min((b + 1) * _ROWS, high)):
@@ -159,11 +159,15 @@ def _compiled(serial: bool):
                         p += goal[e] * own
                     goal[e] = p
 
-    return kernel(_resample, vectors=True)
+    return kernel(resample_rows_and_columns, vectors=True)
 
 
-_together, _alone = _compiled(serial=False), _compiled(serial=True)
+def resample(source: tuple, rows: Taps, columns: Taps, own: float, goal: tuple, work: np.ndarray, room: int) -> None:
+    """goal = own goal + source resampled, first its rows, then its columns.
 
-
-def resample(*args, alone):
-    (_alone if alone else _together)(*args)
+    source : vectors, number of the first, vectors from row to row and in a row, a multiple of four, number of the last row
+    goal : number of the first pixel, pixels from row to row, pixels     work : `room` vectors a turn
+    """
+    _resampling(len(columns.first) * len(rows.first) < _FEW)(
+        *source, *rows, *columns, own, *goal[:2], work, room, goal[2]
+    )
