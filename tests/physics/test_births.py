@@ -259,6 +259,15 @@ def test_shapes_are_uniform(name):
     assert distance(np.clip(u, 0, 1) ** 1.2) > 1.95 / np.sqrt(4000)
 
 
+def orbits(v, x):
+    """Born at the pericentre of e = 0.25 with GM = 4: E = -GM / 2a, across the arm, turning about +z, carried along at 2 m/s."""
+    arm, v = x - (3, 0, 0), v - (0, 0, 2)
+    r = np.linalg.norm(arm, axis=1)
+    energy = 0.5 * (v**2).sum(1) - 4 / r
+    turns = np.cross(arm, v)[:, 2] > 0
+    return np.allclose(energy, -4 * 0.75 / (2 * r)) and np.allclose((arm * v).sum(1), 0, atol=1e-9) and turns.all()
+
+
 VELOCITIES = {
     "constant": ([1, 2, 3], lambda v, x: np.allclose(v, (1, 2, 3))),
     "cone": ({"cone": [0, 0, 1], "angle": 30, "speed": "2..3"}, lambda v, x: (v[:, 2] >= np.cos(np.pi / 6) * np.linalg.norm(v, axis=1) - 1e-9).all()),
@@ -267,6 +276,7 @@ VELOCITIES = {
     "thermal": ({"thermal": 3, "mean": [1, 0, 0]}, lambda v, x: np.allclose(v.std(0), 3, rtol=0.05) and np.allclose(v.mean(0), (1, 0, 0), atol=0.2)),
     "cross": ({"cross": 3}, lambda v, x: np.allclose(np.linalg.norm(v, axis=1), 3)),
     "ring": ({"ring": 3, "axis": [0, 1, 0]}, lambda v, x: np.allclose(v[:, 1], 0, atol=1e-12) and np.allclose(np.linalg.norm(v, axis=1), 3)),
+    "orbit": ({"orbit": 4, "center": [3, 0, 0], "axis": [0, 0, 1], "eccentricity": 0.25, "mean": [0, 0, 2]}, orbits),
     "pitched": ({"pitched": [1, 0, 0], "pitch": 60, "speed": 2}, lambda v, x: np.allclose(v[:, 0], 1) and np.allclose((v * x)[:, 1:].sum(1), 0, atol=1e-12)),
 }  # fmt: skip
 
