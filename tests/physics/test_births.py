@@ -132,6 +132,26 @@ def test_a_fast_emitter_makes_a_line():
     assert np.allclose(np.sort(x), 100 * (np.arange(500) + 0.5) / 5000, atol=1e-9)
 
 
+def test_an_emitter_on_a_helix_leaves_its_births_on_it():
+    """x = v t + R (cos, sin)(2 pi t / T + phase) about the axis, right-handed, at each one's own time of birth."""
+    R, T, v = 0.7, 0.4, 3.0
+    orbit = {"radius": R, "period": T, "axis": [1, 0, 0]}
+    emitters = {
+        name: {"rate": 1000, "tag": name, "motion": {"velocity": [v, 0, 0], "orbit": {**orbit, "phase": phase}}}
+        for name, phase in (("a", 0), ("b", 90))
+    }
+    sim = simulate({"s": {"emitters": emitters}}, 0.5)
+    s = sim["s"]
+    born = 0.5 - s.age
+    angle = np.arctan2(s.position[:, 2], s.position[:, 1]) - 2 * np.pi * born / T
+    off = np.angle(np.exp(1j * (angle - angle[s.emitter == "a"][0])))
+    assert np.allclose(s.position[:, 0], v * born, atol=1e-9)
+    assert np.allclose(np.hypot(s.position[:, 1], s.position[:, 2]), R, atol=1e-9)
+    assert np.allclose(np.where(s.emitter == "a", off, np.abs(off) - np.pi / 2), 0, atol=1e-9)
+    wrong = angle - 0.01 * 2 * np.pi * born / T  # the mutant: a period 1% off
+    assert np.ptp(wrong[s.emitter == "a"] % (2 * np.pi)) > 1e-3
+
+
 def test_newborns_move_only_from_their_birth_on():
     systems = {"s": {"emitters": {"jet": {"rate": 5000, "velocity": [0, 7, 0]}}}}
     sim = simulate(systems, 0.03)

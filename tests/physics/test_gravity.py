@@ -104,6 +104,30 @@ def test_orbits_at_all_heights_keep_keplers_third_law():
             assert np.linalg.norm(later - [-a * (1 + e), 0, 0]) > 1e-3
 
 
+@pytest.mark.parametrize("exponent", [1, 0, -1, -2])
+def test_nearly_circular_orbits_in_power_laws_breathe_in_their_time(exponent):
+    """a = -k r^n: a circle at v^2 = k r^(n+1), and about it r goes in and out at sqrt(3 + n) of the frequency of the turn."""
+    k, r, e = 2.0, 1.3, 1e-3
+    v = np.sqrt(k * r ** (exponent + 1))
+    period = 2 * np.pi * r / v / np.sqrt(3 + exponent)
+    grain = ga.ParticleSystem(
+        position=[[r, 0, 0], [r * (1 + e), 0, 0]], velocity=[[0, v, 0], [0, v / (1 + e), 0]],
+        forces=[ga.forces.CentralForce(strength=k, exponent=exponent)], integrator="yoshida4",
+    )  # fmt: skip
+    sim = ga.Simulation({"s": grain}, dt=period / 800, precision="f64")
+    breath = []  # of the second, whose angular momentum is that of the circle
+    for _ in range(10):
+        sim.step(80)
+        distance = np.linalg.norm(sim["s"].position, axis=1) / r - 1
+        assert abs(distance[0]) < 1e-4
+        breath.append(distance[1])
+    turn = 2 * np.pi * np.arange(1, 11) / 10
+    assert np.abs(np.array(breath) / e - np.cos(turn)).max() < 0.02
+    assert (
+        np.abs(np.array(breath) / e - np.cos(turn * np.sqrt((2.9 + exponent) / (3 + exponent)))).max() > 0.04
+    )  # mutant
+
+
 def test_sources_act_without_reaction():
     x, v, m = cloud(50)
     alone = ga.Simulation(
