@@ -78,6 +78,32 @@ class Pitched(Velocity):
         return (n * cos(q.pitch) + around * sin(q.pitch)) * r.range(q.speed, 13) + q.spread * jitter
 
 
+@velocity("orbit")
+class Orbit(Velocity):
+    """Round a centre of attraction, from the place of birth: a circle, or an ellipse.
+
+    v = mean + sqrt(GM (1 + e) / abs(r)) n x r / abs(n x r),  r = x - center, n along the axis, e the eccentricity
+    GM : m^3/s^2     eccentricity : above 0 born at the pericentre of an ellipse, below 0 at its apocentre; the semi-major
+    axis is abs(r) / (1 - e)     mean : (3,) m/s, velocity of the centre.  Source: Murray & Dermott, Solar System Dynamics, ch. 2.
+    """
+
+    GM: float = param(1.0, unit="m^3/s^2", min=0)
+    center: tuple = param((0.0, 0.0, 0.0), unit="m")
+    axis: tuple = param((0.0, 1.0, 0.0))
+    eccentricity: tuple = param((0.0, 0.0), kind="range", min=-1, max=1)
+    mean: tuple = param((0.0, 0.0, 0.0), unit="m/s")
+
+    @ti.func
+    def velocity(self, r, t, q, x):
+        e, _, n = across(q.axis)
+        arm = x - q.center
+        around = n.cross(arm)
+        length = around.norm()
+        around = ti.select(length > 1e-12, around / ti.max(length, 1e-30), e)
+        speed = ti.sqrt(q.GM * (1.0 + r.range(q.eccentricity, 13)) / ti.max(arm.norm(), 1e-30))
+        return q.mean + speed * around
+
+
 @velocity("radial")
 class Radial(Velocity):
     """Away from the emitter's origin, through the place of birth.

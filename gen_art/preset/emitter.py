@@ -250,6 +250,9 @@ def _ways(emitter: Emitter) -> str:
             return f"from {source.system}.{source.kind} needs a count: births for each event"
     if source is None and rate is None and at is None and not counted:
         return "needs one of rate, at, count or from: when are its particles born?"
+    for key in ("start", "stop", "motion"):
+        if source is not None and getattr(emitter, key) is not None:
+            return f"{key} and from are alternatives: events bring their own times and places"
     if emitter.stop is not None and rate is None:
         return "stop goes with a rate"
     if emitter.pulse is not None and (rate is None or source is not None):

@@ -132,6 +132,26 @@ def test_a_fast_emitter_makes_a_line():
     assert np.allclose(np.sort(x), 100 * (np.arange(500) + 0.5) / 5000, atol=1e-9)
 
 
+def test_an_emitter_on_a_helix_leaves_its_births_on_it():
+    """x = v t + R (cos, sin)(2 pi t / T + phase) about the axis, right-handed, at each one's own time of birth."""
+    R, T, v = 0.7, 0.4, 3.0
+    orbit = {"radius": R, "period": T, "axis": [1, 0, 0]}
+    emitters = {
+        name: {"rate": 1000, "tag": name, "motion": {"velocity": [v, 0, 0], "orbit": {**orbit, "phase": phase}}}
+        for name, phase in (("a", 0), ("b", 90))
+    }
+    sim = simulate({"s": {"emitters": emitters}}, 0.5)
+    s = sim["s"]
+    born = 0.5 - s.age
+    angle = np.arctan2(s.position[:, 2], s.position[:, 1]) - 2 * np.pi * born / T
+    off = np.angle(np.exp(1j * (angle - angle[s.emitter == "a"][0])))
+    assert np.allclose(s.position[:, 0], v * born, atol=1e-9)
+    assert np.allclose(np.hypot(s.position[:, 1], s.position[:, 2]), R, atol=1e-9)
+    assert np.allclose(np.where(s.emitter == "a", off, np.abs(off) - np.pi / 2), 0, atol=1e-9)
+    wrong = angle - 0.01 * 2 * np.pi * born / T  # the mutant: a period 1% off
+    assert np.ptp(wrong[s.emitter == "a"] % (2 * np.pi)) > 1e-3
+
+
 def test_newborns_move_only_from_their_birth_on():
     systems = {"s": {"emitters": {"jet": {"rate": 5000, "velocity": [0, 7, 0]}}}}
     sim = simulate(systems, 0.03)
@@ -259,6 +279,15 @@ def test_shapes_are_uniform(name):
     assert distance(np.clip(u, 0, 1) ** 1.2) > 1.95 / np.sqrt(4000)
 
 
+def orbits(v, x):
+    """Born at the pericentre of e = 0.25 with GM = 4: E = -GM / 2a, across the arm, turning about +z, carried along at 2 m/s."""
+    arm, v = x - (3, 0, 0), v - (0, 0, 2)
+    r = np.linalg.norm(arm, axis=1)
+    energy = 0.5 * (v**2).sum(1) - 4 / r
+    turns = np.cross(arm, v)[:, 2] > 0
+    return np.allclose(energy, -4 * 0.75 / (2 * r)) and np.allclose((arm * v).sum(1), 0, atol=1e-9) and turns.all()
+
+
 VELOCITIES = {
     "constant": ([1, 2, 3], lambda v, x: np.allclose(v, (1, 2, 3))),
     "cone": ({"cone": [0, 0, 1], "angle": 30, "speed": "2..3"}, lambda v, x: (v[:, 2] >= np.cos(np.pi / 6) * np.linalg.norm(v, axis=1) - 1e-9).all()),
@@ -267,6 +296,7 @@ VELOCITIES = {
     "thermal": ({"thermal": 3, "mean": [1, 0, 0]}, lambda v, x: np.allclose(v.std(0), 3, rtol=0.05) and np.allclose(v.mean(0), (1, 0, 0), atol=0.2)),
     "cross": ({"cross": 3}, lambda v, x: np.allclose(np.linalg.norm(v, axis=1), 3)),
     "ring": ({"ring": 3, "axis": [0, 1, 0]}, lambda v, x: np.allclose(v[:, 1], 0, atol=1e-12) and np.allclose(np.linalg.norm(v, axis=1), 3)),
+    "orbit": ({"orbit": 4, "center": [3, 0, 0], "axis": [0, 0, 1], "eccentricity": 0.25, "mean": [0, 0, 2]}, orbits),
     "pitched": ({"pitched": [1, 0, 0], "pitch": 60, "speed": 2}, lambda v, x: np.allclose(v[:, 0], 1) and np.allclose((v * x)[:, 1:].sum(1), 0, atol=1e-12)),
 }  # fmt: skip
 

@@ -338,6 +338,27 @@ def test_stick_and_kill():
     assert died.momentum[1] == pytest.approx(-np.sqrt(2 * G * h), rel=1e-12)
 
 
+def test_drag_lets_an_orbit_spiral_in_until_the_horizon_takes_it():
+    """With damping k a circle shrinks as r0 exp(-2 k t), as L falls as exp(-k t); it meets radius b at ln(r0 / b) / (2 k)."""
+    GM, k, starts, b = 20.0, 0.05, np.array([1.0, 1.1, 1.2]), 0.8
+    x = np.stack([starts, 0 * starts, 0 * starts], 1)
+    v = np.stack([-2 * k * starts, 0 * starts, -np.sqrt(GM / starts)], 1)
+    hole = C.Sphere((0, 0, 0), b - R, action="kill")
+    sim = simulation(x, v, [hole], [F.PointGravity(GM=GM), F.Damping(k)], dt=0.002)
+    sim.step(750)
+    shrunk = np.linalg.norm(sim["s"].position, axis=1)
+    assert shrunk == pytest.approx(starts * np.exp(-2 * k * 1.5), rel=2e-3)
+    assert np.abs(shrunk / (starts * np.exp(-k * 1.5)) - 1).min() > 0.05  # mutant: half as fast
+    taken = np.log(starts / b) / (2 * k)
+    for n, t in enumerate(taken):
+        sim.step(round((t - 0.05 - sim.time) / 0.002))
+        assert sim["s"].count == 3 - n
+        sim.step(50)
+        assert sim["s"].count == 2 - n
+    account = closes(sim, 1e-3)
+    assert account.died["s.initial"].count == 3
+
+
 def test_who_starts_inside_a_wall_is_set_on_its_surface():
     sim = simulation([[0, -0.4, 0]], None, [C.Plane(**FLOOR, restitution=0.5)])
     sim.step(1)

@@ -77,6 +77,57 @@ def test_escape_speed():
     assert sim["b"].velocity[0, 0] == pytest.approx(np.sqrt(6.0 / r), rel=1e-4)
 
 
+def test_orbits_at_all_heights_keep_keplers_third_law():
+    """T = 2 pi sqrt(a^3 / GM), on circles and on ellipses started at either end: half a turn later each stands opposite."""
+    heights = [1.0, 1.7, 2.5]
+    for e in (0.0, 0.4, -0.4):
+        emitters = {
+            f"at{k}": {"count": 1, "shape": {"point": [r, 0, 0]}, "velocity": {"orbit": 4, "eccentricity": e}}
+            for k, r in enumerate(heights)
+        }
+        sim = ga.Simulation(ga.load_preset({
+            "version": 1, "clock": {"duration": 8, "fps": 1000, "step": 0.001}, "forces": {"point_gravity": {"GM": 4}},
+            "systems": {"s": {"integrator": "yoshida4", "emitters": emitters}},
+        }), precision="f64")  # fmt: skip
+        start = sim["s"].position[:, 0]
+        assert sorted(start) == pytest.approx(heights)
+        for k in np.argsort(start):  # the quickest first
+            a = start[k] / (1 - e)
+            half = np.pi * np.sqrt(a**3 / 4)
+            steps = round((half - sim.time) / 0.001)
+            sim.step(steps)
+            s = sim["s"]
+            x, v = s.position[k], s.velocity[k]
+            there = x + v * (half - sim.time)  # less than half a step on
+            assert np.allclose(there, [-a * (1 + e), 0, 0], atol=2e-5)
+            later = x + v * (1.01 * half - sim.time)  # the mutant: a period 1% off
+            assert np.linalg.norm(later - [-a * (1 + e), 0, 0]) > 1e-3
+
+
+@pytest.mark.parametrize("exponent", [1, 0, -1, -2])
+def test_nearly_circular_orbits_in_power_laws_breathe_in_their_time(exponent):
+    """a = -k r^n: a circle at v^2 = k r^(n+1), and about it r goes in and out at sqrt(3 + n) of the frequency of the turn."""
+    k, r, e = 2.0, 1.3, 1e-3
+    v = np.sqrt(k * r ** (exponent + 1))
+    period = 2 * np.pi * r / v / np.sqrt(3 + exponent)
+    grain = ga.ParticleSystem(
+        position=[[r, 0, 0], [r * (1 + e), 0, 0]], velocity=[[0, v, 0], [0, v / (1 + e), 0]],
+        forces=[ga.forces.CentralForce(strength=k, exponent=exponent)], integrator="yoshida4",
+    )  # fmt: skip
+    sim = ga.Simulation({"s": grain}, dt=period / 800, precision="f64")
+    breath = []  # of the second, whose angular momentum is that of the circle
+    for _ in range(10):
+        sim.step(80)
+        distance = np.linalg.norm(sim["s"].position, axis=1) / r - 1
+        assert abs(distance[0]) < 1e-4
+        breath.append(distance[1])
+    turn = 2 * np.pi * np.arange(1, 11) / 10
+    assert np.abs(np.array(breath) / e - np.cos(turn)).max() < 0.02
+    assert (
+        np.abs(np.array(breath) / e - np.cos(turn * np.sqrt((2.9 + exponent) / (3 + exponent)))).max() > 0.04
+    )  # mutant
+
+
 def test_sources_act_without_reaction():
     x, v, m = cloud(50)
     alone = ga.Simulation(

@@ -53,6 +53,40 @@ def test_order_on_an_eccentric_orbit(name):
     assert measured_order(name) == pytest.approx(INTEGRATORS[name].order, abs=0.1)
 
 
+def apsides(sim):
+    """Semi-major axis and the angle by which the ellipse has turned, of an orbit with GM = 1 that began at its apocentre on +x."""
+    (x, y, _), (u, v, _) = sim["star"].position[0], sim["star"].velocity[0]
+    r, L = np.hypot(x, y), x * v - y * u
+    return 1 / (2 / r - u * u - v * v), np.arctan2(u * L + y / r, x / r - v * L)
+
+
+def test_at_forty_steps_a_turn_each_integrator_errs_in_its_own_way():
+    """e = 0.6, six turns: Euler leaves, rk2 gains and rk4 loses energy; the symplectic ones keep it, and the ellipse turns alike."""
+    found = {n: apsides(kepler(n, 2 * np.pi / 40, 6, -0.6)[1]) for n in ("euler", "rk2", "rk4", *SYMPLECTIC)}
+    a = {n: size for n, (size, _) in found.items()}
+    assert a["euler"] > 3 or a["euler"] < 0  # hardly bound, or not at all
+    assert a["rk2"] > 1.2 and 0.8 < a["rk4"] < 0.95
+    second = [n for n in SYMPLECTIC if n != "yoshida4"]
+    assert all(a[n] == pytest.approx(1, abs=0.02) for n in SYMPLECTIC)
+    turned = [found[n][1] for n in second]
+    assert np.ptp(turned) < 0.02 * np.abs(turned).max() and np.abs(turned).min() > 0.5
+
+
+def test_the_apsides_turn_by_an_angle_of_second_order():
+    """By the modified Hamiltonian the pericentre of a symplectic orbit drifts as dt^2: a quarter with half the step."""
+
+    def ratios(scheme=None):
+        runs = (kepler("leapfrog", 2 * np.pi / n, 6, -0.6, scheme=scheme)[1] for n in (160, 320, 640))
+        turned = np.array([apsides(sim)[1] for sim in runs])
+        return turned[:-1] / turned[1:]
+
+    assert ratios() == pytest.approx([4, 4], abs=0.1)
+    right = INTEGRATORS["leapfrog"]
+    first, *rest = right.stages
+    wrong = replace(right, stages=((first[0] * 0.9, *first[1:]), *rest))  # a little of a kick missing: no order at all
+    assert ratios(wrong) != pytest.approx([4, 4], abs=0.5)
+
+
 @pytest.mark.parametrize("name", ["leapfrog", "position_verlet", "rk2", "rk4", "yoshida4"])
 def test_a_wrong_weight_shows_in_the_order(name):
     right = INTEGRATORS[name]

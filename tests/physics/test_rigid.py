@@ -71,6 +71,19 @@ def test_symmetric_top_precesses():
     assert np.abs(found - wrong).max() > 1e-2
 
 
+def test_a_cube_turns_about_any_axis_for_ever():
+    """Its three moments are m a^2 / 6 alike, so that every axis is steady: after t it is turned by w t about w."""
+    w = np.array([1.9, 0.8, 0.5])
+    one = ga.body({"box": [0.5, 0.5, 0.5]}, mass=3, spin=w, turn=(0.3, 0.5, 0.2), draw="wire", points=200)
+    assert one.inertia == pytest.approx([3 * 0.25 / 6] * 3, rel=1e-12)
+    sim = world([one], forces=[], dt=1 / 30)
+    start = sim["b"].position
+    sim.step(240)
+    expected = start @ matrices(rotation(8 * w[None]))[0].T
+    assert np.abs(sim["b"].position - expected).max() < 1e-9
+    assert np.abs(sim["b"].position - start @ matrices(rotation(8.08 * w[None]))[0].T).max() > 1e-2
+
+
 @pytest.mark.parametrize("precision,tolerance", [("f64", 1e-8), pytest.param("f32", 2e-5, marks=pytest.mark.proof)])
 def test_middle_axis_turns_over(precision, tolerance):
     """Spun about the middle axis it flips, again and again; energy and angular momentum stay."""
