@@ -112,8 +112,9 @@ class _Control:
 
     def __init__(self, sim, rtol: float, atol: float):
         self.sim, self.rtol, self.atol = sim, rtol, atol
-        self.groups = [sorted(sim._joined)] if sim._joined else []
-        self.groups += [[name] for name in sim._members if name not in sim._joined]
+        joined = sim._joined.steppers
+        self.groups = [list(joined)] if joined else []
+        self.groups += [[name] for name in sim._members if name not in joined]
         self.proposed: dict[int, float] = {}  # s, by group
         self.before = dict.fromkeys(range(len(self.groups)), 1e-4)
         self.evaluations = self.rejected = 0

@@ -140,7 +140,7 @@ def kernel(function, precision: str = "f32", vectors: bool = False):
     primal = function._primal
     _state["kernels"].append(primal)
     launch = lean_launching.lean(primal, function, lambda: _compiling(dtype, vectors))
-    launch.primal = primal  # type: ignore[attr-defined]  # a function may carry attributes
+    launch.primal = primal
     return launch
 
 
