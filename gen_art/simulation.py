@@ -74,12 +74,7 @@ class Simulation:
                 one.join(system, self.dt)
         self._ledger: Bookkeeper | None = None
         if ledger:
-            from gen_art import ledger as accounts
-
-            self._ledger = accounts.Bookkeeper(self)
-            self._joined.books = self._ledger
-            for stepper in self._stepped.values():
-                stepper.books = self._ledger
+            self._keep_books()
 
     def _check(self) -> None:
         for name, system in self._members.items():
@@ -94,6 +89,14 @@ class Simulation:
                         f"emitter '{emission.name}' listens to impacts of '{event.system}', but none of its colliders has "
                         "`action: emit`"
                     )
+
+    def _keep_books(self) -> None:
+        """Keep the ledger from now on."""
+        from gen_art.ledger import Bookkeeper
+
+        self._ledger = self._joined.books = Bookkeeper(self)
+        for stepper in self._stepped.values():
+            stepper.books = self._ledger
 
     # -- time
 

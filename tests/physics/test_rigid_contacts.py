@@ -191,16 +191,12 @@ def test_a_lift_takes_a_block_up():
 
 def test_what_has_sunk_in_is_taken_back():
     """A block 5 mm in the floor rises to where it may stay, 0.5 % of its size, without speed; the account has the work."""
-    from gen_art.ledger import Bookkeeper
-
     one = ga.body({"box": [0.2, 0.2, 0.2]}, position=(0, 0.1, 0))
     sim = world([one], floor=0.5)
     inside(sim).x[0, 1] -= 5e-3
     inside(sim).meeting.look(0.0)
     inside(sim)._put(sim["b"].state, True)
-    sim._ledger = Bookkeeper(sim)
-    for stepper in sim._stepped.values():
-        stepper.books = sim._ledger
+    sim._keep_books()
     energy = sim.diagnostics().energy
     sim.step(60)
     assert inside(sim).meeting.gap.min() == pytest.approx(-1e-3, abs=1e-4)
