@@ -58,7 +58,10 @@ class Springs(Interaction):
             if values["rest_length"] is not None or values["share"] is not None:
                 raise UsageError("rest_length and share go with pairs")
             return
-        pairs = np.asarray(values["pairs"])
+        try:
+            pairs = np.asarray(values["pairs"])
+        except ValueError:
+            raise UsageError("pairs must be whole numbers of the shape (m, 2); some pair is no pair") from None
         if pairs.ndim != 2 or pairs.shape[1] != 2 or not np.issubdtype(pairs.dtype, np.integer):
             raise UsageError(f"pairs must be whole numbers of the shape (m, 2), not {pairs.dtype} of {pairs.shape}")
         if (pairs < 0).any():

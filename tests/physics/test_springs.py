@@ -296,6 +296,11 @@ def test_springs_that_cannot_be(wanted, sentence):
         ga.Simulation({"s": ga.ParticleSystem(position=np.eye(3), **wanted)}, dt=0.1)
 
 
+def test_pairs_of_uneven_length_are_a_sentence():
+    with pytest.raises(ga.UsageError, match=r"whole numbers of the shape \(m, 2\); some pair is no pair"):
+        Springs(pairs=[[0, 1], [0]])
+
+
 @pytest.mark.parametrize("name, length", [("chain", 2.0), ("rope", 3.0)])
 def test_rows_of_particles_in_yaml_lie_as_the_builders_lay_them(name, length):
     row = {"start": [0, 0, 0], "end": [2, 0, 0], "count": 9, "pinned": "start"}
