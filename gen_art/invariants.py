@@ -66,10 +66,10 @@ def has_stiff_springs(system) -> bool:
 
 
 def has_kinks(piece, name: str) -> bool:
-    """Whether a field's kinks leave a system's scheme less than its order: each kink met errs by its place in the step."""
+    """Whether a system moves in a field with kinks: each that is met errs by its place in the step."""
     system = piece.systems[name]
     fields = (*forces_of(piece, system), *(system.medium or piece.medium).terms)
-    return any(_SMOOTH.get(field.name, 9) < scheme(system.integrator).order for field in fields)
+    return any(field.name in _SMOOTH for field in fields)
 
 
 def expected_order(piece, name: str, seen: tuple = ()) -> int:

@@ -19,8 +19,8 @@ from gen_art.preset.estimate import refuse_if_too_large
 
 __all__ = ["FILM_TIME", "PARTICLES", "Audit", "audit"]
 
-# seconds of film when no time is given; half of it where bodies attract each other, as they soon scatter, and a quarter
-# where stiff springs are solved, which takes hundreds of launches a step
+# seconds of film when no time is given; half of it where bodies attract each other, as they soon scatter, and where stiff
+# springs are solved, which takes hundreds of launches a step
 FILM_TIME = 2.0
 PARTICLES = 600  # of a system, at most about so many at once; four times as many where they attract each other
 DIVISIONS = (1, 2, 4)
@@ -91,8 +91,8 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES,
     """Run a preset with few particles at dt, dt/2 and dt/4 in float64 and account for every joule.
 
     preset : a Preset, a name, a path or a mapping     precision : "f32" states its floor as well
-    time : film time to run to, from the start of the preroll, s; when left out 2 s (1 s where bodies attract each other, 1/2 s
-    where stiff springs are solved) or the whole piece, whichever is shorter
+    time : film time to run to, from the start of the preroll, s; when left out 2 s (1 s where bodies attract each other or
+    stiff springs are solved) or the whole piece, whichever is shorter
     particles : at most about so many of a system at once     moments : at which a run is looked at
     Raises PresetError, UsageError for a time that the piece does not reach or that falls between steps, MemoryRefused.
     """
@@ -105,7 +105,7 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES,
         raise UsageError(f"particles must be at least 1, not {particles}")
     mutual = any(one.source_system is None for system in piece.systems.values() for one in system.interactions)
     stiff = any(map(has_stiff_springs, piece.systems.values()))
-    time, steps = _span(clock, time, FILM_TIME / (4 if stiff else 2 if mutual else 1))
+    time, steps = _span(clock, time, FILM_TIME / 2 if mutual or stiff else FILM_TIME)
     few, changes = thinned(piece, steps * clock.step, particles)
     refuse_if_too_large(few, "f64", until=steps * clock.step)
     with warnings.catch_warnings(record=True) as told:
@@ -123,10 +123,13 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES,
     placed = {name: found for name in few.systems if (found := positions(runs, name, orders[name]))}
     lucky = [name for name, (trend, _) in placed.items() if not trend.good and has_kinks(few, name)]
     if lucky:
-        others = [run(few, steps + k, clock.step * steps / (steps + k), "f64", threads, 1, 1) for k in MORE_STEPS]
+        others = {
+            k / (steps + k): run(few, steps + k, clock.step * steps / (steps + k), "f64", threads, 1, 1)
+            for k in MORE_STEPS
+        }
         for name in lucky:
             trend, count = placed[name]
-            placed[name] = replace(trend, scatter=scatter(runs, others, name, orders[name])), count
+            placed[name] = replace(trend, scatter=scatter(runs, others, name, trend.values[0])), count
     held: dict[tuple[str, str], Trend | None] = {}
     booked: dict[tuple[str, str], str] = {}
     for name, system in few.systems.items():

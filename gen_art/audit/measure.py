@@ -60,7 +60,9 @@ class Trend:
 
     @property
     def is_scatter(self) -> bool:
-        return not self.has_its_order and self.values[-1] <= self.scatter
+        """Whether chance alone keeps the last value from its order."""
+        allowed = self.values[0] / 2 ** ((self.expected - TOLERANCE) * (len(self.values) - 1))
+        return self.scatter > 0 and not self.has_its_order and self.values[-1] <= allowed + self.scatter
 
     def __str__(self) -> str:
         order = "without an order" if self.order is None else f"at order {self.order:.2f}"
@@ -194,15 +196,17 @@ def _booked(books: Ledger, name: str, quantity: str) -> tuple:
     return sum(plus) - sum(minus), moved
 
 
-def scatter(runs: list[Run], others: list[Run], name: str, order: int) -> float:
+def scatter(runs: list[Run], others: dict[float, Run], name: str, first: float) -> float:
     """What positions at dt/2 may err by, by the luck of where in a step a kink falls, relative as in `positions`.
 
-    others : runs of a few steps more over the same span. Kinks fall elsewhere in theirs: what they err by at dt is another
-    draw, while a smooth error hardly changes. The largest distance from them, divided by 2^order for dt/2; four times that,
-    as the draws are few.
+    others : runs of a few steps more over the same span, by their share of the steps. Kinks fall elsewhere in theirs: what
+    they err by at dt is another draw. A smooth error changes by its order times the share; that of order 1, of twice
+    `first` (the distance of dt from dt/2), is taken off. Of the largest distance an eighth is left at dt/2, as kinks err by
+    dt^3; four times that, as the draws are few.
     """
-    found = [positions([runs[0], one], name, order) for one in others]
-    return max((4 * trend.values[0] / 2**order for trend, _ in filter(None, found)), default=0.0)
+    found = {share: positions([runs[0], one], name, 0) for share, one in others.items()}
+    luck = [trend[0].values[0] - 2 * first * share for share, trend in found.items() if trend]
+    return max([4 * one / 8 for one in luck], default=0.0) if luck and max(luck) > 0 else 0.0
 
 
 def positions(runs: list[Run], name: str, expected: int) -> tuple[Trend, int] | None:
