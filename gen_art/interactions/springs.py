@@ -34,6 +34,7 @@ class Springs(Interaction):
     tear : strain beyond which a spring breaks for good; its energy is booked as dissipated
     tether : with xpbd, the strain at most of the shortest way along springs to each group of fixed particles
     sweeps : of xpbd in a step; 1 does where steps are short, and no stiffness depends on it
+    What backward Euler takes of swings faster than the step is booked as dissipated too.
     A spring goes when one of its ends dies. Fixed particles pull and stay. Reciprocal; conservative but for damping and tearing.
     Sources: Baraff & Witkin (1998); Macklin et al., Small Steps in Physics Simulation (2019).
     """
