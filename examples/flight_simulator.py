@@ -4,8 +4,8 @@ python examples/flight_simulator.py                 trimmed at 55 m/s, let go 2 
 python examples/flight_simulator.py inputs.csv      with the columns time (s), angle_of_attack, bank (degrees), throttle (0 to 1)
 """
 
+import argparse
 import math
-import sys
 
 import numpy as np
 
@@ -39,11 +39,19 @@ def phugoid(flown: np.ndarray) -> float:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        for k, (x, y, z, *v) in enumerate(fly(sys.argv[1])[::50]):
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("inputs", nargs="?", help="a .csv file of control inputs")
+    given = words.parse_args().inputs
+    try:
+        path = fly(given) if given else fly(faster=2.0, seconds=90.0)
+    except ga.UsageError as error:
+        words.error(str(error))
+    if given:
+        for k, (x, y, z, *v) in enumerate(path[::50]):
             print(
                 f"{5 * k:3} s   height {y:7.1f} m   east {x:8.1f} m   south {z:8.1f} m   speed {math.hypot(*v):5.1f} m/s"
             )
     else:
-        period, theory = phugoid(fly(faster=2.0, seconds=90.0)), math.pi * math.sqrt(2) * SPEED / G
-        print(f"phugoid {period:.2f} s; Lanchester's pi sqrt(2) V / g is {theory:.2f} s")
+        print(
+            f"phugoid {phugoid(path):.2f} s; Lanchester's pi sqrt(2) V / g is {math.pi * math.sqrt(2) * SPEED / G:.2f} s"
+        )

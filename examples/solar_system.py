@@ -7,8 +7,8 @@ The states are heliocentric, of J2000.0 (JD 2451545.0 TDB), on the ICRF's axes, 
 au^3/day^2, so that G is 1. The Earth's row holds the Moon's pull: without a Moon take the barycentre of the two.
 """
 
+import argparse
 import csv
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -49,5 +49,11 @@ def positions(days: float, step: float = STEP) -> dict[str, np.ndarray]:
 
 
 if __name__ == "__main__":
-    for name, (x, y, z) in positions(float(sys.argv[1]) if len(sys.argv) > 1 else 365.25).items():
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("days", nargs="?", type=float, default=365.25, help=f"a multiple of {STEP}")
+    try:
+        places = positions(words.parse_args().days)
+    except ga.UsageError as error:
+        words.error(str(error))
+    for name, (x, y, z) in places.items():
         print(f"{name:8} {x:16.9f} {y:16.9f} {z:16.9f} au")

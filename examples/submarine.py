@@ -4,7 +4,7 @@ python examples/submarine.py                 hovers at 30 m, dives for 20 s, blo
 python examples/submarine.py tanks.csv       with the columns time (s) and flooded (0 to 1)
 """
 
-import sys
+import argparse
 
 import gen_art as ga
 
@@ -33,5 +33,11 @@ def dive(controls=None, seconds: float = 240.0) -> list[tuple[float, float, floa
 
 
 if __name__ == "__main__":
-    for time, depth, speed in dive(sys.argv[1] if len(sys.argv) > 1 else None):
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("tanks", nargs="?", help="a .csv file of how far the tanks are flooded")
+    try:
+        log = dive(words.parse_args().tanks)
+    except ga.UsageError as error:
+        words.error(str(error))
+    for time, depth, speed in log:
         print(f"{time:4.0f} s   depth {depth:6.1f} m   speed ahead {speed:4.1f} m/s")

@@ -14,7 +14,8 @@ __all__ = ["FORETOLD", "advice", "gyration_advice", "step_advice"]
 _GYRATION = 0.1  # rad a step: the phase lags by its square / 12, a thousandth of a turn each turn
 _EXACT = 3.0  # rad a step, up to which exact_gyration is exact
 FORETOLD = ("magnetic_field", "magnetic_mirror")
-_SAMPLED = 1.0  # rad a step of a driver
+_SAMPLED = 1.0  # rad a step of a driver or a collider
+_STEEP = 1.05  # m a metre: what a true distance on a grid comes to between its points
 
 
 def advice(piece) -> list[str]:
@@ -23,7 +24,7 @@ def advice(piece) -> list[str]:
     built = systems_of(piece)
     for name, system in piece.systems.items():
         used = scheme(system.integrator)
-        for one in (_velocity, _explicit_euler, _lost_order):
+        for one in (_velocity, _explicit_euler, _lost_order, _walls, _unused):
             found += [f"{name}: {sentence}" for sentence in one(piece, name, system, used)]
         masses, charges = _masses_and_charges(built[name])
         found += [f"{name}: {s}" for s in _gyration(piece, system, used, min(masses, default=1.0), charges)]
@@ -86,6 +87,32 @@ def _lost_order(piece, name, system, used):
         f.provides("damping") and f.quadratic_damping for f in forces_of(piece, system)
     ):
         yield f"{used.name} has order {left} with quadratic drag; rk4 keeps its 4"
+
+
+def _walls(piece, name, system, used):
+    """Distances that are none, and surfaces that turn too far in a step."""
+    dt = piece.clock.step
+    for one in colliders_of(piece, system):
+        steep = one.steepness if one.name == "sdf" else 0.0
+        if steep > _STEEP:
+            yield (
+                f"sdf: the grid grows by up to {steep:.3g} m a metre, where a distance grows by 1: fast particles may pass "
+                f"through its surface; divide it by {steep:.3g}, or check `min` and `max`"
+            )
+        turn = math.hypot(*one.values["angular_velocity"]) * dt
+        if turn > _SAMPLED:
+            yield (
+                f"{one.name} turns by {turn:.3g} rad a step, too coarse to strike particles where it meets them; "
+                f"a step of at most {dt * _SAMPLED / turn:.3g} s"
+            )
+
+
+def _unused(piece, name, system, used):
+    """What is given and has no say."""
+    for one in system.interactions:
+        theta = type(one).parameters.get("theta")
+        if theta is not None and one.values["method"] == "direct" and one.values["theta"] != theta.default:
+            yield f"{one.name}: theta has no say with method: direct, which sums over every pair; method: tree uses it"
 
 
 def _gyration(piece, system, used, lightest, charge):

@@ -3,7 +3,7 @@
 from gen_art.forces.base import burns
 from gen_art.integrators import scheme
 
-__all__ = ["colliders_of", "expected_order", "forces_of", "invariants"]
+__all__ = ["colliders_of", "expected_order", "forces_of", "has_kinks", "has_stiff_springs", "invariants"]
 
 _SMOOTH = {"curl_noise": 3}  # the order that a field with kinks in its second derivatives leaves to any scheme
 _PREDICTED = 3  # quadratic drag takes its rate at a predicted middle
@@ -58,6 +58,18 @@ def _goes_on(system, emitter) -> bool:
     lifetime = emitter.lifetime or system.particle.lifetime
     at_once = emitter.count is not None and emitter.at is None and emitter.source is None and not emitter.start
     return lifetime is not None or not at_once
+
+
+def has_stiff_springs(system) -> bool:
+    """Whether springs are solved by backward Euler, at steps that do not follow their swings."""
+    return any(one.implicit and one.values.get("method") in ("implicit", "xpbd") for one in system.interactions)
+
+
+def has_kinks(piece, name: str) -> bool:
+    """Whether a system moves in a field with kinks: each that is met errs by its place in the step."""
+    system = piece.systems[name]
+    fields = (*forces_of(piece, system), *(system.medium or piece.medium).terms)
+    return any(field.name in _SMOOTH for field in fields)
 
 
 def expected_order(piece, name: str, seen: tuple = ()) -> int:

@@ -134,7 +134,7 @@ class Bookkeeper:
         row = self._solved.setdefault(f"{name}.{one.name}", np.zeros(4))
         row[:3] += change @ mass
         if not one.carries:
-            row[3] += one.dissipated(state, turn.dt)
+            row[3] += one.dissipated(state, before, turn.dt)
             return
         taken = 0.5 * float(((before.astype(np.float64) ** 2 - now**2) @ mass).sum())
         if turn.drift > 0:

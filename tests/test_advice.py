@@ -3,6 +3,7 @@
 import json
 import re
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -68,6 +69,16 @@ SAID = {
     ),
     "quick gyration in a mirror": (dict(forces=MIRROR, integrator="boris", particle={"charge": 9}), r"at most 0\.00556 s, or"),
     "far too quick gyration": (dict(forces=FIELD, integrator="boris", particle={"charge": 900}), r"at most 5.56e-05 s$"),
+    "a collider that turns too fast": (
+        dict(colliders={"block": {"min": [0, 0, 0], "max": [1, 1, 1], "angular_velocity": [0, 63, 0], "restitution": 1}}),
+        r"block turns by 1\.26 rad a step, too coarse .* at most 0\.0159 s",
+    ),
+    "a collider that turns": (dict(colliders={"plane": {"angular_velocity": [0, 40, 0]}}), None),
+    "theta, direct": (
+        dict(interactions={"self_gravity": {"G": 1, "method": "direct", "theta": 0.5}}), "self_gravity: theta has no say with method: direct"
+    ),
+    "theta, tree": (dict(interactions={"self_gravity": {"G": 1, "method": "tree", "theta": 0.5}}), None),
+    "direct": (dict(interactions={"coulomb": {"k": 1, "method": "direct"}}), None),
     "slow gyration": (dict(forces=FIELD, integrator="boris", particle={"charge": 2}), None),
 }  # fmt: skip
 
@@ -81,6 +92,22 @@ def test_what_does_not_suit_is_said_with_the_better_choice(what):
     else:
         assert any(re.search(words, sentence) for sentence in sentences), sentences
         assert all(sentence.startswith("s: ") for sentence in sentences)
+
+
+@pytest.mark.parametrize("factor,said", [(1.0, False), (1.2, True)])
+def test_a_grid_that_is_no_distance_is_said(tmp_path, monkeypatch, factor, said):
+    """A ball on a grid of 12 points an axis, true or 1.2 times too steep; one whose corners are wrong is too steep as well."""
+    at = np.linspace(-1, 1, 12)
+    x, y, z = np.meshgrid(at, at, at, indexing="ij")
+    monkeypatch.chdir(tmp_path)
+    np.save("ball.npy", factor * (np.sqrt(x * x + y * y + z * z) - 0.5))
+    for corner in (1, 0.5):
+        wall = {"sdf": {"function": "ball.npy", "min": [-corner] * 3, "max": [corner] * 3, "restitution": 0}}
+        sentences = advice(piece(colliders=wall))
+        words = (
+            f"s: sdf: the grid grows by up to {factor / corner:.2g}.* m a metre, .* divide it by {factor / corner:.2g}"
+        )
+        assert [re.match(words, one) is not None for one in sentences] == [True] * (said or corner < 1), sentences
 
 
 def rope(**more):

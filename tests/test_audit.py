@@ -10,6 +10,7 @@ from gen_art.advice import advice
 from gen_art.audit import Trend, audit
 from gen_art.audit.thinning import thinned
 from gen_art.integrators.schemes import INTEGRATORS
+from gen_art.interactions.springs import Springs
 from gen_art.ledger import Bookkeeper
 from gen_art.preset.shipped import preset_names
 
@@ -113,6 +114,58 @@ def test_thinning_scales_rates_counts_and_what_events_feed():
 def test_a_bad_time_is_a_sentence(time):
     with pytest.raises(ga.UsageError, match="film time"):
         audit(piece(SPRING), time=time)
+
+
+def kinked(integrator, seed, count=1):
+    plain = piece({"drag": {"linear": 0.5, "quadratic": 0.4}}, integrator).resolved()
+    plain["medium"] = {"wind": [1, 0, 0], "curl_noise": {"strength": 1.0, "scale": 0.5, "speed": 1.5, "octaves": 2}}
+    plain["seed"], plain["systems"]["s"]["emitters"]["all"]["count"] = seed, count
+    return ga.load_preset(plain)
+
+
+@pytest.mark.parametrize("integrator,seed", [("rk4", 3), ("yoshida4", 4)])
+def test_the_luck_of_a_few_particles_with_kinks_is_no_fault(integrator, seed):
+    """One particle in noise whose second derivatives have kinks: its error at dt may be small by chance, and grow at dt/2."""
+    found = audit(kinked(integrator, seed), time=0.5, precision="f64")
+    trend, _ = found.positions["s"]
+    assert trend.order < 1 and trend.is_scatter and found.problems == []
+    assert "by chance: kinks of the field" in found.text()
+    assert trend.scatter < 1e-5  # of the extent
+
+
+@pytest.mark.parametrize("count", [1, 40])
+def test_a_wrong_scheme_is_found_among_kinks(monkeypatch, count):
+    """The mutant: rk4 with a weight off by 0.01 is of order 1, and no scatter hides it."""
+    right = INTEGRATORS["rk4"]
+    (first, *more), *rest = right.stages
+    monkeypatch.setitem(INTEGRATORS, "rk4", dataclasses.replace(right, stages=((first + 0.01, *more), *rest)))
+    found = audit(kinked("rk4", 3, count), time=0.5, precision="f64")
+    assert any("positions do not converge as rk4 should" in sentence for sentence in found.problems)
+
+
+@pytest.mark.parametrize("method", ["implicit", "xpbd"])
+def test_what_backward_euler_takes_of_stiff_springs_is_booked(monkeypatch, method):
+    """Springs with w dt = 7 lose energy to the scheme; the ledger has it, and what remains falls at order 1."""
+    rope = ga.load_preset({
+        "version": 1, "name": "rope", "clock": {"duration": 1, "fps": 10, "step": "1/400"},
+        "forces": {"gravity": [0, -9.81, 0]},
+        "systems": {"s": {
+            "integrator": "semi_implicit_euler", "particle": {"mass": 0.01},
+            "interactions": {"springs": {"stiffness": 20000, "method": method}},
+            "emitters": {"a": {"chain": {"start": [0, 0, 0], "end": [1, 0.2, 0], "count": 30, "pinned": "start"}}},
+        }},
+    })  # fmt: skip
+    found = audit(rope, 0.5, precision="f64")
+    assert found.problems == []
+    assert found.energy["s"].order == pytest.approx(1, abs=0.1)
+    taken = found.account.dissipated["s.springs"]
+    assert taken > 5 * found.energy["s"].values[0] * found.account.scale
+    right = Springs.dissipated
+    # the mutant: 0.03 W are booked that nothing takes, a hundredth of the energy that moves
+    monkeypatch.setattr(
+        Springs, "dissipated", lambda self, state, before, dt: right(self, state, before, dt) + 0.03 * dt
+    )
+    assert any("ledger of energy does not close" in sentence for sentence in audit(rope, 0.5, precision="f64").problems)
 
 
 def test_an_order_needs_something_above_round_off():

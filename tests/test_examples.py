@@ -47,6 +47,25 @@ def test_the_swirl_pushes_round(monkeypatch):
     assert np.abs(sim["s"].velocity + expected).max() > 0.01  # the mutant: the other way round
 
 
+@pytest.mark.parametrize("script,argument,words", [
+    ("flight_simulator", "bad.csv", "bad.csv: line 2: '1;2' is not a number"),
+    ("flight_simulator", "none.csv", "none.csv: there is no such file"),
+    ("submarine", "depth.csv", "depth.csv: has no column depth to give; the columns are time, flooded"),
+    ("submarine", "time.csv", "time.csv: has no input beside time; give at least one of flooded"),
+    ("submarine", "-x", "unrecognized arguments"), ("solar_system", "soon", "invalid float value: 'soon'"),
+    ("solar_system", "0.1", "the nearest is 0 s"), ("solar_system", "nan", "cannot advance by nan s"),
+])  # fmt: skip
+def test_wrong_input_is_a_sentence(script, argument, words, tmp_path, monkeypatch, capsys):
+    """And exit status 2, as of a wrong argument."""
+    monkeypatch.chdir(tmp_path)
+    for name, text in (("bad", "a;b\n1;2\n"), ("depth", "time,depth\n0,1\n"), ("time", "time\n0\n")):
+        Path(f"{name}.csv").write_text(text)
+    monkeypatch.setattr(sys, "argv", [f"{script}.py", argument])
+    with pytest.raises(SystemExit) as left:
+        runpy.run_path(str(EXAMPLES / f"{script}.py"), run_name="__main__")
+    assert left.value.code == 2 and words in capsys.readouterr().err
+
+
 @pytest.fixture(scope="module")
 def pinwheel():
     for plugin in PLUGINS:

@@ -10,7 +10,7 @@ from gen_art.audit.turning import largest_turn
 from gen_art.diagnostics import Diagnostics, energy_of_pairs, living, sums
 from gen_art.ledger import Ledger
 
-__all__ = ["MOMENTS", "QUANTITIES", "ROUND_OFF", "History", "Run", "Trend", "positions", "run"]
+__all__ = ["MOMENTS", "QUANTITIES", "ROUND_OFF", "History", "Run", "Trend", "positions", "run", "scatter"]
 
 ROUND_OFF = 2e-12  # relative; below it a float64 sum over many steps has no order to measure
 TOLERANCE = 0.5  # how far below the expected order a measured one may fall
@@ -22,11 +22,15 @@ QUANTITIES = ("energy", "momentum", "angular momentum", "mass", "charge")
 
 @dataclass(frozen=True)
 class Trend:
-    """A relative error at dt, dt/2 and dt/4 (the last missing where it comes from differences), and its order."""
+    """A relative error at dt, dt/2 and dt/4 (the last missing where it comes from differences), and its order.
+
+    scatter : what the last value may come to by chance
+    """
 
     values: tuple[float, ...]
     expected: int
     floor: float = ROUND_OFF
+    scatter: float = 0.0
 
     @property
     def at_round_off(self) -> bool:
@@ -44,10 +48,21 @@ class Trend:
 
     @property
     def good(self) -> bool:
-        last, order = self.values[-1], self.order
+        last = self.values[-1]
         if not all(map(math.isfinite, self.values)):
             return False
-        return last <= 2 * self.floor or (order is not None and order >= self.expected - TOLERANCE)
+        return last <= 2 * self.floor or self.has_its_order or self.is_scatter
+
+    @property
+    def has_its_order(self) -> bool:
+        order = self.order
+        return order is not None and order >= self.expected - TOLERANCE
+
+    @property
+    def is_scatter(self) -> bool:
+        """Whether chance alone keeps the last value from its order."""
+        allowed = self.values[0] / 2 ** ((self.expected - TOLERANCE) * (len(self.values) - 1))
+        return self.scatter > 0 and not self.has_its_order and self.values[-1] <= allowed + self.scatter
 
     def __str__(self) -> str:
         order = "without an order" if self.order is None else f"at order {self.order:.2f}"
@@ -57,7 +72,7 @@ class Trend:
         """Plain numbers."""
         return {
             "values": list(self.values), "expected_order": self.expected, "order": self.order,
-            "at_round_off": self.at_round_off, "good": self.good,
+            "at_round_off": self.at_round_off, "scatter": self.scatter, "good": self.good,
         }  # fmt: skip
 
 
@@ -179,6 +194,19 @@ def _booked(books: Ledger, name: str, quantity: str) -> tuple:
     minus = [getattr(passage, quantity) for passage in of(books.died)] + (of(getattr(books, losses)) if losses else [])
     moved = max((float(np.abs(entry).max()) for entry in plus + minus), default=0.0)
     return sum(plus) - sum(minus), moved
+
+
+def scatter(runs: list[Run], others: dict[float, Run], name: str, first: float) -> float:
+    """What positions at dt/2 may err by, by the luck of where in a step a kink falls, relative as in `positions`.
+
+    others : runs of a few steps more over the same span, by their share of the steps. Kinks fall elsewhere in theirs: what
+    they err by at dt is another draw. A smooth error changes by its order times the share; that of order 1, of twice
+    `first` (the distance of dt from dt/2), is taken off. Of the largest distance an eighth is left at dt/2, as kinks err by
+    dt^3; four times that, as the draws are few.
+    """
+    found = {share: positions([runs[0], one], name, 0) for share, one in others.items()}
+    luck = [trend[0].values[0] - 2 * first * share for share, trend in found.items() if trend]
+    return max([4 * one / 8 for one in luck], default=0.0) if luck and max(luck) > 0 else 0.0
 
 
 def positions(runs: list[Run], name: str, expected: int) -> tuple[Trend, int] | None:

@@ -24,7 +24,7 @@ _STYLES = {1: "-", 2: "--", 4: ":"}
 def check_plots(path: Path) -> None:
     """UsageError for another ending, or where matplotlib is not installed."""
     if path.suffix.lower() not in ENDINGS:
-        raise UsageError(f"{path.name}: an audit is drawn as {', '.join(ENDINGS)}")
+        raise UsageError(f"{path}: an audit is drawn as {', '.join(ENDINGS)}")
     try:
         import matplotlib  # noqa: F401
     except ImportError:

@@ -83,6 +83,8 @@ def _row(trend) -> str:
         return f"{values}   at round-off: an order has no meaning"
     if trend.order is None:
         return f"{values}   {'at round-off at dt' if trend.good else 'grows from round-off'}"
+    if trend.is_scatter:
+        return f"{values}   by chance: kinks of the field scatter the last by {trend.scatter:.1e}"
     return f"{values}   {trend.order:.2f} (expected {trend.expected}){'' if trend.good else '  NOT CLOSED'}"
 
 

@@ -53,6 +53,21 @@ class SDF(Collider):
             self.grid = grid
 
     @property
+    def steepness(self) -> float:
+        """The steepest slope of the grid at the middle of a cell, m a metre; 0 for a function."""
+        if self.grid is None:
+            return 0.0
+        squares = np.zeros([n - 1 for n in self.grid.shape])
+        for axis, (low, high) in enumerate(zip(self.values["min"], self.values["max"])):
+            rise = np.diff(self.grid, axis=axis) * (self.grid.shape[axis] - 1) / (high - low)
+            for other in {0, 1, 2} - {axis}:
+                near, far = [slice(None)] * 3, [slice(None)] * 3
+                near[other], far[other] = slice(None, -1), slice(1, None)
+                rise = 0.5 * (rise[tuple(near)] + rise[tuple(far)])
+            squares += rise**2
+        return float(np.sqrt(squares.max()))
+
+    @property
     def tabled(self) -> bool:
         return self.grid is not None
 

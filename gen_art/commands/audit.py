@@ -12,7 +12,9 @@ __all__ = ["command"]
 @click.command("audit")
 @click.argument("preset")
 @click.option(
-    "--time", type=options.POSITIVE, help="Film time to run to; 2 s, or 1 s with mutual forces, when left out."
+    "--time",
+    type=options.POSITIVE,
+    help="Film time to run to; 2 s, or 1 s with mutual forces or stiff springs, when left out.",
 )
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
 @click.option("-o", "--output", help="Draw it too: .png, .svg, or .html with the text. Needs matplotlib.")

@@ -29,6 +29,8 @@ def read_controls(given, names: tuple[str, ...]) -> dict[str, np.ndarray]:
     if "time" not in columns or unknown:
         what = f"has no column {', '.join(sorted(unknown))} to give" if unknown else "needs a column `time`"
         raise UsageError(f"{label}: {what}; the columns are time, {', '.join(names)}")
+    if len(columns) == 1:
+        raise UsageError(f"{label}: has no input beside time; give at least one of {', '.join(names)}")
     table = {name: np.asarray(column, np.float64) for name, column in columns.items()}
     time = table["time"]
     for name, column in table.items():

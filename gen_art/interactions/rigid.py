@@ -21,7 +21,8 @@ class Rigid(Interaction):
     iterations : most sweeps over the contacts in a half step     lamp : what the attribute `shade`, 0 to 1, looks towards
     Bodies are those that the system's `body` emitters lay; in Python ga.bodies(...).system(...). Torque-free rotation has
     order 4 and keeps L exactly; with leapfrog, contacts and constant forces have order 2. Impulses are exchanged at the
-    speeds of the moment, so that a bounce never gains energy; it comes early by up to a step.
+    speeds of the moment, so that a bounce never gains energy; it comes early by up to a step, but in time where a ball meets
+    one wall alone.
     Needs leapfrog, velocity_verlet or semi_implicit_euler. Contacts are dissipative; reciprocal but for held bodies.
     Sources: Catto (2005) for sequential impulses; Andersen (1983) for the velocities at the end of a step (RATTLE).
     """

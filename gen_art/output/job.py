@@ -41,6 +41,9 @@ def picture_size(preset, size=None, scale=None, quality: str = "final", even: bo
     return check_size(tuple(max(unit, round(side * factor / unit) * unit) for side in (width, height)))
 
 
+MOST_FRAMES = 10_000_000
+
+
 def check_target(
     preset, out, *, size=None, scale=None, quality="final", overwrite=False, moving=True, transparent=False, frames=None,
     codec=None, profile=None, bits=None,
@@ -62,6 +65,10 @@ def check_target(
         from gen_art.output.exr import check_exr
 
         check_exr()
+    if frames is not None and len(frames) > MOST_FRAMES:
+        raise UsageError(
+            f"{len(frames):,} frames are asked for, and {MOST_FRAMES:,} are the most at a time: name them by --frames"
+        )
     numbers = list(frames) if frames is not None else [0]
     if moving and not target.moving and not target.pattern and len(numbers) > 1:
         raise UsageError(

@@ -64,8 +64,11 @@ class Blow:
         fast = (-laws[:, 0] * w0 > pull) & (w0 < 0)
         span = turn.drift if turn.drift > 0 else turn.dt
         self._soft = -np.maximum(meeting.gap, 0.0) / span
+        self.lone, self.wait = np.zeros(len(w0), bool), np.zeros(len(w0))
         if turn.drift > 0:
             self.hits = fast & (meeting.gap + span * w1 < 0)
+            self._meet_in_time(w1, turn)
+            w0 = (self._before * n).sum(1)
             self._hard = np.where(self.hits, w1 - (1 + laws[:, 0]) * w0, self._soft)
         else:
             self.hits = fast
@@ -74,6 +77,33 @@ class Blow:
         slide = self._before - w0[:, None] * n
         change = whole * sum(np.sqrt(((b - a) ** 2).sum(1)) for a, b in zip(was, now))
         self._friction = np.where((slide * slide).sum(1) <= change**2, laws[:, 2], laws[:, 1])
+
+    def _meet_in_time(self, w1: np.ndarray, turn) -> None:
+        """Find the time of impact of balls that meet nothing but one wall, and the speed that forces give them until then.
+
+        Other shapes turn on their way to the wall, and a blow off their middle turns them: they bounce where they are.
+
+        lone (k,): such contacts     wait (k,): s from the start of the drift to the impact
+        """
+        meeting, many = self._meeting, len(self._world.members)
+        one, two = meeting.first, meeting.second
+        met = np.bincount(one[one >= 0], minlength=many) + np.bincount(two[two >= 0], minlength=many)
+        alone = met[np.maximum(one, two)] == 1
+        turned = sum(np.abs(cross(arm, meeting.normal)).max(1) for arm in (self._ra, self._rb))
+        central = turned <= 1e-9 * meeting.sizes
+        self.lone = self.hits & alone & central & (meeting.wall >= 0) & (meeting.gap > 0)
+        self.wait[self.lone] = -meeting.gap[self.lone] / w1[self.lone]
+        self._before += (self.wait / turn.kick)[:, None] * (self._after - self._before)
+
+    def late(self, v: np.ndarray, w: np.ndarray) -> np.ndarray | None:
+        """Shifts (b, 3) m and turns (b, 3) rad, as v and w (b, 3), from before the impulses, hold until the impact; or None."""
+        if not self.lone.any():
+            return None
+        world, out = self._world, np.zeros((len(v), 6))
+        k = np.flatnonzero(self.lone)
+        b = np.maximum(self._meeting.first, self._meeting.second)[k]
+        out[b] = self.wait[k, None] * np.concatenate([v - world.v, w - world.w], 1)[b]
+        return out
 
     def _solved(self, aim: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Impulses for the aims, and how they change the speeds at the contacts, both (k, 3)."""

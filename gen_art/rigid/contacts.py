@@ -131,9 +131,13 @@ class Meeting:
         impulses = blow.impulses(start)
         if turn.drift > 0:
             self.world.shift = blow.parting()
+        held = self.world.v, self.world.w
         self._keys = self.key  # kept as forces: the next solve may be over another length of time
         self._impulses = np.where(blow.hits[:, None], 0.0, impulses) / turn.kick
         given = blow.give(impulses) * blow.sign
+        late = blow.late(*held)
+        if late is not None:
+            self.world.shift = late if self.world.shift is None else self.world.shift + late
         out: dict[str, tuple[np.ndarray, float]] = {}
         for c in np.unique(self.wall[self.wall >= 0]):
             total = given[self.wall == c].sum(0)

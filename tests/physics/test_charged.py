@@ -8,14 +8,14 @@ import gen_art as ga
 F = ga.forces
 
 
-def run(position, velocity, forces, dt, steps, charge=1.0, precision="f64", integrator="boris", each=None):
+def run(position, velocity, forces, dt, steps, charge=1.0, precision="f64", integrator="boris", every=1):
     ion = ga.ParticleSystem(
         position=[position], velocity=[velocity], charge=charge, forces=forces, integrator=integrator
     )
     sim = ga.Simulation({"ion": ion}, dt=dt, precision=precision)
     path = [sim["ion"].position[0]]
-    for _ in range(steps):
-        sim.step(1)
+    for _ in range(steps // every):
+        sim.step(every)
         path.append(sim["ion"].position[0])
     return np.array(path), sim
 

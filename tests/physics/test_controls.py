@@ -186,6 +186,7 @@ def test_a_dive_that_was_recorded(tmp_path):
 @pytest.mark.parametrize("make,words", [
     (lambda d: F.Aircraft(controls=str(d / "none.csv")), "no such file"),
     (lambda d: F.Aircraft(controls=_file(d, "bank\n1\n")), "needs a column `time`"),
+    (lambda d: F.Aircraft(controls=_file(d, "time\n0\n1\n")), "no input beside time; give at least one of angle_of_attack, bank"),
     (lambda d: F.Aircraft(controls=_file(d, "time,bnk\n0,1\n")), "no column bnk.*angle_of_attack, bank, throttle"),
     (lambda d: F.Aircraft(controls=_file(d, "time,bank\n0,1\n0,2\n")), "times must rise"),
     (lambda d: F.Aircraft(controls=_file(d, "time,bank\n0,1\n1\n")), "line 3 has 1 numbers for 2 columns"),

@@ -30,8 +30,12 @@ def kolmogorov_smirnov(values, cdf):
 
 
 @pytest.mark.proof
-def test_an_elastic_gas_comes_to_maxwells_distribution():
-    """A thousand spheres of one speed; after some ten collisions each, every component is normal; the walls' impulse is booked."""
+@pytest.mark.parametrize("precision,tolerance", [("f64", 1e-11), ("f32", 1e-6)])
+def test_an_elastic_gas_comes_to_maxwells_distribution(precision, tolerance):
+    """A thousand spheres of one speed; after some ten collisions each, every component is normal; the walls' impulse is booked.
+
+    In float32 a thousand momenta of 1 N s are rounded in 3600 kicks: sqrt(3.6e6) eps = 1e-4 N s of their sum.
+    """
     side = 1.75
     x, r = lattice(10, side, 5)
     v = r.normal(size=x.shape)
@@ -41,13 +45,13 @@ def test_an_elastic_gas_comes_to_maxwells_distribution():
         position=x, velocity=v, radius=0.05, colliders=[walls], interactions=[Contacts(restitution=1.0, duration=5e-3)],
         integrator="leapfrog",
     )  # fmt: skip
-    sim = ga.Simulation({"s": system}, dt=2.5e-4, precision="f64", ledger=True)
+    sim = ga.Simulation({"s": system}, dt=2.5e-4, precision=precision, ledger=True)
     start = sim.diagnostics()
     sim.step(3600)
     end, account = sim.diagnostics(), sim.ledger()
     assert end.kinetic_energy + end.potential_energy == pytest.approx(start.energy, rel=5e-3)
     moved = account.impulse["s.box"]
-    assert np.abs(moved).max() > 1 and np.abs(end.momentum - start.momentum - moved).max() < 1e-11 * 1000
+    assert np.abs(moved).max() > 1 and np.abs(end.momentum - start.momentum - moved).max() < tolerance * 1000
     width = math.sqrt(2 * end.kinetic_energy / 3 / len(x))
 
     def normal(u):
@@ -72,14 +76,33 @@ def restitution_met(e, dt, T):
     return float(np.mean(found))
 
 
+def kept(q):
+    """The share of directions from a place in a cube, d away for d = q sides, that end in it too, over all places: what
+    collisions walls leave of those of a gas without them. The mean of (1 - q abs(x)) (1 - q abs(y)) (1 - q abs(z)) over the
+    sphere: 1/2, 2 / (3 pi) and 1 / (4 pi) are the means of abs(x), abs(x y) and abs(x y z)."""
+    return 1 - 3 * q / 2 + 2 / math.pi * q**2 - q**3 / (4 * math.pi)
+
+
+def test_what_walls_leave_of_collisions():
+    r = np.random.default_rng(0)
+    way = r.normal(size=(200_000, 3))
+    there = r.uniform(size=way.shape) + 0.2 * way / np.linalg.norm(way, axis=1)[:, None]
+    assert ((there > 0) & (there < 1)).all(1).mean() == pytest.approx(kept(0.2), abs=4e-3)
+    assert kept(0.2) < 0.75
+
+
 @pytest.mark.proof
 def test_a_granular_gas_cools_by_haffs_law():
-    """T = T0 / (1 + t / tau)^2 within 3 % (0.8 % measured), and tau within 12 % of kinetic theory for a gas without walls:
+    """T = T0 / (1 + t / tau)^2 within 3 % (0.8 % measured), and tau within 3 % of kinetic theory:
 
-    1/tau = (1 - e^2) nu / 6, nu = 4 n d^2 g sqrt(pi T0 / m), n in the volume the centres may take, g = (1 - phi/2) / (1 - phi)^3.
+    1/tau = (1 - e^2) nu / 6, nu = 4 n d^2 g sqrt(pi T0 / m), n in the volume the centres may take, g = (1 - phi/2) / (1 - phi)^3,
+    times 1 + 3 a2 / 16 for speeds that are not Maxwell's (van Noije and Ernst 1998), a2 = 16 (1 - e) (1 - 2 e^2) /
+    (81 - 17 e + 30 e^2 (1 - e)), times what the walls leave of the collisions, 0.956 here: the sphere beside a wall meets no one on
+    that side. Contacts that last take of the rate 1.2 % a millisecond at 8 collisions a second (14,000 spheres: 4.4 % at
+    4 ms, 2.1 % at 2 ms, 0.9 % at 1 ms: none at no length), so they are short here. Of 20,000 collisions the noise is 1 %.
     """
-    e, d, dt, T = 0.85, 0.1, 2.5e-4, 4e-3
-    per_side, side = 12, 2.6
+    e, d, dt, T = 0.85, 0.1, 1.25e-4, 1e-3
+    per_side, side = 16, 10 / 3 + d
     x, r = lattice(per_side, side - d, 3)
     v = r.normal(size=x.shape)
     v -= v.mean(0)
@@ -90,23 +113,25 @@ def test_a_granular_gas_cools_by_haffs_law():
         integrator="leapfrog",
     )  # fmt: skip
     sim = ga.Simulation({"s": system}, dt=dt)
-    sim.step(1200)  # from the lattice to a gas
+    sim.step(2400)  # from the lattice to a gas
     times, temperatures = [], []
     for _ in range(12):
         times.append(sim.time)
         temperatures.append(2 * sim.diagnostics().kinetic_energy / 3 / len(x))
-        sim.step(500)
+        sim.step(1000)
     times, temperatures = np.array(times) - times[0], np.array(temperatures)
     n = len(x) / (side - d) ** 3
     phi = n * math.pi / 6 * d**3
     g = (1 - phi / 2) / (1 - phi) ** 3
     met = restitution_met(e, dt, T)
-    rate = (1 - met**2) / 6 * 4 * n * d**2 * g * math.sqrt(math.pi * temperatures[0])
+    a2 = 16 * (1 - e) * (1 - 2 * e**2) / (81 - 17 * e + 30 * e**2 * (1 - e))
+    free = (1 - met**2) / 6 * 4 * n * d**2 * g * math.sqrt(math.pi * temperatures[0]) * (1 + 3 * a2 / 16)
     slope, start = np.polyfit(times, temperatures**-0.5, 1)  # the law is a straight line
     law = (start + slope * times) ** -2
     assert temperatures[-1] < 0.5 * temperatures[0]
     assert np.abs(temperatures / law - 1).max() < 0.03
-    assert slope / start == pytest.approx(rate, rel=0.12)
+    assert slope / start == pytest.approx(free * kept(d / (side - d)), rel=0.03)
+    assert slope / start != pytest.approx(free, rel=0.03)  # the mutant: a gas without walls
     fall, first = np.polyfit(times, np.log(temperatures), 1)  # an exponential fits worse by far
     other = np.abs(temperatures / np.exp(first + fall * times) - 1).max()
     assert other > 0.025 and other > 2.5 * np.abs(temperatures / law - 1).max()
