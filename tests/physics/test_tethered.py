@@ -1,4 +1,4 @@
-"""Cords, hands and what floats: the bungee, drag by hand, the floating ball, the load at the end of a rope."""
+"""Cords, hands, canopies and what floats: the bungee, drag by hand, the parachute, the floating ball, a load on a rope."""
 
 import math
 
@@ -168,3 +168,57 @@ def test_a_load_hangs_on_a_rope_and_stretches_it_by_the_weight_below(tmp_path):
     stretch = -2 - cord.position[-1, 1]
     assert stretch == pytest.approx(G * (10 * 1.5 + 45 * 0.1) / 1000, rel=1e-5)
     assert stretch != pytest.approx(G * 55 * 0.1 / 1000, rel=0.5)  # the mutant: no load
+
+
+JUMP = """
+version: 1
+clock: {duration: 8, fps: 30, step: 1/120}
+medium: {density: 1.2}
+forces: {gravity: [0, -9.81, 0]}
+systems:
+  jumpers:
+    particle: {mass: 90, lifetime: 3.003}
+    forces: {drag: {quadratic: 0.25}}
+    emitters: {door: {count: 1}}
+  canopies:
+    particle: {mass: 90}
+    forces: {drag: {quadratic: 22}}
+    emitters: {core: {from: {event: jumpers.death, inherit: velocity}, count: 1}}
+"""
+
+
+def braked(start, terminal, t):
+    """Speed of a fall under quadratic drag, t s after `start` m/s."""
+    share = math.tanh(G * t / terminal)
+    return terminal * (start + terminal * share) / (terminal + start * share)
+
+
+def test_a_parachute_that_opens_brakes_a_fall_to_its_own_terminal_speed(tmp_path):
+    (tmp_path / "a.yaml").write_text(JUMP)
+    sim = ga.Simulation(ga.load_preset(tmp_path / "a.yaml"), precision="f64")
+    free, under = (math.sqrt(90 * G / k) for k in (0.25, 22.0))
+    sim.step(360)
+    assert -sim["jumpers"].velocity[0, 1] == pytest.approx(braked(0.0, free, 3.0), rel=1e-5)
+    opened = braked(0.0, free, 3.003)
+    sim.step(30)
+    assert sim["jumpers"].count == 0
+    found = -sim["canopies"].velocity[0, 1]
+    assert found == pytest.approx(braked(opened, under, 0.247), rel=1e-4)
+    assert found != pytest.approx(braked(opened, free, 0.247), rel=0.1)  # the mutant: a canopy that stays shut
+    sim.step(360)
+    assert -sim["canopies"].velocity[0, 1] == pytest.approx(under, rel=1e-6)
+
+
+def test_a_balloon_rises_at_its_terminal_speed_past_the_wind():
+    """cd rho pi r^2 v^2 / 2 = (rho V - m) g, and it drifts with the wind."""
+    r, mass = 0.2, 0.025
+    balloon = ga.ParticleSystem(
+        position=[[0, 0, 0]], radius=r, mass=mass, medium=ga.Medium([F.Wind((1.5, 0.0, -0.5))], density=1.2),
+        forces=[F.Gravity((0.0, -G, 0.0)), F.Buoyancy(1.2, (0.0, -G, 0.0)), F.Drag(cd=0.5)],
+    )  # fmt: skip
+    sim = ga.Simulation({"b": balloon}, dt=0.02, precision="f64")
+    sim.step(400)
+    push = (1.2 * 4 / 3 * math.pi * r**3 - mass) * G
+    rise = math.sqrt(2 * push / (1.2 * 0.5 * math.pi * r**2))
+    assert sim["b"].velocity[0] == pytest.approx([1.5, rise, -0.5], rel=1e-6)
+    assert sim["b"].velocity[0, 1] != pytest.approx(math.sqrt(2 * (push + mass * G) / (0.6 * math.pi * r**2)), rel=0.1)
