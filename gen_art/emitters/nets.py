@@ -19,6 +19,10 @@ class _Laid(Emitter):
     def births(self) -> int:
         return len(self.net.position)
 
+    @property
+    def declares(self) -> tuple[str, ...]:  # type: ignore[override]  # of the instance: only with a load
+        return () if self.values.get("load") is None else ("along",)
+
     def sample(self, r, n):
         born = {"position": self.net.position.T, "velocity": np.zeros((3, n))}
         pinned = self.net.pinned(self.values["pinned"])
@@ -50,7 +54,6 @@ class Chain(_Laid):
     def prepare(self):
         v = self.values
         self.net = nets.chain(v["start"], v["end"], v["count"])
-        self.declares = () if v["load"] is None else ("along",)
 
 
 @emitter("rope")
@@ -74,7 +77,6 @@ class Rope(_Laid):
     def prepare(self):
         v = self.values
         self.net = nets.rope(v["start"], v["end"], v["count"], v["length"], v["bend"])
-        self.declares = () if v["load"] is None else ("along",)
 
 
 @emitter("cloth")
