@@ -113,8 +113,8 @@ def propeller(p):
 
 
 def hand(p):
-    """At 0.7 s, between rows at 0.5 and 1: its place is 0.4 of the way."""
-    r = p.position - _column((0.1 + 0.4 * 0.3, -0.2 - 0.4 * 0.5, 0.3))
+    share = (p.time - 0.5) / 0.5  # of the way from the row at 0.5 s to the one at 1 s
+    r = p.position - _column((0.1 + share * 0.3, -0.2 - share * 0.5, 0.3))
     d = np.linalg.norm(r, axis=0)
     return -2.5 * np.maximum(d - 0.9, 0) * r / d / p.mass
 
