@@ -37,7 +37,8 @@ class Emitter(_Birth):
 
     Either `birth(self, r, t, q)`, a @ti.func returning (position, velocity) or a dict that also sets mass, charge,
     radius, lifetime or declared attributes; or, for initial conditions, `sample(self, r, n)` in NumPy, returning a dict of
-    arrays, where r.uniform(channel), r.normal(channel) and r.sphere(channel) give one value for each of the n particles.
+    arrays, where r.uniform(channel), r.normal(channel) and r.sphere(channel) give one value for each of the n particles;
+    NaN leaves what the preset says.
     `declares` : attributes that its particles have without the preset's naming them.
     """
 

@@ -201,7 +201,7 @@ def _words(keys: np.ndarray) -> np.ndarray:
 
 
 def _sample(particles: Particles, batch: Batch, sample: Callable, slots: np.ndarray) -> None:
-    """Births by an emitter written in NumPy; what it does not set comes from the kind's attributes."""
+    """Births by an emitter written in NumPy; what it does not set, or sets to NaN, comes from the kind's attributes."""
     draws = Draws(batch.keys)
     rows = particles.channels
     for name, (low, high) in batch.kind.attributes.items():
@@ -218,4 +218,6 @@ def _sample(particles: Particles, batch: Batch, sample: Callable, slots: np.ndar
             first = 0 if name == "position" else 3
             particles.floats[first : first + 3, slots] = np.asarray(values) + batch.origin[first : first + 3]
         else:
-            particles.floats[rows[name], slots] = values
+            values = np.asarray(values)
+            of = np.broadcast_to(~np.isnan(values), slots.shape)
+            particles.floats[rows[name], slots[of]] = np.broadcast_to(values, slots.shape)[of]

@@ -19,12 +19,20 @@ class _Laid(Emitter):
     def births(self) -> int:
         return len(self.net.position)
 
+    @property
+    def declares(self) -> tuple[str, ...]:  # type: ignore[override]  # of the instance: only with a load
+        return () if self.values.get("load") is None else ("along",)
+
     def sample(self, r, n):
         born = {"position": self.net.position.T, "velocity": np.zeros((3, n))}
         pinned = self.net.pinned(self.values["pinned"])
         if len(pinned):
             born["lifetime"] = np.full(n, np.inf)
             born["lifetime"][pinned] = FIXED
+        if self.declares:
+            born["along"] = np.linspace(0.0, 1.0, n)
+            born["mass"] = np.full(n, np.nan)  # the others' is the preset's
+            born["mass"][-1] = self.values["load"]
         return born
 
 
@@ -33,13 +41,15 @@ class Chain(_Laid):
     """Particles in a row, each joined to the next by a spring whose rest length is their distance.
 
     x_k = start + k (end - start) / (count - 1);  start, end : (3,) m     count : at least 2
-    pinned : which stay in place: none, start, end or ends
+    pinned : which stay in place: none, start, end or ends     load : kg, mass of the last particle; with it, all have the
+    attribute `along`, from 0 at the start to 1 at the end
     """
 
     start: tuple = param((0.0, 0.0, 0.0), unit="m")
     end: tuple = param((1.0, 0.0, 0.0), unit="m")
     count: int = param(20, min=2, max=10_000_000)
     pinned: str = param("ends", choices=("none", "start", "end", "ends"))
+    load: float = param(None, unit="kg", min=1e-300, doc="mass of the last particle; that of the others when left out")
 
     def prepare(self):
         v = self.values
@@ -52,7 +62,8 @@ class Rope(_Laid):
 
     rest length of each spring = length / (count - 1);  start, end : (3,) m     count : at least 2
     length : m, at least the distance, which it is when left out     bend : share of the stiffness that resists folding
-    pinned : which stay in place: none, start, end or ends
+    pinned : which stay in place: none, start, end or ends     load : kg, mass of the last particle; with it, all have the
+    attribute `along`, from 0 at the start to 1 at the end
     """
 
     start: tuple = param((0.0, 0.0, 0.0), unit="m")
@@ -61,6 +72,7 @@ class Rope(_Laid):
     length: float = param(None, unit="m", min=0)
     bend: float = param(0.0, min=0, max=1)
     pinned: str = param("ends", choices=("none", "start", "end", "ends"))
+    load: float = param(None, unit="kg", min=1e-300, doc="mass of the last particle; that of the others when left out")
 
     def prepare(self):
         v = self.values

@@ -15,7 +15,7 @@ from gen_art.forces.lift import Lift
 from gen_art.forces.magnetic_sources import MagneticDipole, MagneticGrid, MagneticLoop, MagneticWire
 from gen_art.forces.panel import Panel
 from gen_art.forces.random_driver import RandomDriver
-from gen_art.forces.spring import Spring
+from gen_art.forces.spring import Hand, Spring
 from gen_art.forces.submarine import Ballast, Propeller
 from gen_art.forces.thrust import Thrust
 from gen_art.forces.vector_field import VectorField
@@ -39,6 +39,7 @@ __all__ = [
     "ElectricWire",
     "Force",
     "Gravity",
+    "Hand",
     "HeightGravity",
     "Hernquist",
     "Lift",

@@ -12,22 +12,51 @@ from gen_art.runtime import ti
 class Buoyancy(Force):
     """Archimedes' upthrust on the particle's sphere.
 
-    F = -fluid_density (4/3) pi radius^3 gravity;  U = fluid_density (4/3) pi radius^3 gravity . x
+    F = -fluid_density (4/3) pi radius^3 gravity s;  U = fluid_density (4/3) pi radius^3 gravity . x, without a surface
+    with one: s = (2 + 3 c - c^3) / 4, the share of the sphere that is under it, c = (surface - y) / radius from -1 to 1,
+    y the particle's place along -gravity;  s = 1 without
 
-    fluid_density : kg/m^3, >= 0     gravity : (3,) m/s^2, the field that makes the pressure.  Conservative.
+    fluid_density : kg/m^3, >= 0     gravity : (3,) m/s^2, the field that makes the pressure     surface : m, the height
+    above which there is no fluid.  Conservative. A sphere of density rho floats where s = rho / fluid_density, and bobs
+    there at w^2 = 3 g fluid_density (1 - c^2) / (4 radius rho).
     """
 
     fluid_density: float = param(1.2, unit="kg/m^3", min=0)
     gravity: tuple = param((0.0, -9.81, 0.0), unit="m/s^2")
+    surface: float = param(None, unit="m", doc="height of the fluid's surface; none when left out")
     conservative = True
+
+    @property
+    def fixed(self) -> tuple:
+        return (*super().fixed, self.has_surface)
+
+    @property
+    def has_surface(self) -> bool:
+        return self.values["surface"] is not None
 
     @ti.func
     def force(self, p, t, q):
-        return q.gravity * (-q.fluid_density * (4.0 / 3.0 * math.pi) * p.radius**3)
+        push = q.gravity * (-q.fluid_density * (4.0 / 3.0 * math.pi) * p.radius**3)
+        if ti.static(self.has_surface):
+            c = self._depth(p, q)
+            push *= 0.25 * (2.0 + 3.0 * c - c * c * c)
+        return push
 
     @ti.func
     def potential(self, p, t, q):
-        return q.fluid_density * (4.0 / 3.0 * math.pi) * p.radius**3 * q.gravity.dot(p.position)
+        weight = q.fluid_density * (4.0 / 3.0 * math.pi) * p.radius**3  # of the fluid it displaces, over gravity
+        energy = weight * q.gravity.dot(p.position)
+        if ti.static(self.has_surface):
+            g, c = q.gravity.norm(), self._depth(p, q)
+            h = q.surface + p.position.dot(q.gravity) / ti.max(g, 1e-30)
+            energy = weight * g * (p.radius * (3.0 + 8.0 * c + 6.0 * c * c - c**4) / 16.0 + ti.max(h - p.radius, 0.0))
+        return energy
+
+    @ti.func
+    def _depth(self, p, q):
+        """How far the middle is under the surface, in radii, from -1 (dry) to 1 (covered)."""
+        h = q.surface + p.position.dot(q.gravity) / ti.max(q.gravity.norm(), 1e-30)
+        return ti.min(ti.max(h / ti.max(p.radius, 1e-30), -1.0), 1.0)
 
 
 @force("thermal_lift")

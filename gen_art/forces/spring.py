@@ -1,6 +1,7 @@
-"""A spring to a fixed point."""
+"""A spring to a fixed point, and one to a hand that moves."""
 
 from gen_art.forces.base import Force, force
+from gen_art.forces.controls import Controlled
 from gen_art.registry import param
 from gen_art.runtime import ti
 
@@ -10,7 +11,7 @@ class Spring(Force):
     """A linear spring from a fixed point.
 
     F = -stiffness (abs(r) - rest_length) n,  n = r / abs(r),  r = x - center
-    U = stiffness (abs(r) - rest_length)^2 / 2
+    U = stiffness (abs(r) - rest_length)^2 / 2;  slack: both are 0 where abs(r) < rest_length, as of an elastic cord
 
     stiffness : N/m, >= 0     rest_length : m, >= 0.  Conservative.
     """
@@ -18,15 +19,47 @@ class Spring(Force):
     center: tuple = param((0.0, 0.0, 0.0), unit="m")
     stiffness: float = param(1.0, unit="N/m", min=0)
     rest_length: float = param(0.0, unit="m", min=0)
+    slack: bool = param(False, doc="it pulls and never pushes, as a cord")
     conservative = True
 
     @ti.func
     def force(self, p, t, q):
         r = p.position - q.center
         length = ti.max(r.norm(), 1e-30)
-        return r * (-q.stiffness * (length - q.rest_length) / length)
+        stretch = length - q.rest_length
+        if ti.static(self.values["slack"]):
+            stretch = ti.max(stretch, 0.0)
+        return r * (-q.stiffness * stretch / length)
 
     @ti.func
     def potential(self, p, t, q):
         stretch = (p.position - q.center).norm() - q.rest_length
+        if ti.static(self.values["slack"]):
+            stretch = ti.max(stretch, 0.0)
         return 0.5 * q.stiffness * stretch * stretch
+
+
+@force("hand")
+class Hand(Controlled):
+    """A spring, or a cord, from a hand that moves along a recorded path: what it holds is dragged behind it.
+
+    F = -stiffness (abs(r) - rest_length) n,  n = r / abs(r),  r = p - (x, y, z)(t);  none where abs(r) < rest_length
+
+    stiffness : N/m, >= 0     rest_length : m, >= 0; 0 is a spring     x, y, z : m, the place of the hand
+    controls : a .csv file with the columns time (s) and any of x, y, z, straight between its rows. Books the hand's work.
+    Behind a hand of steady velocity v, under drag of c kg/s, it comes to lag by c v / stiffness.
+    Source: Feynman, Lectures on Physics I, chapter 23, for the oscillator with a driven end.
+    """
+
+    stiffness: float = param(1.0, unit="N/m", min=0)
+    rest_length: float = param(0.0, unit="m", min=0, doc="length up to which it is slack")
+    x: float = param(0.0, unit="m")
+    y: float = param(0.0, unit="m")
+    z: float = param(0.0, unit="m")
+    inputs = ("x", "y", "z")
+
+    @ti.func
+    def force(self, p, t, q):
+        r = p.position - ti.Vector([self.recorded(0, t, q), self.recorded(1, t, q), self.recorded(2, t, q)])
+        length = ti.max(r.norm(), 1e-30)
+        return r * (-q.stiffness * ti.max(length - q.rest_length, 0.0) / length)

@@ -26,7 +26,7 @@ class Springs(Interaction):
     U = sum k (l - rest_length)^2 / 2,  k = share stiffness,  c = share damping
 
     pairs : (m, 2) ids of particles, in order of birth from 0     stiffness : N/m, >= 0     damping : N s/m, >= 0
-    rest_length : m, each or all; their distance at the start when left out
+    rest_length : m, each or all; as they are laid when left out; 0 makes a chain whose waves obey one law along it and across
     share : each spring's part of the stiffness and damping
     method : "explicit" with any integrator, stable for w dt < 2; far beyond that, with semi_implicit_euler, "implicit", backward
     Euler for the whole net, or "xpbd", sweeps over the threads of the net, each backward Euler along itself: much quicker, and
@@ -56,8 +56,11 @@ class Springs(Interaction):
         if values["tether"] is not None and values["tear"] is not None:
             raise UsageError("a tether takes the load from the springs: give tear or tether, not both")
         if values["pairs"] is None:
-            if values["rest_length"] is not None or values["share"] is not None:
-                raise UsageError("rest_length and share go with pairs")
+            if values["share"] is not None:
+                raise UsageError("share goes with pairs")
+            length = values["rest_length"]
+            if length is not None and (np.shape(length) or not math.isfinite(length) or length < 0):
+                raise UsageError(f"rest_length, without pairs, must be one number, at least 0, not {length!r}")
             return
         try:
             pairs = np.asarray(values["pairs"])
@@ -99,6 +102,8 @@ class Springs(Interaction):
         pairs, rest, share = self._laid(system) if self.values["pairs"] is None else (
             self.values["pairs"], self.values["rest_length"], self.values["share"],
         )  # fmt: skip
+        if self.values["pairs"] is None and self.values["rest_length"] is not None:
+            rest = np.full(len(pairs), float(self.values["rest_length"]))
         if len(pairs) and pairs.max() >= n > 0:
             raise UsageError(
                 f"springs: a pair names particle {pairs.max()}, but '{system.name}' begins with {n} (0 to {n - 1})"

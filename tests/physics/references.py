@@ -112,6 +112,13 @@ def propeller(p):
     return np.outer(way, 0.3 * 2.5 / p.mass)
 
 
+def hand(p):
+    share = (p.time - 0.5) / 0.5  # of the way from the row at 0.5 s to the one at 1 s
+    r = p.position - _column((0.1 + share * 0.3, -0.2 - share * 0.5, 0.3))
+    d = np.linalg.norm(r, axis=0)
+    return -2.5 * np.maximum(d - 0.9, 0) * r / d / p.mass
+
+
 def driver(p):
     n = np.array([1.0, 2.0, 2.0]) / 3.0
     return np.outer(n, 0.7 * np.cos(2 * np.pi * 1.3 * p.time + 0.4) / p.mass)
@@ -228,6 +235,11 @@ CASES = {
     ),
     "panel": (F.Panel(lift=1.7, drag=1.9, friction=0.05, density=1.3), "push", panel),
     "propeller": (F.Propeller(max_thrust=2.5, throttle=0.3, heading=0.7, pitch=0.2), "push", propeller),
+    "hand": (
+        F.Hand({"time": [0.0, 0.5, 1.0], "x": [0, 0.1, 0.4], "y": [3.0, -0.2, -0.7]}, stiffness=2.5, rest_length=0.9, z=0.3),
+        "push",
+        hand,
+    ),
     "lift": (F.Lift(0.8, 0.6, (0.2, 0.0, 3.0), 1.3), "push", lift),
     "thrust": (F.Thrust((3.0, 0.0, 4.0), 3.0, 0.2, 0.5, 0.5), "push", thrust),
     "vector_field": (F.VectorField(GRID, (LOW, HIGH), 1.7), "push", sampled),

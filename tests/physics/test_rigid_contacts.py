@@ -264,3 +264,32 @@ def test_refusals():
     with pytest.raises(ga.UsageError, match="no rigid bodies"):
         system = ga.ParticleSystem(position=np.zeros((1, 3)), interactions=[ga.interactions.Rigid()])
         ga.Simulation({"s": system}, dt=0.01)
+
+
+@pytest.mark.parametrize("restitution", [1.0, 0.3])
+def test_a_row_hands_on_the_part_of_a_speed_that_its_restitution_leaves(restitution):
+    """Newton's cradle: the last of five spheres leaves at ((1 + e) / 2)^4 of the first one's speed."""
+    speed, gap, dt = 1.5, 0.014, 1 / 240
+    sim = row(restitution, speed, gap, dt)
+    last = sim["c"].attribute("tint") == 4
+    for _ in range(200):
+        sim.step(1)
+        out = sim["c"].velocity[last, 0].max()
+        if out > 0:
+            break
+    assert out == pytest.approx(speed * ((1 + restitution) / 2) ** 4, rel=1e-12)
+    if restitution == 1.0:  # one in, one out
+        assert np.abs(sim["c"].velocity[~last]).max() < 1e-12
+    wrong = row(0.99 * restitution, speed, gap, dt)  # the mutant: a restitution 1% off
+    wrong.step(60)
+    assert abs(wrong["c"].velocity[last, 0].max() - out) > 1e-3 * speed
+
+
+def row(restitution, speed, gap, dt):
+    """Five spheres in a line, `gap` m apart, the first of which comes in at `speed`."""
+    bodies = ga.bodies(
+        ga.body({"sphere": 0.1}, position=(0.2 * k + gap * k - 0.02 * (k == 0), 0, 0), velocity=(speed * (k == 0), 0, 0), tint=k, points=20)
+        for k in range(5)
+    )  # fmt: skip
+    system = bodies.system(rigid={"restitution": restitution, "friction": 0.0})
+    return ga.Simulation({"c": system}, dt=dt, precision="f64")

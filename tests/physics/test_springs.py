@@ -76,6 +76,38 @@ def test_chain_has_its_modes(mode):
     assert abs(speed) == pytest.approx(abs(x[at, 0] - at) * w, rel=1e-4)
 
 
+STRING = """
+version: 1
+clock: {duration: 8, fps: 30, step: 1/480}
+forces: {gravity: [0, -9.81, 0]}
+systems:
+  row:
+    particle: {mass: 0.5}
+    interactions: {springs: {stiffness: 40, rest_length: 0}}
+    integrator: leapfrog
+    emitters: {row: {chain: {start: [0, 0, 0], end: [9, 0, 0], count: 10}}}
+"""
+
+
+def sagging(t, stiffness=40.0, N=8, m=0.5):
+    """Heights of N masses let go from a straight line, by their modes: a uniform push stirs those of odd j."""
+    k, y = np.arange(N + 2), np.zeros(N + 2)
+    for j in range(1, N + 1, 2):
+        w = 2 * np.sqrt(stiffness / m) * np.sin(j * np.pi / (2 * (N + 1)))
+        share = 2 / (N + 1) / np.tan(j * np.pi / (2 * (N + 1)))
+        y -= 9.81 * share / w**2 * np.sin(j * np.pi * k / (N + 1)) * (1 - np.cos(w * t))
+    return y
+
+
+def test_a_chain_without_rest_length_has_the_same_modes_across(tmp_path):
+    (tmp_path / "a.yaml").write_text(STRING)
+    sim = ga.Simulation(ga.load_preset(tmp_path / "a.yaml"), precision="f64")
+    sim.step(1000)
+    y = sim["row"].position[:, 1]
+    assert np.abs(y - sagging(1000 / 480)).max() < 1e-3 * np.abs(y).max()
+    assert np.abs(y - sagging(1000 / 480, 40.4)).max() > 3e-3 * np.abs(y).max()  # the mutant: springs 1% off
+
+
 def test_energy_momentum_and_the_ledger():
     x, v, m, pairs, rest = web()
 
@@ -266,7 +298,9 @@ def test_snapshots_keep_nets(tmp_path):
             "rest_length must be one number or 1 of them",
         ),
         (lambda: Springs(stiffness=1.0, pairs=[0, 1]), r"shape \(m, 2\)"),
-        (lambda: Springs(stiffness=1.0, rest_length=2.0), "go with pairs"),
+        (lambda: Springs(stiffness=1.0, share=2.0), "goes with pairs"),
+        (lambda: Springs(stiffness=1.0, rest_length=(1.0, 2.0)), "must be one number"),
+        (lambda: Springs(stiffness=1.0, rest_length=-1.0), "at least 0"),
         (lambda: ga.rope((0, 0, 0), (1, 0, 0), 5, 0.9), "does not reach over 1 m"),
         (lambda: ga.chain((0, 0, 0), (1, 0, 0), 1), "at least 2 points"),
         (lambda: ga.cloth((0, 0, 0), (1, 0, 0), (0, 1, 0), 1, 4), "at least 2 columns"),
