@@ -38,6 +38,9 @@ _WHOLE_BITS, _ONE_BITS = 0x4B000000, 0x3F800000
 # places in that memory: one for each change and channel
 _LOG, _EXP, _NOISE, _CODE, _ROOT = 0, 9, 18, 22, 26
 _LANES = tuple(float(k) for k in range(WIDE))
+_AFTER = (*range(1, WIDE), WIDE - 1)
+# float k of eight coarse pixels that channel c of each pixel takes of its neighbour e
+_NEAR = tuple(tuple(tuple(4 * (j // 4 + e) + c for j in range(WIDE)) for e in range(5)) for c in range(3))
 _TAPS = tuple(tuple(float(w) for w in blend_weights()[:, e].tolist() * (WIDE // 4)) for e in range(5))
 
 F1, F2 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2)
@@ -145,15 +148,9 @@ def _contrasted(x, power, F: ti.template(), I: ti.template(), o, c: ti.template(
 @ti.func
 def _spread(low, high, c: ti.template()):
     """Channel c of the light of eight coarse pixels, over the sixteen pixels in their middle."""
-    total = low * 0.0
+    total, both = low * 0.0, (low, high)
     for e in ti.static(range(5)):
-        part = low * 0.0
-        for j in ti.static(range(WIDE)):
-            k = ti.static(4 * (j // 4 + e) + c)
-            if ti.static(k < WIDE):
-                part[j] = low[k]
-            else:
-                part[j] = high[k - WIDE]
+        part = ti.Vector([both[k // WIDE][k % WIDE] for k in ti.static(_NEAR[c][e])])
         total += part * ti.Vector(_TAPS[e])
     return total
 
@@ -186,10 +183,7 @@ def _coded(v, noise, Q: ti.template(), F: ti.template(), I: ti.template(), o, c:
 @ti.func
 def _next(words):
     """Each lane the word of the lane after."""
-    after = words
-    for j in ti.static(range(WIDE - 1)):
-        after[j] = words[j + 1]
-    return after
+    return ti.Vector([words[k] for k in ti.static(_AFTER)])
 
 
 @cache
@@ -215,16 +209,12 @@ def compiled(steps: Steps):
             for t in range(width // WIDE):
                 at = t * WIDE
                 o = i * SCRATCH + (t & 1) * (SCRATCH // 2)  # by turns, lest Taichi takes them for constants of the loop
-                R, G, B, A, E = zero, zero, zero, zero, zero
-                for k in ti.static(range(4)):
-                    p = film[i * stride + 4 * t + k]
-                    for j in ti.static(range(4)):
-                        R[4 * k + j], G[4 * k + j], B[4 * k + j], A[4 * k + j] = (
-                            p[4 * j],
-                            p[4 * j + 1],
-                            p[4 * j + 2],
-                            p[4 * j + 3],
-                        )
+                f = i * stride + 4 * t
+                four = film[f], film[f + 1], film[f + 2], film[f + 3]
+                R = ti.Vector([p[4 * j] for p in ti.static(four) for j in range(4)])
+                G = ti.Vector([p[4 * j + 1] for p in ti.static(four) for j in range(4)])
+                B = ti.Vector([p[4 * j + 2] for p in ti.static(four) for j in range(4)])
+                A = ti.Vector([p[4 * j + 3] for p in ti.static(four) for j in range(4)])
                 if ti.static(steps.strays):
                     R, G, B = R * Q[OWN], G * Q[OWN], B * Q[OWN]
                     low, high = zero, zero  # the coarse rows around, blended
