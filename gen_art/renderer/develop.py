@@ -27,11 +27,9 @@ _PLAIN = DevelopSpec()
 @lru_cache(8)
 def _numbers(spec: DevelopSpec, bits: int) -> np.ndarray:
     q = np.zeros(kernel.NUMBERS, np.float32)
-    q[kernel.VIGNETTE], q[kernel.GRAIN], q[kernel.DITHER] = (
-        2.0 ** (spec.vignette / 2) - 1.0,
-        spec.grain,
-        spec.dither and bits == 8,
-    )
+    q[kernel.VIGNETTE], q[kernel.GRAIN] = 2.0 ** (spec.vignette / 2) - 1.0, spec.grain
+    dither = float(spec.dither and bits == 8)  # of ten bits added to 2^23
+    q[kernel.DITHER], q[kernel.MIDDLE] = dither / 1024.0, dither * (2**23 + 511) / 1024.0
     q[kernel.TOP], q[kernel.CONTRAST] = 2.0**bits - 1.0, spec.contrast
     q[kernel.DENSITY], q[kernel.VIBRANCY], q[kernel.WHITE] = spec.density, spec.vibrancy, spec.white
     q[kernel.LOW : kernel.BELOW + 4] = rational(spec.tone, spec.white)
@@ -65,7 +63,7 @@ def develop(
     if bits not in (8, 16):
         raise UsageError(f"a picture has 8 or 16 bits a channel, not {bits}")
     height, width = film.shape[:2]
-    q = _numbers(spec, bits).copy()
+    q = kernel.table(_numbers(spec, bits))
     q[kernel.BEFORE : kernel.BEFORE + 9] *= 2.0 ** (spec.exposure + (exposure or 0.0))
     strength, halo = spec.bloom.strength, chain(width, height) if spec.bloom.strength else None
     if halo and halo.scales[0] != 4:
@@ -90,7 +88,7 @@ def develop(
     )  # fmt: skip
     scratch = _scratch(height)
     kernel.compiled(steps)(
-        light, stride, wide, height, width, coarse, across, int(frame), sky, q, scratch,
+        light, stride, wide, height, width, coarse, across, int(frame), sky, q, q.view(np.uint32), scratch,
         scratch.view(np.uint32), picture.reshape(-1).view(np.uint32).reshape(-1, 4),
     )  # fmt: skip
     if out is None:
