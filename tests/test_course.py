@@ -1,5 +1,8 @@
 """The presets of the course: each says what it shows, loads, runs and draws."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -33,3 +36,17 @@ def test_it_runs_and_draws(name, tmp_path):
     with Image.open(tmp_path / "a.png") as picture:
         light = np.asarray(picture.convert("L"), float)
     assert light.max() > 12 and light.std() > 0.5
+
+
+def test_every_system_of_the_page_is_shown_and_proved():
+    """docs/course.md: what it names is there, and no piece is missing from it."""
+    root = Path(__file__).resolve().parent.parent
+    page = (root / "docs" / "course.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"`(course/\w+)`", page)) == set(course_names())
+    scripts = re.findall(r"`(\w+\.py)`", page)
+    assert scripts and all((root / "examples" / name).is_file() for name in scripts)
+    tests = "\n".join(path.read_text(encoding="utf-8") for path in (root / "tests" / "physics").glob("test_*.py"))
+    named = re.findall(r"`test_\w+\.py::(test_\w+)`", page)
+    assert len(named) > 60 and not [name for name in named if f"\ndef {name}(" not in tests]
+    rows = [line for line in page.splitlines() if line.startswith("|")][2:]
+    assert all(line.count("|") == 5 and line.split("|")[3].strip() for line in rows)
