@@ -18,6 +18,7 @@ def lean(primal, function, compiling):
     """The kernel `function`, whose inside is `primal`, to be called more quickly once it has run with such arrays.
 
     compiling : gives the context in which Taichi may compile
+    Its `bound(*args)` is a function that launches it with these arguments, which are handed over but once.
     Raises ValueError for an array of vectors at an address that they cannot be loaded from.
     """
     annotations = [argument.annotation for argument in primal.arguments]
@@ -29,11 +30,26 @@ def lean(primal, function, compiling):
     floats = [(k, (k,)) for k, kind in enumerate(kinds) if kind == "float"]
     known: dict[tuple, tuple] = {}
 
+    def signature(args) -> tuple:
+        return tuple([(type(args[k]), args[k].dtype, args[k].ndim) for k, _ in arrays])
+
+    def handed(compiled, args):
+        context = compiled.make_launch_context()
+        for k, lanes in arrays:
+            array = args[k]
+            pointer, shape = array.__array_interface__["data"][0], array.shape
+            context.set_arg_external_array_with_shape((k,), pointer, array.nbytes, shape[:-1] if lanes else shape, 0)
+        for k, slot in integers:
+            context.set_arg_int(slot, args[k])
+        for k, slot in floats:
+            context.set_arg_float(slot, args[k])
+        return context
+
     def launch(*args):
         for k, lanes in vectors:
             if args[k].ctypes.data % (lanes * args[k].itemsize):
                 raise ValueError(f"argument {k} of {primal.func.__name__}: vectors need an array from runtime.aligned")
-        types = tuple([(type(args[k]), args[k].dtype, args[k].ndim) for k, _ in arrays])
+        types = signature(args)
         found = known.get(types)
         if found is None or not all(args[k].flags.c_contiguous for k, _ in arrays):
             with compiling():
@@ -45,18 +61,24 @@ def lean(primal, function, compiling):
                     known[types] = compiled, program, data
             return result
         compiled, program, data = found
-        context = compiled.make_launch_context()
-        for k, lanes in arrays:
-            array = args[k]
-            pointer, shape = array.__array_interface__["data"][0], array.shape
-            context.set_arg_external_array_with_shape((k,), pointer, array.nbytes, shape[:-1] if lanes else shape, 0)
-        for k, slot in integers:
-            context.set_arg_int(slot, args[k])
-        for k, slot in floats:
-            context.set_arg_float(slot, args[k])
-        program.launch_kernel(data, context)
+        program.launch_kernel(data, handed(compiled, args))
         return None
 
+    def bound(*args):
+        launches: list = []
+
+        def again():
+            if launches:
+                program, data, context, _ = launches[0]
+                program.launch_kernel(data, context)
+                return
+            launch(*args)
+            compiled, program, data = known[signature(args)]
+            launches.append((program, data, handed(compiled, args), args))  # the arrays live as long
+
+        return again
+
+    launch.bound = bound  # type: ignore[attr-defined]  # a function may carry attributes
     return launch
 
 

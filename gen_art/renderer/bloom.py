@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gen_art.renderer.resample import PAD, WIDE, Taps, blend_weights, mirrored, resample, scratch, steps, variance
+from gen_art.renderer.resample import PAD, WIDE, Taps, blend_weights, resample, scratch, steps, variance
 from gen_art.runtime import aligned
 
 __all__ = ["Halo", "chain", "flat", "levels", "stray_light"]
@@ -63,55 +63,63 @@ class _Picture:
         self.vectors = self.pixels.reshape(-1, WIDE)
         self.whole = self.pixels.reshape(-1, self.stride, 4)[:, : width + 2 * PAD]
 
-    def mirror(self) -> None:
-        """Fill the borders."""
-        for side in (self.whole.transpose(1, 0, 2), self.whole):
-            n = len(side) - 2 * PAD
-            for k in (-2, -1, n, n + 1):
-                side[k + PAD] = side[mirrored(k, n) + PAD]
-
 
 class Halo:
     """The chain for one size of film: its tables and buffers, used again for each picture."""
 
     def __init__(self, width: int, height: int):
         self.size, self.scales = (width, height), _scales(height)[0]
-        across, self._down = steps(width, self.scales), steps(height, self.scales)
-        self.pictures = [_Picture(m, n) for (m, *_), (n, *_) in zip(across, self._down, strict=True)]
-        self._across = [(down.columns(PAD if k else 0), up.columns(PAD)) for k, (_, down, up) in enumerate(across)]
-        self._work: dict[tuple[int, int], tuple] = {}
+        across, down = steps(width, self.scales), steps(height, self.scales)
+        self.pictures = [_Picture(m, n) for (m, *_), (n, *_) in zip(across, down, strict=True)]
         self._full = None if self.scales[0] == 4 else _Picture(width, height)
+        # ways down to each picture and up from it: the first one's border is blended too
+        self._down = [(down[0][1].bordered(), across[0][1].bordered().columns(0))]
+        self._down += [(d, c.columns(PAD)) for (_, d, _), (_, c, _) in zip(down[1:], across[1:], strict=True)]
+        self._up = [(d, c.columns(PAD)) for (_, _, d), (_, _, c) in zip(down, across, strict=True)]
+        if len(self._up) > 1:
+            self._up[1] = down[1][2].bordered(), across[1][2].bordered().columns(PAD)
+        self._across = -(-width // 16) * 4
+        self._memory = aligned((scratch(self._across, len(self._down[0][0].first))[1], WIDE), np.float32)
+        self._rest: tuple[float, list] = (-1.0, [])
 
-    def _go(self, goal: _Picture, source: tuple, rows: Taps, columns: Taps, own: float):
+    def _way(self, source: tuple, goal: _Picture, rows: Taps, columns: Taps, own: float, memory=None):
         """source : vectors, number of the first, vectors from row to row and in a row, number of the last row"""
-        key = source[3], goal.height
-        if key not in self._work:  # what lies beyond a row's end is never written, and stays zero
-            room, size = scratch(*key)
-            self._work[key] = room, aligned((size, WIDE), np.float32)
-        room, work = self._work[key]
-        resample(source, rows, columns, own, (PAD * (goal.stride + 1), goal.stride, goal.pixels), work, room)
+        room, size = scratch(source[3], len(rows.first))
+        if memory is None:  # what lies beyond a row's end is never written, and stays zero
+            memory = aligned((size, WIDE), np.float32)
+        border = (goal.height + 2 * PAD - len(rows.first)) // 2
+        place = border * (goal.stride + 1), goal.stride, goal.pixels
+        return resample(source, rows, columns, own, place, memory, room)
 
     def _from(self, k: int, goal: _Picture, rows: Taps, columns: Taps, own: float):
+        """A function that makes `goal` from picture k."""
         source = self.pictures[k]
         across = source.stride // 4
-        self._go(goal, (source.vectors, PAD * across, across, across, source.height - 1), rows, columns, own)
+        whole = source.vectors, PAD * across, across, across, source.height - 1
+        launch, arguments = self._way(whole, goal, rows, columns, own)
+        return launch.bound(*arguments)
+
+    def _between(self, radius: float) -> list:
+        """What makes all pictures of the first one, and it of them, as functions."""
+        weights, last = levels(self.size[1], radius), len(self.pictures) - 1
+        coarsest = self.pictures[-1].pixels
+        ways = [self._from(k, self.pictures[k + 1], *self._down[k + 1], 0.0) for k in range(last)]
+        ways.append(lambda: np.multiply(coarsest, weights[-1], out=coarsest))
+        return ways + [self._from(k, self.pictures[k - 1], *self._up[k], float(weights[k])) for k in range(last, 0, -1)]
 
     def spread(self, film: np.ndarray, stride: int, radius: float) -> tuple[float, _Picture]:
         """The film's stray light: the share that stays where it is, and the first picture.
 
         film : RGBA in whole vectors, `stride` a row. The picture holds the rest, as bright as it is to be seen.
         """
-        weights = levels(self.size[1], radius)
-        whole = film, 0, stride, -(-self.size[0] // 16) * 4, self.size[1] - 1
-        self._go(self.pictures[0], whole, self._down[0][1], self._across[0][0], 0.0)
-        for k, goal in enumerate(self.pictures[1:]):
-            self._from(k, goal, self._down[k + 1][1], self._across[k + 1][0], 0.0)
-        coarsest = self.pictures[-1].pixels
-        np.multiply(coarsest, weights[-1], out=coarsest)
-        for k in range(len(self.pictures) - 1, 0, -1):
-            self._from(k, self.pictures[k - 1], self._down[k][2], self._across[k][1], float(weights[k]))
-        self.pictures[0].mirror()
-        return float(weights[0]), self.pictures[0]
+        if self._rest[0] != radius:
+            self._rest = radius, self._between(radius)
+        whole = film, 0, stride, self._across, self.size[1] - 1
+        launch, arguments = self._way(whole, self.pictures[0], *self._down[0], 0.0, self._memory)
+        launch(*arguments)
+        for way in self._rest[1]:
+            way()
+        return float(levels(self.size[1], radius)[0]), self.pictures[0]
 
     def bloomed(self, film: np.ndarray, strength: float, radius: float) -> np.ndarray:
         """(height, width, 4): the film of a small size with `strength` of its light spread; a buffer that is used again."""
@@ -119,7 +127,7 @@ class Halo:
         inner = self._full.whole[PAD:-PAD, PAD:-PAD]
         inner[:] = film
         np.multiply(first.pixels, strength, out=first.pixels)
-        self._from(0, self._full, self._down[0][2], self._across[0][1], 1.0 + strength * (own - 1.0))
+        self._from(0, self._full, *self._up[0], 1.0 + strength * (own - 1.0))()
         inner[..., 3] = film[..., 3]
         return inner
 

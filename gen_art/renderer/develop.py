@@ -28,8 +28,9 @@ _PLAIN = DevelopSpec()
 def _numbers(spec: DevelopSpec, bits: int) -> np.ndarray:
     q = np.zeros(kernel.NUMBERS, np.float32)
     q[kernel.VIGNETTE], q[kernel.GRAIN] = 2.0 ** (spec.vignette / 2) - 1.0, spec.grain
-    dither = float(spec.dither and bits == 8)  # of ten bits added to 2^23
-    q[kernel.DITHER], q[kernel.MIDDLE] = dither / 1024.0, dither * (2**23 + 511) / 1024.0
+    # ten bits of noise, on top of 2^23: from half a code below to less than half above, so that white stays white
+    dither = float(spec.dither and bits == 8)
+    q[kernel.DITHER], q[kernel.MIDDLE] = dither / 1024.0, dither * (2**23 + 512) / 1024.0
     q[kernel.TOP], q[kernel.CONTRAST] = 2.0**bits - 1.0, spec.contrast
     q[kernel.DENSITY], q[kernel.VIBRANCY], q[kernel.WHITE] = spec.density, spec.vibrancy, spec.white
     q[kernel.LOW : kernel.BELOW + 4] = rational(spec.tone, spec.white)

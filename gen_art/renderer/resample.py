@@ -74,6 +74,12 @@ class Taps(NamedTuple):
     first: np.ndarray
     weights: np.ndarray
 
+    def bordered(self) -> "Taps":
+        """The same with PAD results more on each side, the mirrored ones."""
+        n = len(self.first)
+        i = mirrored(np.arange(-PAD, n + PAD), n)
+        return Taps(np.ascontiguousarray(self.first[i]), np.ascontiguousarray(self.weights[i]))
+
     def columns(self, left: int) -> "Taps":
         """The same by whole vectors of a row whose first pixel is number `left`: first vectors, and (n count, WIDE) weights."""
         n, length = self.weights.shape
@@ -148,8 +154,8 @@ def _resampling(alone: bool):
                     work[o], work[o + 1], work[o + 2], work[o + 3] = v0, v1, v2, v3
                 for q in range(wide):
                     o = base + x[q]
-                    v = ti.Vector([0.0] * WIDE)
-                    for k in range(count):
+                    v = work[o] * wx[q * count] + work[o + 1] * wx[q * count + 1]
+                    for k in range(2, count):
                         v += work[o + k] * wx[q * count + k]
                     e = goal_start + r * goal_stride + q
                     one, two = ti.Vector([v[c] for c in range(4)]), ti.Vector([v[4 + c] for c in range(4)])
@@ -162,12 +168,11 @@ def _resampling(alone: bool):
     return kernel(resample_rows_and_columns, vectors=True)
 
 
-def resample(source: tuple, rows: Taps, columns: Taps, own: float, goal: tuple, work: np.ndarray, room: int) -> None:
-    """goal = own goal + source resampled, first its rows, then its columns.
+def resample(source: tuple, rows: Taps, columns: Taps, own: float, goal: tuple, work: np.ndarray, room: int):
+    """The kernel and the arguments of goal = own goal + source resampled, first its rows, then its columns.
 
     source : vectors, number of the first, vectors from row to row and in a row, a multiple of four, number of the last row
     goal : number of the first pixel, pixels from row to row, pixels     work : `room` vectors a turn
     """
-    _resampling(len(columns.first) * len(rows.first) < _FEW)(
-        *source, *rows, *columns, own, *goal[:2], work, room, goal[2]
-    )
+    launch = _resampling(len(columns.first) * len(rows.first) < _FEW)
+    return launch, (*source, *rows, *columns, own, *goal[:2], work, room, goal[2])

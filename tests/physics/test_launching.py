@@ -51,6 +51,15 @@ def test_what_taichi_refuses_is_refused_at_every_launch(kernels):
             scale(x[:6], 2.5, 2.0)
 
 
+def test_a_bound_launch_reads_its_arrays_anew_each_time(kernels):
+    x, y = np.arange(4, dtype=np.float32), np.ones(4, np.float32)
+    twice, thrice = kernels[0].bound(x, 3, 2.0), kernels[0].bound(y, 4, 3.0)
+    for k in range(1, 4):
+        twice()
+        thrice()
+        assert np.array_equal(x, [0, 2**k, 2 * 2**k, 3]) and (y == 3**k).all()
+
+
 def test_whole_vectors_give_the_same_bits(kernels):
     rng = np.random.default_rng(0)
     _, apart, whole = kernels
