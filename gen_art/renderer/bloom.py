@@ -58,7 +58,7 @@ class _Picture:
 
     def __init__(self, width: int, height: int):
         self.width, self.height = width, height
-        self.stride = -(-(width + 2 * PAD) // 16) * 16
+        self.stride = -(-(width + 2 * PAD + 8) // 16) * 16  # eight: of a film's last turn, which may be half beside it
         self.pixels = aligned(((height + 2 * PAD) * self.stride, 4), np.float32)
         self.vectors = self.pixels.reshape(-1, WIDE)
         self.whole = self.pixels.reshape(-1, self.stride, 4)[:, : width + 2 * PAD]
@@ -143,8 +143,8 @@ def flat(film: np.ndarray) -> tuple[np.ndarray, int]:
     film = np.asarray(film, dtype=np.float32)
     height, width, _ = film.shape
     row = film.strides[0] // 64
-    if film.strides[0] % 64 or film.strides[1:] != (16, 4) or film.ctypes.data % 64 or width % 16:
-        row = -(-width // 16) * 4
+    if film.strides[0] % 64 or film.strides[1:] != (16, 4) or film.ctypes.data % 64 or width % 32:
+        row = -(-width // 32) * 8
         whole = aligned((height, 4 * row, 4), np.float32)
         whole[:, :width] = film
         film, width = whole, 4 * row

@@ -20,7 +20,9 @@ from gen_art.runtime import aligned
 __all__ = ["develop"]
 
 _NIGHT = Gradient(((0.0, (0.004, 0.006, 0.016)), (0.6, (0.012, 0.018, 0.042)), (1.0, (0.035, 0.042, 0.075))))
-_NOTHING = aligned((2, kernel.WIDE), np.float32)
+_NOTHING = aligned((2, 16), np.float32)
+_BLEND = aligned((20, 16), np.float32)
+_BLEND[:] = blend_weights().reshape(-1, 1)
 _PLAIN = DevelopSpec()
 
 
@@ -36,7 +38,6 @@ def _numbers(spec: DevelopSpec, bits: int) -> np.ndarray:
     q[kernel.LOW : kernel.BELOW + 4] = rational(spec.tone, spec.white)
     before, after = matrices(spec.tone, spec.saturation)
     q[kernel.BEFORE : kernel.BEFORE + 9], q[kernel.AFTER : kernel.AFTER + 9] = before.reshape(-1), after.reshape(-1)
-    q[kernel.BLEND :] = blend_weights().reshape(-1)
     return q
 
 
@@ -89,7 +90,7 @@ def develop(
     )  # fmt: skip
     scratch = _scratch(height)
     kernel.compiled(steps)(
-        light, stride, wide, height, width, coarse, across, int(frame), sky, q, q.view(np.uint32), scratch,
+        light, stride, wide, height, width, coarse, across, _BLEND, int(frame), sky, q, q.view(np.uint32), scratch,
         scratch.view(np.uint32), picture.reshape(-1).view(np.uint32).reshape(-1, 4),
     )  # fmt: skip
     if out is None:

@@ -1,8 +1,10 @@
-"""The developing kernel: sixteen pixels at a time, each channel one vector of the processor.
+"""The developing kernel: thirty-two pixels at a time, each channel a vector.
 
-Every number is a vector too, of a table: Taichi would lay out a scalar beside a vector sixteen times over, which takes
-seconds to compile. Nor can it cast a vector: floats and whole numbers change into each other by way of a few vectors of
-memory that two arrays share. A float of 2^23 + n or of 1.5 2^23 + n has the whole number n in its last bits.
+Two of the widest vectors that processors have, so that each has something to do while it waits for the other.
+
+Every number is a vector too, of a table: Taichi would lay out a scalar beside a vector as often as this has lanes, which
+takes seconds to compile. Nor can it cast a vector: floats and whole numbers change into each other by way of a few vectors
+of memory that two arrays share. A float of 2^23 + n or of 1.5 2^23 + n has the whole number n in its last bits.
 """
 
 import math
@@ -17,14 +19,14 @@ from gen_art.runtime import aligned, kernel, ti
 
 __all__ = ["NUMBERS", "SCRATCH", "WIDE", "Steps", "compiled", "table"]
 
-WIDE = 16  # pixels of a turn
+WIDE = 32  # pixels of a turn
 SCRATCH = 64  # vectors of memory for each row: twice the places below
 
 # run-time numbers
 OWN, STRAY, VIGNETTE, GRAIN, DITHER, MIDDLE, TOP, CONTRAST, DENSITY, VIBRANCY, WHITE = range(11)
 LOW, HIGH, ABOVE, BELOW = 11, 12, 13, 17
-BEFORE, AFTER, BLEND = 21, 30, 39
-NUMBERS = 59
+BEFORE, AFTER = 21, 30
+NUMBERS = 39
 
 # sRGB's power branch, 1.055 x^(1/2.4) - 0.055 for x from 0.0031308 to 1, as a quartic over a cubic in sqrt(x): within 6e-7
 _ABOVE = (13.2843061, 63.0982864, 28.2357181, 0.877431184, -0.050273701)
@@ -40,7 +42,7 @@ _WHOLE_BITS, _ONE_BITS = 0x4B000000, 0x3F800000
 _LOG, _EXP, _NOISE, _CODE, _ROOT = 0, 9, 18, 22, 26
 _LANES = tuple(float(k) for k in range(WIDE))
 _AFTER = (*range(1, WIDE), WIDE - 1)
-# float k of eight coarse pixels that channel c of each pixel takes of its neighbour e
+# which float of the twelve coarse pixels around each pixel's channel c of each pixel takes of its neighbour e
 _NEAR = tuple(tuple(tuple(4 * (j // 4 + e) + c for j in range(WIDE)) for e in range(5)) for c in range(3))
 _TAPS = tuple(tuple(float(w) for w in blend_weights()[:, e].tolist() * (WIDE // 4)) for e in range(5))
 
@@ -58,6 +60,7 @@ _PLACE_OF_WORD = {number: NUMBERS + len(_PLACE_OF_FLOAT) + k for k, number in en
 
 F2 = ti.types.ndarray(ti.f32, 2)
 FLOATS, WORDS = (ti.types.ndarray(ti.types.vector(WIDE, kind), 1) for kind in (ti.f32, ti.u32))
+LIGHT = ti.types.ndarray(ti.types.vector(16, ti.f32), 1)
 FOURS = ti.types.ndarray(ti.types.vector(4, ti.u32), 1)
 
 
@@ -186,11 +189,11 @@ def _contrasted(x, Q: ti.template(), Z: ti.template(), F: ti.template(), I: ti.t
 
 
 @ti.func
-def _spread(low, high, c: ti.template()):
-    """Channel c of the light of eight coarse pixels, over the sixteen pixels in their middle."""
-    total, both = ti.Vector([0.0] * WIDE), (low, high)
+def _spread(low, middle, high, c: ti.template()):
+    """Channel c of the light of twelve coarse pixels, over the pixels in their middle."""
+    total, all = ti.Vector([0.0] * WIDE), (low, middle, high)
     for e in ti.static(range(5)):
-        part = ti.Vector([both[k // WIDE][k % WIDE] for k in ti.static(_NEAR[c][e])])
+        part = ti.Vector([all[k // 16][k % 16] for k in ti.static(_NEAR[c][e])])
         total += part * ti.Vector(_TAPS[e])
     return total
 
@@ -232,16 +235,17 @@ def compiled(steps: Steps):
 
     @ti.kernel
     def develop_steps(
-        film: FLOATS, stride: ti.i32, width: ti.i32, height: ti.i32, seen: ti.i32, coarse: FLOATS, across: ti.i32,
+        film: LIGHT, stride: ti.i32, width: ti.i32, height: ti.i32, seen: ti.i32, coarse: LIGHT, across: ti.i32, blend: LIGHT,
         key: ti.i32, sky: F2, Q: FLOATS, Z: WORDS, F: FLOATS, I: WORDS, out: FOURS,
     ):  # fmt: skip
         """width : a multiple of WIDE, of which `seen` pixels are the picture     stride, across : vectors of four pixels a row
 
+        blend : shares of five coarse rows for each of four rows, each a vector
         Q, Z : one table     F, I : one memory, SCRATCH vectors a row     out : the picture's bytes
         """
         ti.loop_config(block_dim=4)
         for i in range(height):
-            zero, lane = ti.Vector([0.0] * WIDE), ti.Vector(_LANES)
+            lane = ti.Vector(_LANES)
             order = ti.Vector([ti.u32(k) for k in range(WIDE)])
             dy = (ti.cast(i, ti.f32) + 0.5) / ti.cast(height, ti.f32) * 2.0 - 1.0
             across_one = 2.0 / ti.cast(seen, ti.f32)
@@ -249,20 +253,37 @@ def compiled(steps: Steps):
             for t in range(width // WIDE):
                 at = t * WIDE
                 o = i * SCRATCH + (t & 1) * (SCRATCH // 2)  # by turns, lest Taichi takes them for constants of the loop
-                f = i * stride + 4 * t
-                four = film[f], film[f + 1], film[f + 2], film[f + 3]
-                R = ti.Vector([p[4 * j] for p in ti.static(four) for j in range(4)])
-                G = ti.Vector([p[4 * j + 1] for p in ti.static(four) for j in range(4)])
-                B = ti.Vector([p[4 * j + 2] for p in ti.static(four) for j in range(4)])
-                A = ti.Vector([p[4 * j + 3] for p in ti.static(four) for j in range(4)])
+                f = i * stride + 8 * t
+                eight = (
+                    film[f],
+                    film[f + 1],
+                    film[f + 2],
+                    film[f + 3],
+                    film[f + 4],
+                    film[f + 5],
+                    film[f + 6],
+                    film[f + 7],
+                )
+                R = ti.Vector([p[4 * j] for p in ti.static(eight) for j in range(4)])
+                G = ti.Vector([p[4 * j + 1] for p in ti.static(eight) for j in range(4)])
+                B = ti.Vector([p[4 * j + 2] for p in ti.static(eight) for j in range(4)])
+                A = ti.Vector([p[4 * j + 3] for p in ti.static(eight) for j in range(4)])
                 if ti.static(steps.strays):
                     R, G, B = R * Q[OWN], G * Q[OWN], B * Q[OWN]
-                    low, high = zero, zero  # the coarse rows around, blended
+                    low, middle, high = (
+                        ti.Vector([0.0] * 16),
+                        ti.Vector([0.0] * 16),
+                        ti.Vector([0.0] * 16),
+                    )  # the coarse rows, blended
                     for e in ti.static(range(5)):
-                        weight = Q[BLEND + 5 * (i & 3) + e] * Q[STRAY]
-                        low += coarse[((i >> 2) + e) * across + t] * weight
-                        high += coarse[((i >> 2) + e) * across + t + 1] * weight
-                    R, G, B = R + _spread(low, high, 0), G + _spread(low, high, 1), B + _spread(low, high, 2)
+                        row = ((i >> 2) + e) * across + 2 * t
+                        weight = blend[5 * (i & 3) + e]
+                        low += coarse[row] * weight
+                        middle += coarse[row + 1] * weight
+                        high += coarse[row + 2] * weight
+                    R = R + _spread(low, middle, high, 0) * Q[STRAY]
+                    G = G + _spread(low, middle, high, 1) * Q[STRAY]
+                    B = B + _spread(low, middle, high, 2) * Q[STRAY]
                 E = Q[_f(1.0)]
                 if ti.static(steps.vignette):
                     dx = (lane + (ti.cast(at, ti.f32) + 0.5)) * across_one - 1.0
@@ -338,13 +359,13 @@ def compiled(steps: Steps):
                     x = x | y | z
                     if ti.static(steps.transparent):
                         x = x | (w << Z[_w(24)])
-                        for j in ti.static(range(4)):
+                        for j in ti.static(range(WIDE // 4)):
                             out[(i * width + at) // 4 + j] = ti.Vector([x[4 * j + c] for c in range(4)])
                     else:  # the end of each word and the start of the next: three of four are used
                         x = (x >> ti.Vector([ti.u32(8 * (k % 4)) for k in range(WIDE)])) | (
                             _next(x) << ti.Vector([ti.u32(24 - 8 * (k % 4)) for k in range(WIDE)])
                         )
-                        for j in ti.static(range(3)):
+                        for j in ti.static(range(3 * WIDE // 16)):
                             out[(i * width + at) * 3 // 16 + j] = ti.Vector(
                                 [x[(4 * j + c) // 3 * 4 + (4 * j + c) % 3] for c in range(4)]
                             )
@@ -353,13 +374,13 @@ def compiled(steps: Steps):
                     z = z & Z[_w(0xFFFF)]
                     if ti.static(steps.transparent):
                         z = z | (w << Z[_w(16)])
-                        for j in ti.static(range(8)):
+                        for j in ti.static(range(WIDE // 2)):
                             out[(i * width + at) // 2 + j] = ti.Vector([x[2 * j], z[2 * j], x[2 * j + 1], z[2 * j + 1]])
                     else:  # three words for two pixels
                         after = _next(x)
                         y = z | (after << Z[_w(16)])
                         z = (after >> Z[_w(16)]) | (_next(z) << Z[_w(16)])
-                        for j in ti.static(range(6)):
+                        for j in ti.static(range(3 * WIDE // 8)):
                             words = ti.Vector([ti.u32(0)] * 4)
                             for c in ti.static(range(4)):
                                 k = ti.static((4 * j + c) // 3 * 2)
