@@ -21,6 +21,7 @@ __all__ = ["develop"]
 
 _NIGHT = Gradient(((0.0, (0.004, 0.006, 0.016)), (0.6, (0.012, 0.018, 0.042)), (1.0, (0.035, 0.042, 0.075))))
 _NOTHING = aligned((2, 16), np.float32)
+_SCRATCH = aligned((kernel.TASKS * kernel.SCRATCH, kernel.WIDE), np.float32)
 _BLEND = aligned((20, 16), np.float32)
 _BLEND[:] = blend_weights().reshape(-1, 1)
 _PLAIN = DevelopSpec()
@@ -45,11 +46,6 @@ def _numbers(spec: DevelopSpec, bits: int) -> np.ndarray:
 def _sky(background, height: int) -> np.ndarray:
     gradient = _NIGHT if background == "night" else background
     return np.ascontiguousarray(gradient_table(gradient, max(height, 2))[:height].astype(np.float32))
-
-
-@lru_cache(2)
-def _scratch(height: int) -> np.ndarray:
-    return aligned((height * kernel.SCRATCH, kernel.WIDE), np.float32)
 
 
 def develop(
@@ -88,10 +84,9 @@ def develop(
         contrast=spec.contrast != 1.0, whole=spec.tone if spec.tone in ("neutral", "log") else "", transparent=transparent,
         grain=spec.grain > 0.0, deep=bits == 16,
     )  # fmt: skip
-    scratch = _scratch(height)
     kernel.compiled(steps)(
-        light, stride, wide, height, width, coarse, across, _BLEND, int(frame), sky, q, q.view(np.uint32), scratch,
-        scratch.view(np.uint32), picture.reshape(-1).view(np.uint32).reshape(-1, 4),
+        light, stride, wide, height, width, coarse, across, _BLEND, int(frame), sky, q, q.view(np.uint32), _SCRATCH,
+        _SCRATCH.view(np.uint32), picture.reshape(-1).view(np.uint32).reshape(-1, 4),
     )  # fmt: skip
     if out is None:
         return np.ascontiguousarray(picture[:, :width])

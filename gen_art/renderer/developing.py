@@ -17,10 +17,11 @@ from gen_art.renderer.resample import blend_weights
 from gen_art.renderer.tone import GREY
 from gen_art.runtime import aligned, kernel, ti
 
-__all__ = ["NUMBERS", "SCRATCH", "WIDE", "Steps", "compiled", "table"]
+__all__ = ["NUMBERS", "SCRATCH", "TASKS", "WIDE", "Steps", "compiled", "table"]
 
 WIDE = 32  # pixels of a turn
-SCRATCH = 64  # vectors of memory for each row: twice the places below
+TASKS = 64  # runs of rows: each has memory of its own, which stays in the cache
+SCRATCH = 64  # vectors of memory for a task: twice the places below
 
 # run-time numbers
 OWN, STRAY, VIGNETTE, GRAIN, DITHER, MIDDLE, TOP, CONTRAST, DENSITY, VIBRANCY, WHITE = range(11)
@@ -241,155 +242,164 @@ def compiled(steps: Steps):
         """width : a multiple of WIDE, of which `seen` pixels are the picture     stride, across : vectors of four pixels a row
 
         blend : shares of five coarse rows for each of four rows, each a vector
-        Q, Z : one table     F, I : one memory, SCRATCH vectors a row     out : the picture's bytes
+        Q, Z : one table     F, I : one memory, SCRATCH vectors a task     out : the picture's bytes
         """
-        ti.loop_config(block_dim=4)
-        for i in range(height):
-            lane = ti.Vector(_LANES)
-            order = ti.Vector([ti.u32(k) for k in range(WIDE)])
-            dy = (ti.cast(i, ti.f32) + 0.5) / ti.cast(height, ti.f32) * 2.0 - 1.0
-            across_one = 2.0 / ti.cast(seen, ti.f32)
-            take = _hash(order * Z[_w(0)] + ti.cast(key, ti.u32), Z)
-            for t in range(width // WIDE):
-                at = t * WIDE
-                o = i * SCRATCH + (t & 1) * (SCRATCH // 2)  # by turns, lest Taichi takes them for constants of the loop
-                f = i * stride + 8 * t
-                eight = (
-                    film[f],
-                    film[f + 1],
-                    film[f + 2],
-                    film[f + 3],
-                    film[f + 4],
-                    film[f + 5],
-                    film[f + 6],
-                    film[f + 7],
-                )
-                R = ti.Vector([p[4 * j] for p in ti.static(eight) for j in range(4)])
-                G = ti.Vector([p[4 * j + 1] for p in ti.static(eight) for j in range(4)])
-                B = ti.Vector([p[4 * j + 2] for p in ti.static(eight) for j in range(4)])
-                A = ti.Vector([p[4 * j + 3] for p in ti.static(eight) for j in range(4)])
-                if ti.static(steps.strays):
-                    R, G, B = R * Q[OWN], G * Q[OWN], B * Q[OWN]
-                    low, middle, high = (
-                        ti.Vector([0.0] * 16),
-                        ti.Vector([0.0] * 16),
-                        ti.Vector([0.0] * 16),
-                    )  # the coarse rows, blended
-                    for e in ti.static(range(5)):
-                        row = ((i >> 2) + e) * across + 2 * t
-                        weight = blend[5 * (i & 3) + e]
-                        low += coarse[row] * weight
-                        middle += coarse[row + 1] * weight
-                        high += coarse[row + 2] * weight
-                    R = R + _spread(low, middle, high, 0) * Q[STRAY]
-                    G = G + _spread(low, middle, high, 1) * Q[STRAY]
-                    B = B + _spread(low, middle, high, 2) * Q[STRAY]
-                E = Q[_f(1.0)]
-                if ti.static(steps.vignette):
-                    dx = (lane + (ti.cast(at, ti.f32) + 0.5)) * across_one - 1.0
-                    edge = Q[_f(1.0)] + Q[VIGNETTE] * Q[_f(0.5)] * (dx * dx + dy * dy)
-                    E = Q[_f(1.0)] / (edge * edge)
-                    R, G, B = R * E, G * E, B * E
-                r, g, b = R, G, B
-                R, G, B = _mixed(r, g, b, Q, BEFORE), _mixed(r, g, b, Q, BEFORE + 3), _mixed(r, g, b, Q, BEFORE + 6)
-                if ti.static(steps.contrast):
-                    R = _contrasted(R, Q, Z, F, I, o, 0)
-                    G = _contrasted(G, Q, Z, F, I, o, 1)
-                    B = _contrasted(B, Q, Z, F, I, o, 2)
-                if ti.static(steps.whole == "neutral"):  # Khronos PBR Neutral
-                    least = ti.min(R, ti.min(G, B))
-                    toe = ti.select(least < Q[_f(0.08)], least - Q[_f(6.25)] * least * least, Q[_f(0.04)])
-                    peak = ti.max(R, ti.max(G, B)) - toe
-                    peak = ti.select(peak > Q[_f(0.76)], peak, Q[_f(0.76)])
-                    top = Q[_f(1.0)] - Q[_f(0.0576)] / (peak - Q[_f(0.52)])
-                    keep = Q[_f(1.0)] / (Q[_f(0.15)] * (peak - top) + Q[_f(1.0)])
-                    scale, white = top / peak * keep, top * (Q[_f(1.0)] - keep)
-                    R, G, B = (R - toe) * scale + white, (G - toe) * scale + white, (B - toe) * scale + white
-                elif ti.static(steps.whole == "log"):  # log density; a logarithm to any base
-                    R, G, B = (
-                        _within(R, Q[_f(0.0)], Q[_f(1e12)]),
-                        _within(G, Q[_f(0.0)], Q[_f(1e12)]),
-                        _within(B, Q[_f(0.0)], Q[_f(1e12)]),
+        ti.loop_config(block_dim=1)
+        for task in range(TASKS):
+            for i in range(task * height // TASKS, (task + 1) * height // TASKS):
+                lane = ti.Vector(_LANES)
+                order = ti.Vector([ti.u32(k) for k in range(WIDE)])
+                dy = (ti.cast(i, ti.f32) + 0.5) / ti.cast(height, ti.f32) * 2.0 - 1.0
+                across_one = 2.0 / ti.cast(seen, ti.f32)
+                take = _hash(order * Z[_w(0)] + ti.cast(key, ti.u32), Z)
+                for t in range(width // WIDE):
+                    at = t * WIDE
+                    o = task * SCRATCH + (t & 1) * (
+                        SCRATCH // 2
+                    )  # by turns, lest Taichi takes them for constants of the loop
+                    f = i * stride + 8 * t
+                    eight = (
+                        film[f],
+                        film[f + 1],
+                        film[f + 2],
+                        film[f + 3],
+                        film[f + 4],
+                        film[f + 5],
+                        film[f + 6],
+                        film[f + 7],
                     )
-                    peak = ti.max(R, ti.max(G, ti.max(B, Q[_f(1e-20)])))
-                    whole = Q[_f(1.0)] / _log2(Q[_f(1.0)] + Q[DENSITY] * Q[WHITE], Q, Z, F, I, o)
-                    scale = _log2(Q[_f(1.0)] + Q[DENSITY] * peak, Q, Z, F, I, o + 3) * whole * Q[VIBRANCY] / peak
-                    rest = whole * (Q[_f(1.0)] - Q[VIBRANCY])
-                    R = R * scale + _log2(Q[_f(1.0)] + Q[DENSITY] * R, Q, Z, F, I, o + 6) * rest
-                    G = G * scale + _log2(Q[_f(1.0)] + Q[DENSITY] * G, Q, Z, F, I, o + 9) * rest
-                    B = B * scale + _log2(Q[_f(1.0)] + Q[DENSITY] * B, Q, Z, F, I, o + 12) * rest
-                else:  # N / D of each channel, by one division
-                    r, g, b = _within(R, Q[LOW], Q[HIGH]), _within(G, Q[LOW], Q[HIGH]), _within(B, Q[LOW], Q[HIGH])
-                    dr, dg, db = _cubic(r, Q, BELOW), _cubic(g, Q, BELOW), _cubic(b, Q, BELOW)
-                    one = Q[_f(1.0)] / (dr * dg * db)
-                    R = _cubic(r, Q, ABOVE) * dg * db * one
-                    G = _cubic(g, Q, ABOVE) * dr * db * one
-                    B = _cubic(b, Q, ABOVE) * (dr * dg) * one
-                r, g, b = R, G, B
-                R, G, B = _mixed(r, g, b, Q, AFTER), _mixed(r, g, b, Q, AFTER + 3), _mixed(r, g, b, Q, AFTER + 6)
-                if ti.static(steps.background):  # which is seen as it is written
-                    back = (Q[_f(1.0)] - _within(A, Q[_f(0.0)], Q[_f(1.0)])) * E
-                    R, G, B = _over(R, sky[i, 0], back, Q), _over(G, sky[i, 1], back, Q), _over(B, sky[i, 2], back, Q)
-                if ti.static(steps.transparent):
-                    A = _within(
-                        ti.max(_within(A, Q[_f(0.0)], Q[_f(1.0)]), ti.max(R, ti.max(G, B))), Q[_f(1e-6)], Q[_f(1.0)]
-                    )
-                    R, G, B = R / A, G / A, B / A
-                R, G, B = _encode(R, G, B, Q, Z, F, I, o, steps.deep)
-                noise = _hash((order + ti.cast(i * 16384 + at, ti.u32)) ^ take, Z)
-                if ti.static(steps.grain):  # four bytes' mean: nearly normal, standard deviation 1
-                    h = _hash(noise, Z)
-                    two = (h & Z[_w(0xFF00FF)]) + ((h >> Z[_w(8)]) & Z[_w(0xFF00FF)])
-                    I[o + _NOISE + 3] = ((two & Z[_w(0xFFFF)]) + (two >> Z[_w(16)])) | Z[_w(_WHOLE_BITS)]
-                    n = (F[o + _NOISE + 3] - Q[_f(_WHOLE + 510.0)]) * (Q[GRAIN] * Q[_f(4.0 / 147.8)])
-                    R = _within(R + n * R * (Q[_f(1.0)] - R), Q[_f(0.0)], Q[_f(1.0)])
-                    G = _within(G + n * G * (Q[_f(1.0)] - G), Q[_f(0.0)], Q[_f(1.0)])
-                    B = _within(B + n * B * (Q[_f(1.0)] - B), Q[_f(0.0)], Q[_f(1.0)])
-                x, y, z = (
-                    _coded(R, noise, Q, Z, F, I, o, 0),
-                    _coded(G, noise, Q, Z, F, I, o, 1),
-                    _coded(B, noise, Q, Z, F, I, o, 2),
-                )
-                w = x
-                if ti.static(steps.transparent):
-                    F[o + _CODE + 3] = A * Q[TOP] + Q[_f(_ROUND)]
-                    w = I[o + _CODE + 3]
-                if ti.static(not steps.deep):
-                    x, y, z = x & Z[_w(255)], (y & Z[_w(255)]) << Z[_w(8)], (z & Z[_w(255)]) << Z[_w(16)]
-                    x = x | y | z
-                    if ti.static(steps.transparent):
-                        x = x | (w << Z[_w(24)])
-                        for j in ti.static(range(WIDE // 4)):
-                            out[(i * width + at) // 4 + j] = ti.Vector([x[4 * j + c] for c in range(4)])
-                    else:  # the end of each word and the start of the next: three of four are used
-                        x = (x >> ti.Vector([ti.u32(8 * (k % 4)) for k in range(WIDE)])) | (
-                            _next(x) << ti.Vector([ti.u32(24 - 8 * (k % 4)) for k in range(WIDE)])
+                    R = ti.Vector([p[4 * j] for p in ti.static(eight) for j in range(4)])
+                    G = ti.Vector([p[4 * j + 1] for p in ti.static(eight) for j in range(4)])
+                    B = ti.Vector([p[4 * j + 2] for p in ti.static(eight) for j in range(4)])
+                    A = ti.Vector([p[4 * j + 3] for p in ti.static(eight) for j in range(4)])
+                    if ti.static(steps.strays):
+                        R, G, B = R * Q[OWN], G * Q[OWN], B * Q[OWN]
+                        low, middle, high = (
+                            ti.Vector([0.0] * 16),
+                            ti.Vector([0.0] * 16),
+                            ti.Vector([0.0] * 16),
+                        )  # the coarse rows, blended
+                        for e in ti.static(range(5)):
+                            row = ((i >> 2) + e) * across + 2 * t
+                            weight = blend[5 * (i & 3) + e]
+                            low += coarse[row] * weight
+                            middle += coarse[row + 1] * weight
+                            high += coarse[row + 2] * weight
+                        R = R + _spread(low, middle, high, 0) * Q[STRAY]
+                        G = G + _spread(low, middle, high, 1) * Q[STRAY]
+                        B = B + _spread(low, middle, high, 2) * Q[STRAY]
+                    E = Q[_f(1.0)]
+                    if ti.static(steps.vignette):
+                        dx = (lane + (ti.cast(at, ti.f32) + 0.5)) * across_one - 1.0
+                        edge = Q[_f(1.0)] + Q[VIGNETTE] * Q[_f(0.5)] * (dx * dx + dy * dy)
+                        E = Q[_f(1.0)] / (edge * edge)
+                        R, G, B = R * E, G * E, B * E
+                    r, g, b = R, G, B
+                    R, G, B = _mixed(r, g, b, Q, BEFORE), _mixed(r, g, b, Q, BEFORE + 3), _mixed(r, g, b, Q, BEFORE + 6)
+                    if ti.static(steps.contrast):
+                        R = _contrasted(R, Q, Z, F, I, o, 0)
+                        G = _contrasted(G, Q, Z, F, I, o, 1)
+                        B = _contrasted(B, Q, Z, F, I, o, 2)
+                    if ti.static(steps.whole == "neutral"):  # Khronos PBR Neutral
+                        least = ti.min(R, ti.min(G, B))
+                        toe = ti.select(least < Q[_f(0.08)], least - Q[_f(6.25)] * least * least, Q[_f(0.04)])
+                        peak = ti.max(R, ti.max(G, B)) - toe
+                        peak = ti.select(peak > Q[_f(0.76)], peak, Q[_f(0.76)])
+                        top = Q[_f(1.0)] - Q[_f(0.0576)] / (peak - Q[_f(0.52)])
+                        keep = Q[_f(1.0)] / (Q[_f(0.15)] * (peak - top) + Q[_f(1.0)])
+                        scale, white = top / peak * keep, top * (Q[_f(1.0)] - keep)
+                        R, G, B = (R - toe) * scale + white, (G - toe) * scale + white, (B - toe) * scale + white
+                    elif ti.static(steps.whole == "log"):  # log density; a logarithm to any base
+                        R, G, B = (
+                            _within(R, Q[_f(0.0)], Q[_f(1e12)]),
+                            _within(G, Q[_f(0.0)], Q[_f(1e12)]),
+                            _within(B, Q[_f(0.0)], Q[_f(1e12)]),
                         )
-                        for j in ti.static(range(3 * WIDE // 16)):
-                            out[(i * width + at) * 3 // 16 + j] = ti.Vector(
-                                [x[(4 * j + c) // 3 * 4 + (4 * j + c) % 3] for c in range(4)]
-                            )
-                else:
-                    x = (x & Z[_w(0xFFFF)]) | (y << Z[_w(16)])
-                    z = z & Z[_w(0xFFFF)]
+                        peak = ti.max(R, ti.max(G, ti.max(B, Q[_f(1e-20)])))
+                        whole = Q[_f(1.0)] / _log2(Q[_f(1.0)] + Q[DENSITY] * Q[WHITE], Q, Z, F, I, o)
+                        scale = _log2(Q[_f(1.0)] + Q[DENSITY] * peak, Q, Z, F, I, o + 3) * whole * Q[VIBRANCY] / peak
+                        rest = whole * (Q[_f(1.0)] - Q[VIBRANCY])
+                        R = R * scale + _log2(Q[_f(1.0)] + Q[DENSITY] * R, Q, Z, F, I, o + 6) * rest
+                        G = G * scale + _log2(Q[_f(1.0)] + Q[DENSITY] * G, Q, Z, F, I, o + 9) * rest
+                        B = B * scale + _log2(Q[_f(1.0)] + Q[DENSITY] * B, Q, Z, F, I, o + 12) * rest
+                    else:  # N / D of each channel, by one division
+                        r, g, b = _within(R, Q[LOW], Q[HIGH]), _within(G, Q[LOW], Q[HIGH]), _within(B, Q[LOW], Q[HIGH])
+                        dr, dg, db = _cubic(r, Q, BELOW), _cubic(g, Q, BELOW), _cubic(b, Q, BELOW)
+                        one = Q[_f(1.0)] / (dr * dg * db)
+                        R = _cubic(r, Q, ABOVE) * dg * db * one
+                        G = _cubic(g, Q, ABOVE) * dr * db * one
+                        B = _cubic(b, Q, ABOVE) * (dr * dg) * one
+                    r, g, b = R, G, B
+                    R, G, B = _mixed(r, g, b, Q, AFTER), _mixed(r, g, b, Q, AFTER + 3), _mixed(r, g, b, Q, AFTER + 6)
+                    if ti.static(steps.background):  # which is seen as it is written
+                        back = (Q[_f(1.0)] - _within(A, Q[_f(0.0)], Q[_f(1.0)])) * E
+                        R, G, B = (
+                            _over(R, sky[i, 0], back, Q),
+                            _over(G, sky[i, 1], back, Q),
+                            _over(B, sky[i, 2], back, Q),
+                        )
                     if ti.static(steps.transparent):
-                        z = z | (w << Z[_w(16)])
-                        for j in ti.static(range(WIDE // 2)):
-                            out[(i * width + at) // 2 + j] = ti.Vector([x[2 * j], z[2 * j], x[2 * j + 1], z[2 * j + 1]])
-                    else:  # three words for two pixels
-                        after = _next(x)
-                        y = z | (after << Z[_w(16)])
-                        z = (after >> Z[_w(16)]) | (_next(z) << Z[_w(16)])
-                        for j in ti.static(range(3 * WIDE // 8)):
-                            words = ti.Vector([ti.u32(0)] * 4)
-                            for c in ti.static(range(4)):
-                                k = ti.static((4 * j + c) // 3 * 2)
-                                if ti.static((4 * j + c) % 3 == 0):
-                                    words[c] = x[k]
-                                elif ti.static((4 * j + c) % 3 == 1):
-                                    words[c] = y[k]
-                                else:
-                                    words[c] = z[k]
-                            out[(i * width + at) * 3 // 8 + j] = words
+                        A = _within(
+                            ti.max(_within(A, Q[_f(0.0)], Q[_f(1.0)]), ti.max(R, ti.max(G, B))), Q[_f(1e-6)], Q[_f(1.0)]
+                        )
+                        R, G, B = R / A, G / A, B / A
+                    R, G, B = _encode(R, G, B, Q, Z, F, I, o, steps.deep)
+                    noise = _hash((order + ti.cast(i * 16384 + at, ti.u32)) ^ take, Z)
+                    if ti.static(steps.grain):  # four bytes' mean: nearly normal, standard deviation 1
+                        h = _hash(noise, Z)
+                        two = (h & Z[_w(0xFF00FF)]) + ((h >> Z[_w(8)]) & Z[_w(0xFF00FF)])
+                        I[o + _NOISE + 3] = ((two & Z[_w(0xFFFF)]) + (two >> Z[_w(16)])) | Z[_w(_WHOLE_BITS)]
+                        n = (F[o + _NOISE + 3] - Q[_f(_WHOLE + 510.0)]) * (Q[GRAIN] * Q[_f(4.0 / 147.8)])
+                        R = _within(R + n * R * (Q[_f(1.0)] - R), Q[_f(0.0)], Q[_f(1.0)])
+                        G = _within(G + n * G * (Q[_f(1.0)] - G), Q[_f(0.0)], Q[_f(1.0)])
+                        B = _within(B + n * B * (Q[_f(1.0)] - B), Q[_f(0.0)], Q[_f(1.0)])
+                    x, y, z = (
+                        _coded(R, noise, Q, Z, F, I, o, 0),
+                        _coded(G, noise, Q, Z, F, I, o, 1),
+                        _coded(B, noise, Q, Z, F, I, o, 2),
+                    )
+                    w = x
+                    if ti.static(steps.transparent):
+                        F[o + _CODE + 3] = A * Q[TOP] + Q[_f(_ROUND)]
+                        w = I[o + _CODE + 3]
+                    if ti.static(not steps.deep):
+                        x, y, z = x & Z[_w(255)], (y & Z[_w(255)]) << Z[_w(8)], (z & Z[_w(255)]) << Z[_w(16)]
+                        x = x | y | z
+                        if ti.static(steps.transparent):
+                            x = x | (w << Z[_w(24)])
+                            for j in ti.static(range(WIDE // 4)):
+                                out[(i * width + at) // 4 + j] = ti.Vector([x[4 * j + c] for c in range(4)])
+                        else:  # the end of each word and the start of the next: three of four are used
+                            x = (x >> ti.Vector([ti.u32(8 * (k % 4)) for k in range(WIDE)])) | (
+                                _next(x) << ti.Vector([ti.u32(24 - 8 * (k % 4)) for k in range(WIDE)])
+                            )
+                            for j in ti.static(range(3 * WIDE // 16)):
+                                out[(i * width + at) * 3 // 16 + j] = ti.Vector(
+                                    [x[(4 * j + c) // 3 * 4 + (4 * j + c) % 3] for c in range(4)]
+                                )
+                    else:
+                        x = (x & Z[_w(0xFFFF)]) | (y << Z[_w(16)])
+                        z = z & Z[_w(0xFFFF)]
+                        if ti.static(steps.transparent):
+                            z = z | (w << Z[_w(16)])
+                            for j in ti.static(range(WIDE // 2)):
+                                out[(i * width + at) // 2 + j] = ti.Vector(
+                                    [x[2 * j], z[2 * j], x[2 * j + 1], z[2 * j + 1]]
+                                )
+                        else:  # three words for two pixels
+                            after = _next(x)
+                            y = z | (after << Z[_w(16)])
+                            z = (after >> Z[_w(16)]) | (_next(z) << Z[_w(16)])
+                            for j in ti.static(range(3 * WIDE // 8)):
+                                words = ti.Vector([ti.u32(0)] * 4)
+                                for c in ti.static(range(4)):
+                                    k = ti.static((4 * j + c) // 3 * 2)
+                                    if ti.static((4 * j + c) % 3 == 0):
+                                        words[c] = x[k]
+                                    elif ti.static((4 * j + c) % 3 == 1):
+                                        words[c] = y[k]
+                                    else:
+                                        words[c] = z[k]
+                                out[(i * width + at) * 3 // 8 + j] = words
 
     return kernel(develop_steps, vectors=True)
