@@ -145,7 +145,8 @@ def _resampling(alone: bool):
                         ti.Vector([0.0] * WIDE),
                     )
                     for a in range(wy.shape[1]):
-                        o, weight = start + ti.min(y[r] + a, last) * stride + 4 * t, wy[r, a]
+                        n = wy.shape[1] - 1 - a  # what is farthest in memory first
+                        o, weight = start + ti.min(y[r] + n, last) * stride + 4 * t, wy[r, n]
                         v0 += source[o] * weight
                         v1 += source[o + 1] * weight
                         v2 += source[o + 2] * weight
