@@ -23,7 +23,6 @@ _NIGHT = Gradient(((0.0, (0.004, 0.006, 0.016)), (0.6, (0.012, 0.018, 0.042)), (
 _NOTHING = aligned((2, 16), np.float32)
 _SCRATCH = aligned((kernel.TASKS * kernel.SCRATCH, kernel.WIDE), np.float32)
 _BLEND = aligned((20, 16), np.float32)
-_BLEND[:] = blend_weights().reshape(-1, 1)
 _PLAIN = DevelopSpec()
 
 
@@ -31,10 +30,11 @@ _PLAIN = DevelopSpec()
 def _numbers(spec: DevelopSpec, bits: int) -> np.ndarray:
     q = np.zeros(kernel.NUMBERS, np.float32)
     q[kernel.VIGNETTE], q[kernel.GRAIN] = 2.0 ** (spec.vignette / 2) - 1.0, spec.grain
-    # ten bits of noise, on top of 2^23: from half a code below to less than half above, so that white stays white
-    dither = float(spec.dither and bits == 8)
-    q[kernel.DITHER], q[kernel.MIDDLE] = dither / 1024.0, dither * (2**23 + 512) / 1024.0
-    q[kernel.TOP], q[kernel.CONTRAST] = 2.0**bits - 1.0, spec.contrast
+    q[kernel.CODES], q[kernel.CONTRAST] = 2.0**bits - 1.0, spec.contrast
+    q[kernel.TOP] = q[kernel.CODES] * (1024 if bits == 8 else 1)
+    # ten bits of noise from half a code below to less than half above, so that white stays white
+    dithered = spec.dither and bits == 8
+    q.view(np.uint32)[[kernel.DITHER, kernel.MIDDLE]] = (1023, 0) if dithered else (0, 512)
     q[kernel.DENSITY], q[kernel.VIBRANCY], q[kernel.WHITE] = spec.density, spec.vibrancy, spec.white
     q[kernel.LOW : kernel.BELOW + 4] = rational(spec.tone, spec.white)
     before, after = matrices(spec.tone, spec.saturation)
@@ -71,7 +71,8 @@ def develop(
     coarse, across = _NOTHING, 1
     if halo:
         own, picture = halo.spread(light, stride, spec.bloom.radius)
-        q[kernel.OWN], q[kernel.STRAY] = 1.0 + strength * (own - 1.0), strength
+        q[kernel.OWN] = 1.0 + strength * (own - 1.0)
+        _BLEND[:] = blend_weights().reshape(-1, 1) * strength
         coarse, across = picture.vectors, picture.stride // 4
     channels = 4 if transparent else 3
     depth = np.uint8 if bits == 8 else np.uint16

@@ -24,7 +24,9 @@ TASKS = 64  # runs of rows: each has memory of its own, which stays in the cache
 SCRATCH = 64  # vectors of memory for a task: twice the places below
 
 # run-time numbers
-OWN, STRAY, VIGNETTE, GRAIN, DITHER, MIDDLE, TOP, CONTRAST, DENSITY, VIBRANCY, WHITE = range(11)
+OWN, VIGNETTE, GRAIN, DITHER, MIDDLE, TOP, CODES, CONTRAST, DENSITY, VIBRANCY, WHITE = range(
+    11
+)  # DITHER, MIDDLE: words
 LOW, HIGH, ABOVE, BELOW = 11, 12, 13, 17
 BEFORE, AFTER = 21, 30
 NUMBERS = 39
@@ -216,12 +218,24 @@ def _over(v, sky, back, Q: ti.template()):
 
 
 @ti.func
-def _coded(v, noise, Q: ti.template(), Z: ti.template(), F: ti.template(), I: ti.template(), o, c: ti.template()):
-    """The whole number of encoded light v, dithered by ten bits of `noise`; among the last bits of the words that come back."""
-    I[o + _NOISE + c] = ((noise >> Z[_w(10 * c)]) & Z[_w(1023)]) | Z[_w(_WHOLE_BITS)]
-    n = F[o + _NOISE + c] * Q[DITHER] - Q[MIDDLE]
-    F[o + _CODE + c] = (v * Q[TOP] + n) + Q[_f(_ROUND)]
-    return I[o + _CODE + c]
+def _coded(
+    v,
+    noise,
+    Q: ti.template(),
+    Z: ti.template(),
+    F: ti.template(),
+    I: ti.template(),
+    o,
+    c: ti.template(),
+    deep: ti.template(),
+):
+    """The whole number of encoded light v among the last bits of the words that come back: of eight bits dithered by ten of
+    `noise`, the light in 1024ths of a code and they being added up."""
+    F[o + _CODE + c] = v * Q[TOP] + Q[_f(_ROUND)]
+    code = I[o + _CODE + c]
+    if ti.static(not deep):
+        code = (code + ((noise >> Z[_w(10 * c)]) & Z[DITHER]) + Z[MIDDLE]) >> Z[_w(10)]
+    return code
 
 
 @ti.func
@@ -241,7 +255,7 @@ def compiled(steps: Steps):
     ):  # fmt: skip
         """width : a multiple of WIDE, of which `seen` pixels are the picture     stride, across : vectors of four pixels a row
 
-        blend : shares of five coarse rows for each of four rows, each a vector
+        blend : shares of five coarse rows for each of four rows, each a vector, times the stray light's strength
         Q, Z : one table     F, I : one memory, SCRATCH vectors a task     out : the picture's bytes
         """
         ti.loop_config(block_dim=1)
@@ -285,9 +299,9 @@ def compiled(steps: Steps):
                             low += coarse[row] * weight
                             middle += coarse[row + 1] * weight
                             high += coarse[row + 2] * weight
-                        R = R + _spread(low, middle, high, 0) * Q[STRAY]
-                        G = G + _spread(low, middle, high, 1) * Q[STRAY]
-                        B = B + _spread(low, middle, high, 2) * Q[STRAY]
+                        R = R + _spread(low, middle, high, 0)
+                        G = G + _spread(low, middle, high, 1)
+                        B = B + _spread(low, middle, high, 2)
                     E = Q[_f(1.0)]
                     if ti.static(steps.vignette):
                         dx = (lane + (ti.cast(at, ti.f32) + 0.5)) * across_one - 1.0
@@ -354,13 +368,13 @@ def compiled(steps: Steps):
                         G = _within(G + n * G * (Q[_f(1.0)] - G), Q[_f(0.0)], Q[_f(1.0)])
                         B = _within(B + n * B * (Q[_f(1.0)] - B), Q[_f(0.0)], Q[_f(1.0)])
                     x, y, z = (
-                        _coded(R, noise, Q, Z, F, I, o, 0),
-                        _coded(G, noise, Q, Z, F, I, o, 1),
-                        _coded(B, noise, Q, Z, F, I, o, 2),
+                        _coded(R, noise, Q, Z, F, I, o, 0, steps.deep),
+                        _coded(G, noise, Q, Z, F, I, o, 1, steps.deep),
+                        _coded(B, noise, Q, Z, F, I, o, 2, steps.deep),
                     )
                     w = x
                     if ti.static(steps.transparent):
-                        F[o + _CODE + 3] = A * Q[TOP] + Q[_f(_ROUND)]
+                        F[o + _CODE + 3] = A * Q[CODES] + Q[_f(_ROUND)]
                         w = I[o + _CODE + 3]
                     if ti.static(not steps.deep):
                         x, y, z = x & Z[_w(255)], (y & Z[_w(255)]) << Z[_w(8)], (z & Z[_w(255)]) << Z[_w(16)]
