@@ -13,7 +13,7 @@ from gen_art.runtime import kernel, ti
 
 bench = Bench("develop", __doc__)
 runtime.init(threads=2)
-rounds, (width, height) = (1, (320, 180)) if bench.quick else (15, (1920, 1080))
+rounds, (width, height) = (1, (320, 180)) if bench.quick else (60, (1920, 1080))
 bench.settings = {"rounds": rounds, "size": [width, height], "threads": 2}
 
 LANES, CHUNKS = 32, 180

@@ -22,12 +22,13 @@ __all__ = ["develop"]
 _NIGHT = Gradient(((0.0, (0.004, 0.006, 0.016)), (0.6, (0.012, 0.018, 0.042)), (1.0, (0.035, 0.042, 0.075))))
 _NOTHING = aligned((2, 16), np.float32)
 _SCRATCH = aligned((kernel.TASKS * kernel.SCRATCH, kernel.WIDE), np.float32)
-_BLEND = aligned((20, 16), np.float32)
+_WEIGHTS, _BLEND = blend_weights().reshape(-1, 1), aligned((20, 16), np.float32)
 _PLAIN = DevelopSpec()
 
 
 @lru_cache(8)
-def _numbers(spec: DevelopSpec, bits: int) -> np.ndarray:
+def _numbers(spec: DevelopSpec, bits: int) -> tuple[np.ndarray, np.ndarray]:
+    """The kernel's table, and the matrix before the curve, (9, 1), which is in it times the exposure."""
     q = np.zeros(kernel.NUMBERS, np.float32)
     q[kernel.VIGNETTE], q[kernel.GRAIN] = 2.0 ** (spec.vignette / 2) - 1.0, spec.grain
     q[kernel.CODES], q[kernel.CONTRAST] = 2.0**bits - 1.0, spec.contrast
@@ -39,13 +40,15 @@ def _numbers(spec: DevelopSpec, bits: int) -> np.ndarray:
     q[kernel.LOW : kernel.BELOW + 4] = rational(spec.tone, spec.white)
     before, after = matrices(spec.tone, spec.saturation)
     q[kernel.BEFORE : kernel.BEFORE + 9], q[kernel.AFTER : kernel.AFTER + 9] = before.reshape(-1), after.reshape(-1)
-    return q
+    return kernel.table(q), before.reshape(-1, 1)
 
 
 @lru_cache(4)
-def _sky(background, height: int) -> np.ndarray:
+def _sky(background, height: int) -> tuple[np.ndarray, bool]:
+    """Its light row by row, and whether there is any."""
     gradient = _NIGHT if background == "night" else background
-    return np.ascontiguousarray(gradient_table(gradient, max(height, 2))[:height].astype(np.float32))
+    sky = np.ascontiguousarray(gradient_table(gradient, max(height, 2))[:height].astype(np.float32))
+    return sky, bool(sky.any())
 
 
 def develop(
@@ -61,8 +64,8 @@ def develop(
     if bits not in (8, 16):
         raise UsageError(f"a picture has 8 or 16 bits a channel, not {bits}")
     height, width = film.shape[:2]
-    q = kernel.table(_numbers(spec, bits))
-    q[kernel.BEFORE : kernel.BEFORE + 9] *= 2.0 ** (spec.exposure + (exposure or 0.0))
+    q, before = _numbers(spec, bits)
+    share = 1.0  # of its light that stays where it is
     strength, halo = spec.bloom.strength, chain(width, height) if spec.bloom.strength else None
     if halo and halo.scales[0] != 4:
         film, halo = halo.bloomed(np.asarray(film, np.float32), strength, spec.bloom.radius), None
@@ -71,17 +74,18 @@ def develop(
     coarse, across = _NOTHING, 1
     if halo:
         own, picture = halo.spread(light, stride, spec.bloom.radius)
-        q[kernel.OWN] = 1.0 + strength * (own - 1.0)
-        _BLEND[:] = blend_weights().reshape(-1, 1) * strength
+        share = max(1.0 + strength * (own - 1.0), 1e-6)
+        np.multiply(_WEIGHTS, strength / share, out=_BLEND)
         coarse, across = picture.vectors, picture.stride // 4
     channels = 4 if transparent else 3
     depth = np.uint8 if bits == 8 else np.uint16
     picture = out
     if out is None or wide > width or not out.flags.c_contiguous or out.ctypes.data % 16:
         picture = aligned((height, wide, channels), depth)
-    sky = _sky(spec.background, height)
+    sky, lit = _sky(spec.background, height)
+    np.multiply(before, share * 2.0 ** (spec.exposure + (exposure or 0.0)), out=q[kernel.BEFORE : kernel.BEFORE + 9])
     steps = kernel.Steps(
-        strays=halo is not None, vignette=spec.vignette > 0.0, background=bool(sky.any()) and not transparent,
+        strays=halo is not None, vignette=spec.vignette > 0.0, background=lit and not transparent,
         contrast=spec.contrast != 1.0, whole=spec.tone if spec.tone in ("neutral", "log") else "", transparent=transparent,
         grain=spec.grain > 0.0, deep=bits == 16,
     )  # fmt: skip

@@ -23,13 +23,11 @@ WIDE = 32  # pixels of a turn
 TASKS = 64  # runs of rows: each has memory of its own, which stays in the cache
 SCRATCH = 64  # vectors of memory for a task: twice the places below
 
-# run-time numbers
-OWN, VIGNETTE, GRAIN, DITHER, MIDDLE, TOP, CODES, CONTRAST, DENSITY, VIBRANCY, WHITE = range(
-    11
-)  # DITHER, MIDDLE: words
-LOW, HIGH, ABOVE, BELOW = 11, 12, 13, 17
-BEFORE, AFTER = 21, 30
-NUMBERS = 39
+# run-time numbers, the two of dither whole ones
+VIGNETTE, GRAIN, DITHER, MIDDLE, TOP, CODES, CONTRAST, DENSITY, VIBRANCY, WHITE = range(10)
+LOW, HIGH, ABOVE, BELOW = 10, 11, 12, 16
+BEFORE, AFTER = 20, 29
+NUMBERS = 38
 
 # sRGB's power branch, 1.055 x^(1/2.4) - 0.055 for x from 0.0031308 to 1, as a quartic over a cubic in sqrt(x): within 6e-7
 _ABOVE = (13.2843061, 63.0982864, 28.2357181, 0.877431184, -0.050273701)
@@ -255,7 +253,7 @@ def compiled(steps: Steps):
     ):  # fmt: skip
         """width : a multiple of WIDE, of which `seen` pixels are the picture     stride, across : vectors of four pixels a row
 
-        blend : shares of five coarse rows for each of four rows, each a vector, times the stray light's strength
+        blend : shares of five coarse rows for each of four rows, each a vector, times the stray light over the own
         Q, Z : one table     F, I : one memory, SCRATCH vectors a task     out : the picture's bytes
         """
         ti.loop_config(block_dim=1)
@@ -287,7 +285,6 @@ def compiled(steps: Steps):
                     B = ti.Vector([p[4 * j + 2] for p in ti.static(eight) for j in range(4)])
                     A = ti.Vector([p[4 * j + 3] for p in ti.static(eight) for j in range(4)])
                     if ti.static(steps.strays):
-                        R, G, B = R * Q[OWN], G * Q[OWN], B * Q[OWN]
                         low, middle, high = (
                             ti.Vector([0.0] * 16),
                             ti.Vector([0.0] * 16),
