@@ -18,7 +18,7 @@ test: $(INSTALLED)
 	$(BIN)/python -m pytest -m "not proof" --numprocesses 2 --dist loadfile
 
 proofs: $(INSTALLED)
-	$(BIN)/python -m pytest -m proof
+	$(BIN)/python -m pytest -m proof --numprocesses 2
 
 check: $(INSTALLED)
 	$(BIN)/ruff format --check .

@@ -109,6 +109,21 @@ def _within(x, low, high):
 
 
 @ti.func
+def _above(x, low):
+    """x, or `low` where it is below: an instruction, where ti.max takes three."""
+    return ti.select(x > low, x, low)
+
+
+@ti.func
+def _shares(x, y, z, Q: ti.template()):
+    """1 / x, 1 / y and 1 / z by one division."""
+    xy = x * y
+    one = Q[_f(1.0)] / (xy * z)
+    third = z * one
+    return y * third, x * third, xy * one
+
+
+@ti.func
 def _horner(x, Q: ti.template(), coefficients: ti.template()):
     y = x * Q[_f(coefficients[0])] + Q[_f(coefficients[1])]
     for k in ti.static(range(2, len(coefficients))):
@@ -134,16 +149,11 @@ def _root(x, Q: ti.template(), Z: ti.template(), F: ti.template(), I: ti.templat
 def _encode(R, G, B, Q: ti.template(), Z: ti.template(), F: ti.template(), I: ti.template(), o, deep: ti.template()):
     """sRGB-encoded light of three channels, 0..1, by one division."""
     x, y, z = _within(R, Q[_f(0.0)], Q[_f(1.0)]), _within(G, Q[_f(0.0)], Q[_f(1.0)]), _within(B, Q[_f(0.0)], Q[_f(1.0)])
-    r = _root(ti.max(x, Q[_f(_LEAST_ENCODED)]), Q, Z, F, I, o + _ROOT, 2 + deep)
-    g = _root(ti.max(y, Q[_f(_LEAST_ENCODED)]), Q, Z, F, I, o + _ROOT + 2, 2 + deep)
-    b = _root(ti.max(z, Q[_f(_LEAST_ENCODED)]), Q, Z, F, I, o + _ROOT + 4, 2 + deep)
-    dr, dg, db = _horner(r, Q, _BELOW), _horner(g, Q, _BELOW), _horner(b, Q, _BELOW)
-    one = Q[_f(1.0)] / (dr * dg * db)
-    r, g, b = (
-        _horner(r, Q, _ABOVE) * (dg * db) * one,
-        _horner(g, Q, _ABOVE) * (dr * db) * one,
-        _horner(b, Q, _ABOVE) * (dr * dg) * one,
-    )
+    r = _root(_above(x, Q[_f(_LEAST_ENCODED)]), Q, Z, F, I, o + _ROOT, 2 + deep)
+    g = _root(_above(y, Q[_f(_LEAST_ENCODED)]), Q, Z, F, I, o + _ROOT + 2, 2 + deep)
+    b = _root(_above(z, Q[_f(_LEAST_ENCODED)]), Q, Z, F, I, o + _ROOT + 4, 2 + deep)
+    fr, fg, fb = _shares(_horner(r, Q, _BELOW), _horner(g, Q, _BELOW), _horner(b, Q, _BELOW), Q)
+    r, g, b = _horner(r, Q, _ABOVE) * fr, _horner(g, Q, _ABOVE) * fg, _horner(b, Q, _ABOVE) * fb
     low = Q[_f(_LEAST_ENCODED)]
     return (
         ti.select(x > low, r, x * Q[_f(12.92)]),
@@ -185,7 +195,7 @@ def _two_to(x, Q: ti.template(), Z: ti.template(), F: ti.template(), I: ti.templ
 
 @ti.func
 def _contrasted(x, Q: ti.template(), Z: ti.template(), F: ti.template(), I: ti.template(), o, c: ti.template()):
-    light = ti.max(x * Q[_f(1.0 / GREY)], Q[_f(1e-30)])
+    light = _above(x * Q[_f(1.0 / GREY)], Q[_f(1e-30)])
     return Q[_f(GREY)] * _two_to(_log2(light, Q, Z, F, I, o + _LOG + 3 * c) * Q[CONTRAST], Q, Z, F, I, o + _EXP + 3 * c)
 
 
@@ -335,11 +345,8 @@ def compiled(steps: Steps):
                         B = B * scale + _log2(Q[_f(1.0)] + Q[DENSITY] * B, Q, Z, F, I, o + 12) * rest
                     else:  # N / D of each channel, by one division
                         r, g, b = _within(R, Q[LOW], Q[HIGH]), _within(G, Q[LOW], Q[HIGH]), _within(B, Q[LOW], Q[HIGH])
-                        dr, dg, db = _cubic(r, Q, BELOW), _cubic(g, Q, BELOW), _cubic(b, Q, BELOW)
-                        one = Q[_f(1.0)] / (dr * dg * db)
-                        R = _cubic(r, Q, ABOVE) * dg * db * one
-                        G = _cubic(g, Q, ABOVE) * dr * db * one
-                        B = _cubic(b, Q, ABOVE) * (dr * dg) * one
+                        fr, fg, fb = _shares(_cubic(r, Q, BELOW), _cubic(g, Q, BELOW), _cubic(b, Q, BELOW), Q)
+                        R, G, B = _cubic(r, Q, ABOVE) * fr, _cubic(g, Q, ABOVE) * fg, _cubic(b, Q, ABOVE) * fb
                     r, g, b = R, G, B
                     R, G, B = _mixed(r, g, b, Q, AFTER), _mixed(r, g, b, Q, AFTER + 3), _mixed(r, g, b, Q, AFTER + 6)
                     if ti.static(steps.background):  # which is seen as it is written
