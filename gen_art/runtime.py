@@ -24,8 +24,8 @@ from gen_art import lean_launching
 from gen_art.errors import UsageError
 
 __all__ = [
-    "DTYPES", "aligned", "cache_folder", "compilations", "finish", "impl", "init", "is_f64", "kernel", "make_matrix", "real",
-    "threads", "ti",
+    "DTYPES", "NO_SIGN", "aligned", "cache_folder", "compilations", "finish", "impl", "init", "is_f64", "kernel", "make_matrix",
+    "real", "threads", "ti",
 ]  # fmt: skip
 
 DTYPES = {"f32": ti.f32, "f64": ti.f64}
@@ -142,6 +142,9 @@ def kernel(function, precision: str = "f32", vectors: bool = False):
     launch = lean_launching.lean(primal, function, lambda: _compiling(dtype, vectors))
     launch.primal = primal
     return launch
+
+
+NO_SIGN = 0x7FFFFFF  # index & NO_SIGN is known to be small: LLVM adds constants to it in the address, and not one by one before
 
 
 def aligned(shape, dtype) -> np.ndarray:

@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gen_art.renderer.resample import PAD, WIDE, Taps, blend_weights, resample, scratch, steps, variance
+from gen_art.renderer.resample import PAD, WIDE, Taps, blend_weights, columns, resample, ring, steps, variance
 from gen_art.runtime import aligned
 
 __all__ = ["Halo", "chain", "flat", "levels", "stray_light"]
@@ -72,31 +72,21 @@ class Halo:
         across, down = steps(width, self.scales), steps(height, self.scales)
         self.pictures = [_Picture(m, n) for (m, *_), (n, *_) in zip(across, down, strict=True)]
         self._full = None if self.scales[0] == 4 else _Picture(width, height)
-        # ways down to each picture and up from it: the first one's border is blended too
-        self._down = [(down[0][1].bordered(), across[0][1].bordered().columns(0))]
-        self._down += [(d, c.columns(PAD)) for (_, d, _), (_, c, _) in zip(down[1:], across[1:], strict=True)]
-        self._up = [(d, c.columns(PAD)) for (_, _, d), (_, _, c) in zip(down, across, strict=True)]
-        if len(self._up) > 1:
-            self._up[1] = down[1][2].bordered(), across[1][2].bordered().columns(PAD)
-        self._across = -(-width // 16) * 4
-        self._memory = aligned((scratch(self._across, len(self._down[0][0].first))[1], WIDE), np.float32)
+        self._down = [(down[k][1].bordered(), across[k][1].bordered()) for k in range(len(down))]
+        self._up = [(down[k][2].bordered(), across[k][2].bordered()) for k in range(len(down))]
+        first = self.pictures[0]
+        self._across = -(-width // 32) * 8
+        self._columns = columns(self._down[0][1], 0, self._across, first.stride // 4)
+        self._memory = ring(self._down[0][0].weights.shape[1], first.stride // 4, width * height + len(first.pixels))
         self._rest: tuple[float, list] = (-1.0, [])
 
-    def _way(self, source: tuple, goal: _Picture, rows: Taps, columns: Taps, own: float, memory=None):
-        """source : vectors, number of the first, vectors from row to row and in a row, number of the last row"""
-        room, size = scratch(source[3], len(rows.first))
-        if memory is None:  # what lies beyond a row's end is never written, and stays zero
-            memory = aligned((size, WIDE), np.float32)
-        border = (goal.height + 2 * PAD - len(rows.first)) // 2
-        place = border * (goal.stride + 1), goal.stride, goal.pixels
-        return resample(source, rows, columns, own, place, memory, room)
-
-    def _from(self, k: int, goal: _Picture, rows: Taps, columns: Taps, own: float):
+    def _from(self, k: int, goal: _Picture, rows: Taps, along: Taps, own: float):
         """A function that makes `goal` from picture k."""
-        source = self.pictures[k]
-        across = source.stride // 4
-        whole = source.vectors, PAD * across, across, across, source.height - 1
-        launch, arguments = self._way(whole, goal, rows, columns, own)
+        source, across = self.pictures[k], goal.stride // 4
+        room = source.stride // 4
+        whole = source.vectors, PAD * room, room, source.height - 1
+        memory = ring(rows.weights.shape[1], across, len(source.pixels) + len(goal.pixels))
+        launch, arguments = resample(whole, PAD, rows, columns(along, PAD, room, across), own, goal.vectors, memory)
         return launch.bound(*arguments)
 
     def _between(self, radius: float) -> list:
@@ -114,8 +104,10 @@ class Halo:
         """
         if self._rest[0] != radius:
             self._rest = radius, self._between(radius)
-        whole = film, 0, stride, self._across, self.size[1] - 1
-        launch, arguments = self._way(whole, self.pictures[0], *self._down[0], 0.0, self._memory)
+        whole = film, 0, stride, self.size[1] - 1
+        launch, arguments = resample(
+            whole, 0, self._down[0][0], self._columns, 0.0, self.pictures[0].vectors, self._memory
+        )
         launch(*arguments)
         for way in self._rest[1]:
             way()
@@ -166,7 +158,7 @@ def stray_light(film: np.ndarray, radius: float) -> np.ndarray:
 
     def up(picture, n):
         j = np.arange(n)
-        return sum(picture[j // 4 + e] * weights[j % 4, e][:, None, None] for e in range(5))
+        return sum(picture[(j + 2) // 4 + e] * weights[j % 4, e][:, None, None] for e in range(4))
 
     rows = up(coarse.whole, height)
     return own * film + up(rows.transpose(1, 0, 2), width).transpose(1, 0, 2)

@@ -16,18 +16,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gen_art.runtime import aligned, kernel, ti
+from gen_art.runtime import NO_SIGN, aligned, kernel, threads, ti
 
-__all__ = ["PAD", "WIDE", "Taps", "blend_weights", "mirrored", "resample", "scratch", "steps", "variance"]
+__all__ = ["PAD", "WIDE", "Taps", "blend_weights", "mirrored", "columns", "resample", "ring", "steps", "variance"]
 
 PAD = 2  # mirrored pixels on each side of a coarse picture, so that who blends its pixels need not ask where the border is
 TAPS = 4  # coarse pixels that a fine one hands its light to
 WIDE = 16  # floats of a vector: four pixels of RGBA
-_FEW = 10000  # pixels, for which other threads are not woken
-_ROWS = 8  # rows that one turn makes, with one row of scratch
+_FEW = 100_000  # pixels, of source and goal: waking other threads for fewer takes longer than they spare
 
 F2, I1 = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i32, 1)
-FLOATS, PIXELS = (ti.types.ndarray(ti.types.vector(n, ti.f32), 1) for n in (WIDE, 4))
+FLOATS = ti.types.ndarray(ti.types.vector(WIDE, ti.f32), 1)
 
 _BELLS = {4: [2, 5, 10, 16, 22, 26, 28, 26, 22, 16, 10, 5, 2], 2: [1, 4, 8, 10, 8, 4, 1], 1: [1, 3, 3, 1]}
 
@@ -62,10 +61,9 @@ def _shares(n: int, scale: int):
 
 
 def blend_weights() -> np.ndarray:
-    """(4, 5): fine pixel 4 q + p takes weights[p] of the pixels q .. q + 4 of a quarter picture with its border."""
-    f = _FILTERS[4]
-    a = np.arange(4)[:, None] + 14 - 4 * np.arange(5)
-    return np.where((a >= 0) & (a < 16), 4.0 * f[np.clip(a, 0, 15)], 0.0).astype(np.float32)
+    """(4, 4): fine pixel 4 q + p takes weights[p] of four pixels of a quarter picture with its border, from q + p // 2 on."""
+    p = np.arange(4)[:, None]
+    return (4.0 * _FILTERS[4][p + 14 - 4 * (p // 2 + np.arange(4))]).astype(np.float32)
 
 
 class Taps(NamedTuple):
@@ -80,15 +78,59 @@ class Taps(NamedTuple):
         i = mirrored(np.arange(-PAD, n + PAD), n)
         return Taps(np.ascontiguousarray(self.first[i]), np.ascontiguousarray(self.weights[i]))
 
-    def columns(self, left: int) -> "Taps":
-        """The same by whole vectors of a row whose first pixel is number `left`: first vectors, and (n count, WIDE) weights."""
-        n, length = self.weights.shape
-        begin, lead = np.divmod(self.first + left, 4)
-        wide = np.zeros((n, -(-(length + 3) // 4) * 4))
-        np.put_along_axis(wide, lead[:, None] + np.arange(length), self.weights, axis=1)
-        weights = aligned((wide.size // 4, WIDE), np.float32)
-        weights[:] = wide.repeat(4, axis=1).reshape(-1, WIDE)
-        return Taps(begin.astype(np.int32), weights)
+
+class Columns(NamedTuple):
+    """Taps along a row by whole vectors, for groups of four results.
+
+    In most groups the windows lie as _WINDOWS says: each vector is loaded once, from the group's first on, and place[q] says
+    where its weights begin. At a row's ends each result has a first vector of its own; their place is counted down from -1.
+    """
+
+    first: np.ndarray
+    place: np.ndarray
+    weights: np.ndarray
+
+
+# (taps, pixels before a row's first): which vector each of four windows begins with, and how many vectors it takes
+_WINDOWS = {
+    (16, 0): ((0, 1, 2, 3), 5),
+    (8, 0): ((0, 0, 1, 1), 3),
+    (8, PAD): ((0, 1, 1, 2), 3),
+    (4, 0): ((0, 0, 0, 0), 2),
+    (4, PAD): ((0, 0, 0, 0), 3),
+}
+
+
+def _alone(taps: int) -> int:
+    """Vectors that a window of taps takes, wherever it begins."""
+    return (taps + 6) // 4
+
+
+def _placed(lead: np.ndarray, weights: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Weights of groups, (n, 4, taps), from pixel `lead` (n, 4) of `count` vectors on: those that differ, and each group's."""
+    wide = np.zeros((*lead.shape, 4 * count), np.float32)
+    np.put_along_axis(wide, lead[..., None] + np.arange(weights.shape[2]), weights, axis=2)
+    alike, which = np.unique(wide.reshape(len(lead), 16 * count), axis=0, return_inverse=True)
+    return alike.reshape(-1, 4).repeat(4, axis=1), which.reshape(-1) * 4 * count
+
+
+def columns(taps: Taps, left: int, room: int, across: int) -> Columns:
+    """Of rows of `room` vectors, whose first pixel is number `left`, to rows of `across`; what lies beyond the taps is 0."""
+    n, length = taps.weights.shape
+    offsets, count = _WINDOWS[length, left]
+    weights = np.pad(taps.weights, ((0, 4 * across - n), (0, 0))).reshape(across, 4, length)
+    begin = np.pad(taps.first, (0, 4 * across - n), mode="edge").reshape(across, 4) + left
+    base = (begin // 4 - offsets).min(axis=1, keepdims=True)
+    lead = begin - 4 * (base + offsets)
+    fits = (base[:, 0] >= 0) & (base[:, 0] + max(offsets) + count <= room) & (lead + length <= 4 * count).all(axis=1)
+    first = np.where(fits[:, None], base, np.minimum(begin // 4, room - _alone(length)))
+    shared, where = _placed(lead[fits], weights[fits], count)
+    single, elsewhere = _placed((begin - 4 * first)[~fits], weights[~fits], _alone(length))
+    place = np.zeros(across, np.int32)
+    place[fits], place[~fits] = where, -1 - len(shared) - elsewhere
+    table = aligned((len(shared) + len(single), WIDE), np.float32)
+    table[: len(shared)], table[len(shared) :] = shared, single
+    return Columns(first.reshape(-1).astype(np.int32), place, table)
 
 
 def _taps(result: np.ndarray, place: np.ndarray, weight: np.ndarray, first: np.ndarray, length: int) -> Taps:
@@ -116,64 +158,107 @@ def steps(n: int, scales: list[int]) -> list[tuple[int, Taps, Taps]]:
     return levels
 
 
-def scratch(across: int, high: int) -> tuple[int, int]:
-    """How many vectors one turn needs for rows of `across` vectors, and how many all turns of `high` rows do."""
-    room = across + 4 * TAPS  # the columns of a picture narrower than their taps
-    return room, -(-high // _ROWS) * room
+def ring(taps: int, across: int, pixels: int) -> np.ndarray:
+    """Memory for the rows that are needed at a time, of each turn: few, as where two meet, rows are resampled twice."""
+    turns = 1 if pixels < _FEW else 2 * threads()
+    return aligned((turns * taps * across, WIDE), np.float32)
+
+
+# of two vectors, which numbers of each are added to which: the first half to the second, or pixels by turns
+_HALVES = (
+    (tuple(range(8)), tuple(range(8, 16))),
+    tuple(tuple(8 * h + 4 * g + c for h in (0, 1) for c in range(4)) for g in (0, 1)),
+)
+
+
+@ti.func
+def _added(v, w, how: ti.template()):
+    """Half the numbers of each of two vectors added to the other half."""
+    one, other = ti.static(_HALVES[how])
+    return ti.Vector([v[k] for k in ti.static(one)] + [w[k] for k in ti.static(one)]) + ti.Vector(
+        [v[k] for k in ti.static(other)] + [w[k] for k in ti.static(other)]
+    )
+
+
+@ti.func
+def _taken(total, v, weights: ti.template(), w, k: ti.template(), count: ti.template()):
+    """With v, the window's vector k, if it has one."""
+    if ti.static(0 <= k < count):
+        total += v * weights[w + k]
+    return total
+
+
+@ti.func
+def _along(source: ti.template(), at, weights: ti.template(), place, count: ti.template()):
+    o, w = at & NO_SIGN, place & NO_SIGN
+    v = source[o] * weights[w]
+    for k in ti.static(range(1, count)):
+        v += source[o + k] * weights[w + k]
+    return v
 
 
 @cache
-def _resampling(alone: bool):
+def _resampling(taps: int, left: int, alone: bool):
     """The kernel on all threads, or on the one that calls it: sooner done where there is little to do."""
+    offsets, count = _WINDOWS[taps, left]
+    single, loads = _alone(taps), max(offsets) + count
 
     @ti.kernel
-    def resample_rows_and_columns(
-        source: FLOATS, start: ti.i32, stride: ti.i32, across: ti.i32, last: ti.i32, y: I1, wy: F2, x: I1, wx: FLOATS,
-        own: ti.f32, goal_start: ti.i32, goal_stride: ti.i32, work: FLOATS, room: ti.i32, goal: PIXELS,
+    def resample_columns_and_rows(
+        source: FLOATS, start: ti.i32, stride: ti.i32, last: ti.i32, first: I1, place: I1, wx: FLOATS, y: I1, wy: F2,
+        own: ti.f32, goal: FLOATS, ring: FLOATS,
     ):  # fmt: skip
-        high, wide = y.shape[0], x.shape[0]
-        count = wx.shape[0] // wide
+        high, across = y.shape[0], place.shape[0]
+        turns = ring.shape[0] // (taps * across)
         ti.loop_config(serialize=alone, block_dim=1)
-        for b in range((high + _ROWS - 1) // _ROWS):
-            base = b * room
-            for r in range(b * _ROWS, ti.min((b + 1) * _ROWS, high)):
-                for t in range(across // 4):
-                    v0, v1, v2, v3 = (
-                        ti.Vector([0.0] * WIDE),
-                        ti.Vector([0.0] * WIDE),
-                        ti.Vector([0.0] * WIDE),
-                        ti.Vector([0.0] * WIDE),
-                    )
-                    for a in range(wy.shape[1]):
-                        n = wy.shape[1] - 1 - a  # what is farthest in memory first
-                        o, weight = start + ti.min(y[r] + n, last) * stride + 4 * t, wy[r, n]
-                        v0 += source[o] * weight
-                        v1 += source[o + 1] * weight
-                        v2 += source[o + 2] * weight
-                        v3 += source[o + 3] * weight
-                    o = base + 4 * t
-                    work[o], work[o + 1], work[o + 2], work[o + 3] = v0, v1, v2, v3
-                for q in range(wide):
-                    o = base + x[q]
-                    v = work[o] * wx[q * count] + work[o + 1] * wx[q * count + 1]
-                    for k in range(2, count):
-                        v += work[o + k] * wx[q * count + k]
-                    e = goal_start + r * goal_stride + q
-                    one, two = ti.Vector([v[c] for c in range(4)]), ti.Vector([v[4 + c] for c in range(4)])
-                    three, four = ti.Vector([v[8 + c] for c in range(4)]), ti.Vector([v[12 + c] for c in range(4)])
-                    p = (one + two) + (three + four)
+        for turn in range(turns):
+            zero = ti.Vector([0.0] * WIDE)
+            base, done = turn * taps * across, 0
+            for r in range(turn * high // turns, (turn + 1) * high // turns):
+                begin = y[r]
+                for row in range(ti.max(begin, done), begin + taps):
+                    o, p = start + ti.min(row, last) * stride, base + row % taps * across
+                    for q in range(across):
+                        w = place[q]
+                        if w >= 0:
+                            w &= NO_SIGN
+                            f = (o + first[4 * q]) & NO_SIGN
+                            v0, v1, v2, v3 = zero, zero, zero, zero
+                            for k in ti.static(range(loads)):
+                                v = source[f + k]
+                                v0 = _taken(v0, v, wx, w, k - offsets[0], count)
+                                v1 = _taken(v1, v, wx, w + count, k - offsets[1], count)
+                                v2 = _taken(v2, v, wx, w + 2 * count, k - offsets[2], count)
+                                v3 = _taken(v3, v, wx, w + 3 * count, k - offsets[3], count)
+                            ring[p + q] = _added(_added(v0, v1, 0), _added(v2, v3, 0), 1)
+                        else:
+                            w = -1 - w
+                            v0 = _along(source, o + first[4 * q], wx, w, single)
+                            v1 = _along(source, o + first[4 * q + 1], wx, w + single, single)
+                            v2 = _along(source, o + first[4 * q + 2], wx, w + 2 * single, single)
+                            v3 = _along(source, o + first[4 * q + 3], wx, w + 3 * single, single)
+                            ring[p + q] = _added(_added(v0, v1, 0), _added(v2, v3, 0), 1)
+                done = begin + taps
+                # row n of the ring has the weight of the row that stands in it
+                weights = ti.Vector([wy[r, (n - begin) & (taps - 1)] for n in ti.static(range(taps))])
+                for q in range(across):
+                    o = (base + q) & NO_SIGN
+                    v = ring[o] * weights[0]
+                    for n in ti.static(range(1, taps)):
+                        v += ring[o + n * across] * weights[n]
                     if own != 0.0:
-                        p += goal[e] * own
-                    goal[e] = p
+                        v += goal[r * across + q] * own
+                    goal[r * across + q] = v
 
-    return kernel(resample_rows_and_columns, vectors=True)
+    return kernel(resample_columns_and_rows, vectors=True)
 
 
-def resample(source: tuple, rows: Taps, columns: Taps, own: float, goal: tuple, work: np.ndarray, room: int):
-    """The kernel and the arguments of goal = own goal + source resampled, first its rows, then its columns.
+def resample(source: tuple, left: int, rows: Taps, along: Columns, own: float, goal: np.ndarray, ring: np.ndarray):
+    """The kernel and the arguments of goal = own goal + source resampled, first its columns, then its rows.
 
-    source : vectors, number of the first, vectors from row to row and in a row, a multiple of four, number of the last row
-    goal : number of the first pixel, pixels from row to row, pixels     work : `room` vectors a turn
+    source : vectors, number of the first, vectors from row to row, number of the last row     goal : vectors
+    left : pixels in the source before a row's first
     """
-    launch = _resampling(len(columns.first) * len(rows.first) < _FEW)
-    return launch, (*source, *rows, *columns, own, *goal[:2], work, room, goal[2])
+    taps, across = rows.weights.shape[1], len(along.place)
+    launch = _resampling(taps, left, len(ring) == taps * across)
+    return launch, (*source, *along, *rows, own, goal, ring)
