@@ -15,32 +15,34 @@ from gen_art.renderer.bloom import chain, flat
 from gen_art.renderer.colour import gradient_table
 from gen_art.renderer.resample import blend_weights
 from gen_art.renderer.tone import matrices, rational
+from gen_art.renderer.vectors import ROUND, WIDE, table
 from gen_art.runtime import aligned
 
 __all__ = ["develop"]
 
 _NIGHT = Gradient(((0.0, (0.004, 0.006, 0.016)), (0.6, (0.012, 0.018, 0.042)), (1.0, (0.035, 0.042, 0.075))))
 _NOTHING = aligned((2, 16), np.float32)
-_SCRATCH = aligned((kernel.TASKS * kernel.SCRATCH, kernel.WIDE), np.float32)
-_WEIGHTS, _BLEND = blend_weights().reshape(-1, 1), aligned((20, 16), np.float32)
+_SCRATCH = aligned((kernel.TASKS * kernel.SCRATCH, WIDE), np.float32)
+_WEIGHTS, _BLEND = blend_weights().reshape(-1, 1), aligned((16, 16), np.float32)
 _PLAIN = DevelopSpec()
 
 
 @lru_cache(8)
 def _numbers(spec: DevelopSpec, bits: int) -> tuple[np.ndarray, np.ndarray]:
     """The kernel's table, and the matrix before the curve, (9, 1), which is in it times the exposure."""
-    q = np.zeros(kernel.NUMBERS, np.float32)
+    q = table(kernel.NUMBERS)
     q[kernel.VIGNETTE], q[kernel.GRAIN] = 2.0 ** (spec.vignette / 2) - 1.0, spec.grain
     q[kernel.CODES], q[kernel.CONTRAST] = 2.0**bits - 1.0, spec.contrast
-    q[kernel.TOP] = q[kernel.CODES] * (1024 if bits == 8 else 1)
+    q[kernel.TOP] = (2.0**bits - 1.0) * (1024 if bits == 8 else 1)
     # ten bits of noise from half a code below to less than half above, so that white stays white
     dithered = spec.dither and bits == 8
-    q.view(np.uint32)[[kernel.DITHER, kernel.MIDDLE]] = (1023, 0) if dithered else (0, 512)
+    q.view(np.uint32)[kernel.DITHER] = 1023 if dithered else 0
+    q[kernel.ROUNDING] = ROUND + (512 if bits == 8 and not dithered else 0)
     q[kernel.DENSITY], q[kernel.VIBRANCY], q[kernel.WHITE] = spec.density, spec.vibrancy, spec.white
-    q[kernel.LOW : kernel.BELOW + 4] = rational(spec.tone, spec.white)
-    before, after = matrices(spec.tone, spec.saturation)
-    q[kernel.BEFORE : kernel.BEFORE + 9], q[kernel.AFTER : kernel.AFTER + 9] = before.reshape(-1), after.reshape(-1)
-    return kernel.table(q), before.reshape(-1, 1)
+    q[kernel.LOW : kernel.BELOW + 4] = rational(spec.tone, spec.white)[:, None]
+    before, after = (m.reshape(-1, 1) for m in matrices(spec.tone, spec.saturation))
+    q[kernel.AFTER : kernel.AFTER + 9] = after
+    return q, before
 
 
 @lru_cache(4)
@@ -69,7 +71,7 @@ def develop(
     strength, halo = spec.bloom.strength, chain(width, height) if spec.bloom.strength else None
     if halo and halo.scales[0] != 4:
         film, halo = halo.bloomed(np.asarray(film, np.float32), strength, spec.bloom.radius), None
-    wide = width + -width % kernel.WIDE  # black beside the picture
+    wide = width + -width % WIDE  # black beside the picture
     light, stride = flat(film)
     coarse, across = _NOTHING, 1
     if halo:
@@ -86,7 +88,7 @@ def develop(
     np.multiply(before, share * 2.0 ** (spec.exposure + (exposure or 0.0)), out=q[kernel.BEFORE : kernel.BEFORE + 9])
     steps = kernel.Steps(
         strays=halo is not None, vignette=spec.vignette > 0.0, background=lit and not transparent,
-        contrast=spec.contrast != 1.0, whole=spec.tone if spec.tone in ("neutral", "log") else "", transparent=transparent,
+        contrast=spec.contrast != 1.0, tone=spec.tone if spec.tone in ("neutral", "log") else "", transparent=transparent,
         grain=spec.grain > 0.0, deep=bits == 16,
     )  # fmt: skip
     kernel.compiled(steps)(

@@ -20,7 +20,8 @@ from gen_art.renderer.colour import LUMINANCE, rgb_to_xyz
 __all__ = ["GREY", "matrices", "rational"]
 
 GREY = 0.18
-LARGEST = 1e12  # light beyond it is held there: the product of three is still a float32
+# light beyond it is held there: the square of three channels' D, one after another, is still a float32
+LARGEST = 1e6
 
 _ACES_IN = [[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]]
 _ACES_OUT = [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07603]]
@@ -34,10 +35,10 @@ _CUBICS = {  # (lowest light, highest, numerator, denominator)
         GREY * 2.0**-10, GREY * 2.0**6.5,
         (-0.0001115836, 0.6328934, 10.77237, 3.42573), (1.0, 6.221913, 16.81256, 3.03369),
     ),
-    "aces": (_ACES_BLACK, 1e5, (-0.000090537, 0.0245786, 1.0, 0.0), (0.238081, 0.4329510, 0.983729, 0.0)),
+    "aces": (_ACES_BLACK, 1e3, (-0.000090537, 0.0245786, 1.0, 0.0), (0.238081, 0.4329510, 0.983729, 0.0)),
     "reinhard": (0.0, LARGEST, (0.0, 1.0, None, 0.0), (1.0, 1.0, 0.0, 0.0)),
 }  # fmt: skip
-_PLAIN = (0.0, LARGEST, (0.0, 1.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
+_PLAIN = (0.0, 1e12, (0.0, 1.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
 
 
 def rational(tone: str, white: float = 8.0) -> np.ndarray:
@@ -46,7 +47,8 @@ def rational(tone: str, white: float = 8.0) -> np.ndarray:
     white : reinhard's light that becomes 1
     """
     low, high, above, below = _CUBICS.get(tone, _PLAIN)
-    above = [1.0 / white**2 if n is None else n for n in above]
+    if tone == "reinhard":  # whose N must not grow beyond float32 either
+        high, above = min(high, high * white), [1.0 / white**2 if n is None else n for n in above]
     return np.array([low, high, *above, *below], np.float64)
 
 
