@@ -90,13 +90,19 @@ def machine() -> dict:
     }  # fmt: skip
 
 
-def alternate(rounds: int, **things) -> dict[str, float]:
-    """Median seconds of each function, taken in turns after one warm-up each, so that a slow spell touches all alike."""
+def alternate(rounds: int, again: bool = False, **things) -> dict[str, float]:
+    """Median seconds of each function, taken in turns after one warm-up each, so that a slow spell touches all alike.
+
+    again : in each turn a function runs twice, and the second time counts: a core that was idle while another function ran on
+    one thread takes some time to be as fast as before
+    """
     for function in things.values():
         function()
     taken: dict[str, list[float]] = {name: [] for name in things}
     for _ in range(rounds):
         for name, function in things.items():
+            if again:
+                function()
             start = time.perf_counter()
             function()
             taken[name].append(time.perf_counter() - start)

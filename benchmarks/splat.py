@@ -10,7 +10,7 @@ from _bench import Bench, alternate
 
 from gen_art import runtime
 from gen_art.renderer.film import Film
-from gen_art.renderer.scatter import discs, pixels, points, scatter
+from gen_art.renderer.scatter import discs, pixels, points
 from gen_art.renderer.sprite import BLUE, REACH, RED, X, Y
 
 bench = Bench("splat", __doc__)
@@ -20,14 +20,14 @@ runtime.init("cpu", 2)
 
 width, height = size
 rng = np.random.default_rng(0)
-columns = np.zeros((11, n + 64), np.float32)  # as the shading kernel leaves them
+columns = runtime.aligned((11, n + 64), np.float32)  # as the shading kernel leaves them
 radius = rng.exponential(0.18, n)
 angle = 2 * np.log(radius + 0.01) + rng.uniform(0, 2 * np.pi, n)
 columns[X, :n] = width / 2 + radius * 0.47 * width * np.cos(angle)
 columns[Y, :n] = height / 2 + radius * 0.47 * height * np.sin(angle) + rng.normal(0, 0.008 * height, n)
 columns[RED : BLUE + 1, :n] = rng.random((3, n))
 order = np.argsort(np.clip(columns[Y, :n], 0, height - 1).astype(np.int64) * width + columns[X, :n].astype(np.int64))
-in_order = columns.copy()
+in_order = runtime.aligned(columns.shape, np.float32)
 in_order[:, :n] = columns[:, order]
 round_ones = columns[:, : number + 64].copy()
 round_ones[REACH] = 2.4  # five pixels across, wherever it lies
@@ -36,7 +36,7 @@ film = Film(size)
 
 def draw(what, particles, how):
     film.clear()
-    scatter(particles, what, film, how)
+    how(particles, what, film)
 
 
 things = {
@@ -93,7 +93,7 @@ try:
 except ImportError:
     print("  numba is not installed and is left out")
 
-taken = alternate(rounds, **things)
+taken = alternate(rounds, again=True, **things)
 much = {name: number if "disc" in name else n for name in taken}
 bench.table([
     ("", "ms", "M/s"), *((name, f"{1e3 * s:.1f}", f"{much[name] / s / 1e6:.1f}") for name, s in taken.items())

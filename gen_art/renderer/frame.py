@@ -9,7 +9,7 @@ from gen_art.renderer.film import Film, Sprites, splat
 from gen_art.renderer.light import add_light
 from gen_art.renderer.reduce import reduced
 from gen_art.renderer.ribbon import History
-from gen_art.renderer.scatter import FEW, discs, pixels, points, scatter
+from gen_art.renderer.scatter import FEW, discs, pixels, points
 from gen_art.renderer.scatter import LARGEST as SCATTERED
 from gen_art.renderer.shade import Columns, shade
 from gen_art.renderer.sprite import DISC, HIDDEN, KINDS, POINT, REACH, STREAK
@@ -190,7 +190,7 @@ class Painter:
             largest = float(columns.used[REACH].max())
             least = SCATTERED if largest > 0.0 else 0.0
             dots = pixels if look.draw == "pixel" else points
-            scatter(columns.rows, columns.count, film, discs if largest > 0.0 else dots)
+            (discs if largest > 0.0 else dots)(columns.rows, columns.count, film)
             if largest <= least:
                 return
         sprites.add(columns, kind, film, look.tail, look.taper, least)

@@ -3,15 +3,20 @@
 The film's rows are cut into bands, one for each thread; each thread goes through all particles and adds what falls into its
 band. So a pixel takes its light in the order of the particles, whatever the number of bands is and wherever they are cut.
 Pixels are vectors of four: read, added to and written as one.
+
+Of pixels, a tile of particles is looked at by whole vectors, those of the band are listed, and the list is gone through. Most
+of the time is waiting for the film's memory: the more pixels are waited for at a time, the better.
 """
+
+from functools import lru_cache
 
 import numpy as np
 
 from gen_art.renderer.shade import LANES
 from gen_art.renderer.sprite import BLUE, GREEN, REACH, RED, X, Y, profile
-from gen_art.runtime import kernel, threads, ti
+from gen_art.runtime import NO_SIGN, aligned, kernel, threads, ti
 
-__all__ = ["FEW", "LARGEST", "scatter"]
+__all__ = ["FEW", "LARGEST", "discs", "pixels", "points"]
 
 LARGEST = 4.0  # pixels of reach of a disc that is drawn here
 TAPS = 10  # pixels that such a disc may touch along one side; `steps` below counts them
@@ -19,30 +24,97 @@ TILE = 32  # particles a turn: those of the band are counted out first, so that 
 SAMPLE = 4096  # particles that tell where to cut the rows
 FEW = 32768  # no more particles are drawn as any other sprites: they are not worth kernels of their own
 
+WIDE, PARTS = 32, 16  # numbers of a vector, vectors of a tile of pixels
+POINTS = WIDE * PARTS
+# places in a band's memory, each a tile of numbers
+_MINE, _COLUMN, _ROW, _PLACE = 0, POINTS, 2 * POINTS, 3 * POINTS
+MEMORY = 4 * POINTS
+_ORDER = tuple(range(WIDE))
+_ROUND, _ROUND_BITS = 12582912.0, 0x4B400000  # 1.5 2^23, whose last bits a whole number added to it fills
+
 PIXEL = ti.types.vector(4, ti.f32)
-I1, F2, FILM = ti.types.ndarray(ti.i32, 1), ti.types.ndarray(ti.f32, 2), ti.types.ndarray(PIXEL, 1)
+I1, F1, F2 = ti.types.ndarray(ti.i32, 1), ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2)
+FILM = ti.types.ndarray(PIXEL, 1)
+FLOATS, WORDS = (ti.types.ndarray(ti.types.vector(WIDE, kind), 1) for kind in (ti.f32, ti.i32))
+
+
+@ti.func
+def _all(x, kind: ti.template()):
+    return ti.Vector([ti.cast(x, kind) for _ in ti.static(range(WIDE))])
+
+
+@ti.func
+def _floor(x):
+    """The whole number below each of a vector's, plus _ROUND."""
+    near = x + _all(_ROUND, ti.f32)
+    return ti.select(near - _all(_ROUND, ti.f32) > x, near - _all(1.0, ti.f32), near)
+
+
+@ti.func
+def _light(red: ti.template(), green: ti.template(), blue: ti.template(), place):
+    i = place & NO_SIGN
+    return ti.Vector([red[i], green[i], blue[i], 0.0])
+
+
+@ti.func
+def _add(film: ti.template(), place, light):
+    o = place & NO_SIGN
+    film[o] = film[o] + light
 
 
 @ti.kernel
-def _pixels(C: F2, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1, bands: ti.i32):
-    """Each point's light into the pixel that it lies in."""
+def _pixels(
+    x: FLOATS, y: FLOATS, red: F1, green: F1, blue: F1, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1,
+    bands: ti.i32, F: FLOATS, I: WORDS, own: I1, light: I1,
+):  # fmt: skip
+    """Each point's light into the pixel that it lies in.
+
+    F, I, own : one memory, MEMORY numbers a band     light : the film's floats, as whole numbers
+    """
     ti.loop_config(block_dim=1)
     for band in range(bands):
-        w, low, high = ti.cast(width, ti.f32), ti.cast(cuts[band], ti.f32), ti.cast(cuts[band + 1], ti.f32)
-        for tile in range((n + TILE - 1) // TILE):
-            which, mine, place = ti.Vector([0] * (TILE + 1)), ti.Vector([0] * TILE), ti.Vector([0] * TILE)
-            for j in range(TILE):
-                i = tile * TILE + j
-                here = (C[X, i] >= 0.0) & (C[X, i] < w) & (C[Y, i] >= low) & (C[Y, i] < high) & (C[REACH, i] == 0.0)
-                mine[j] = ti.select(here & (i < n), 1, 0)
-                place[j] = ti.cast(C[Y, i], ti.i32) * stride + ti.cast(C[X, i], ti.i32)
+        w, low, high = _all(width, ti.f32), _all(cuts[band], ti.f32), _all(cuts[band + 1], ti.f32)
+        order = ti.Vector(_ORDER)
+        none, one, bits, down = _all(0, ti.i32), _all(1, ti.i32), _all(_ROUND_BITS, ti.i32), _all(stride, ti.i32)
+        list, home = ti.Vector([0] * POINTS), _all(cuts[band] * stride, ti.i32)
+        m = (band * MEMORY) & NO_SIGN
+        for tile in range((n + POINTS - 1) // POINTS):
+            t = (tile * POINTS) & NO_SIGN
+            for part in ti.static(range(PARTS)):
+                a, b, v = x[t // WIDE + part], y[t // WIDE + part], m // WIDE + part
+                here = (
+                    (a >= _all(0.0, ti.f32))
+                    & (a < w)
+                    & (b >= low)
+                    & (b < high)
+                    & (order < _all(n - t - part * WIDE, ti.i32))
+                )
+                I[v + _MINE // WIDE] = ti.select(here, one, none)
+                F[v + _COLUMN // WIDE], F[v + _ROW // WIDE] = _floor(a), _floor(b)
+                place = (I[v + _ROW // WIDE] - bits) * down + (I[v + _COLUMN // WIDE] - bits)
+                I[v + _PLACE // WIDE] = ti.select(here, place, home)
+            # the tile's pixels are asked for together, by gathers: else each is waited for among the few that come next
+            sum = 0
+            for j in range(POINTS):
+                sum += light[(own[m + _PLACE + j] & NO_SIGN) * 4]
+            own[m + _COLUMN] = sum  # which is of no use, but must not be left out
             count = 0
-            for j in range(TILE):
-                which[count] = j
-                count += mine[j]
-            for k in range(count):
-                i, o = tile * TILE + which[k], place[which[k]]
-                film[o] = film[o] + PIXEL(C[RED, i], C[GREEN, i], C[BLUE, i], 0.0)
+            for j in range(POINTS):
+                list[count] = j
+                count += own[m + _MINE + j]
+            for k in range(count // 4):
+                i, j, o, p = (
+                    list[4 * k] & NO_SIGN, list[4 * k + 1] & NO_SIGN, list[4 * k + 2] & NO_SIGN, list[4 * k + 3] & NO_SIGN,
+                )  # fmt: skip
+                light_i, light_j = _light(red, green, blue, t + i), _light(red, green, blue, t + j)
+                light_o, light_p = _light(red, green, blue, t + o), _light(red, green, blue, t + p)
+                _add(film, own[m + _PLACE + i], light_i)
+                _add(film, own[m + _PLACE + j], light_j)
+                _add(film, own[m + _PLACE + o], light_o)
+                _add(film, own[m + _PLACE + p], light_p)
+            for k in range(count // 4 * 4, count):
+                i = list[k] & NO_SIGN
+                _add(film, own[m + _PLACE + i], _light(red, green, blue, t + i))
 
 
 @ti.kernel
@@ -60,7 +132,7 @@ def _points(C: F2, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I
                 i = tile * TILE + j
                 u, v = C[X, i] - 0.5, C[Y, i] - 0.5
                 x, y = ti.floor(u), ti.floor(v)
-                here = (x >= -1.0) & (x < w) & (y >= low - 1.0) & (y < high) & (C[REACH, i] == 0.0)
+                here = (x >= -1.0) & (x < w) & (y >= low - 1.0) & (y < high)
                 mine[j] = ti.select(here & (i < n), 1, 0)
                 x = ti.min(ti.max(x, 0.0), ti.max(w - 2.0, 0.0))  # two pixels of the row, of which one may get nothing
                 left, right = ti.max(1.0 - abs(u - x), 0.0), ti.max(1.0 - abs(u - x - 1.0), 0.0)
@@ -136,7 +208,11 @@ def _discs(C: F2, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1
                             film[at] = film[at] + row * across[k * LANES + j]
 
 
-pixels, points, discs = kernel(_pixels), kernel(_points), kernel(_discs)
+_pixels_kernel, _points_kernel, _discs_kernel = (
+    kernel(_pixels, vectors=True),
+    kernel(_points, vectors=True),
+    kernel(_discs),
+)
 
 
 def _cuts(columns: np.ndarray, n: int, rows: int, bands: int) -> np.ndarray:
@@ -147,15 +223,33 @@ def _cuts(columns: np.ndarray, n: int, rows: int, bands: int) -> np.ndarray:
     return np.concatenate([[0], inner, [rows]]).astype(np.int32)
 
 
-def scatter(columns: np.ndarray, n: int, film, draw) -> None:
-    """Add the first n columns (11, ...) to a film; draw : `pixels`, `points`, or `discs` of a reach up to LARGEST."""
+@lru_cache(2)
+def _memory(bands: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vectors of floats, of whole numbers, and whole numbers one by one: all the same."""
+    memory = aligned((bands * MEMORY // WIDE, WIDE), np.float32)
+    return memory, memory.view(np.int32), memory.view(np.int32).reshape(-1)
+
+
+def _where(columns: np.ndarray, n: int, film) -> tuple:
+    """The film, and how its rows are cut."""
     bands = max(1, min(threads(), film.height))
-    draw(
-        columns,
-        n,
-        film.buffer.reshape(-1, 4),
-        film.stride // 4,
-        film.width,
-        _cuts(columns, n, film.height, bands),
-        bands,
+    return film.buffer.reshape(-1, 4), film.stride // 4, film.width, _cuts(columns, n, film.height, bands), bands
+
+
+def pixels(columns: np.ndarray, n: int, film) -> None:
+    """Add the first n columns (11, a multiple of WIDE), from runtime.aligned, to a film, each to one pixel."""
+    x, y = columns[X].reshape(-1, WIDE), columns[Y].reshape(-1, WIDE)
+    *where, bands = _where(columns, n, film)
+    _pixels_kernel(
+        x, y, columns[RED], columns[GREEN], columns[BLUE], n, *where, bands, *_memory(bands), film.buffer.view(np.int32)
     )
+
+
+def points(columns: np.ndarray, n: int, film) -> None:
+    """Add the first n columns to a film, each between four pixels."""
+    _points_kernel(columns, n, *_where(columns, n, film))
+
+
+def discs(columns: np.ndarray, n: int, film) -> None:
+    """Add those of the first n columns whose reach is up to LARGEST to a film, as soft discs."""
+    _discs_kernel(columns, n, *_where(columns, n, film))

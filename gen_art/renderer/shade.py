@@ -19,6 +19,7 @@ from gen_art.renderer.sprite import (
     EDGE,
     GREEN,
     HIDDEN,
+    OUTSIDE,
     PICTURE,
     POINT,
     REACH,
@@ -77,7 +78,7 @@ from gen_art.renderer.tables import (
     WIDTH,
     Shading,
 )
-from gen_art.runtime import kernel, ti
+from gen_art.runtime import aligned, kernel, ti
 
 __all__ = ["Columns", "shade"]
 
@@ -327,7 +328,8 @@ def _shade(
                 shown[j] = ti.select(seen & gives, shown[j], HIDDEN)
             for j in range(ti.min(LANES, n - i0)):
                 i = i0 + j
-                C[X, i] = ti.select(Q[SNAP] > 0.5, ti.floor(px[j]) + 0.5, px[j])
+                at = ti.select(Q[SNAP] > 0.5, ti.floor(px[j]) + 0.5, px[j])
+                C[X, i] = ti.select(shown[j] == HIDDEN, OUTSIDE, at)
                 C[Y, i] = ti.select(Q[SNAP] > 0.5, ti.floor(py[j]) + 0.5, py[j])
                 C[DX, i], C[DY, i] = dx[j], dy[j]
                 C[REACH, i], C[EDGE, i], C[DEPTH, i] = shown[j], edge[j], ahead[j]
@@ -358,7 +360,7 @@ class Columns:
 
     def reserve(self, n: int, lit: bool) -> None:
         if n > self.rows.shape[1]:
-            self.rows = np.empty((COLUMNS, (n + n // 8) // LANES * LANES + LANES), np.float32)
+            self.rows = aligned((COLUMNS, (n + n // 8) // 32 * 32 + 32), np.float32)
         if lit and n > len(self.lit):
             self.lit = np.empty((n + n // 8, 8), np.float32)
         self.count = n

@@ -36,7 +36,7 @@ ROW = 16
 # whole numbers beside a row: the pixels it touches, the film it is drawn in, what it is
 LEFT, RIGHT, FIRST, LAST, LEVEL, KIND = range(6)
 MARKS = 6
-HIDDEN = -1.0  # the reach of what is not drawn
+HIDDEN, OUTSIDE = -1.0, -1e9  # the reach of what is not drawn, and where it is
 SMALLEST = 1.5  # pixels of reach: a standard deviation of 0.45, or the kernel would alias
 SOFTEST = 0.75  # pixels: the least half width of an even disc's rim
 COARSE = 16.0  # pixels of reach from which a disc is drawn at half the size, then at a quarter, an eighth
