@@ -43,8 +43,9 @@ JOBS = (
     [("still", "charged", "320x180"), ("film", "charged", "320x180")]
     if bench.quick
     else [
-        ("still", "fire", "1280x720"), ("still", "smoke", "1280x720"), ("still", "wormhole", "3840x2160"),
-        ("film", "charged", "3840x2160"),
+        ("still", "fire", "1280x720"), ("still", "smoke", "1280x720"), *(
+            ("still", name, "3840x2160") for name in ("wormhole", "fire", "fireworks", "smoke", "charged")
+        ), ("film", "charged", "3840x2160"),
     ]
 )  # fmt: skip
 FRAMES = 4 if bench.quick else 64
@@ -74,7 +75,7 @@ with tempfile.TemporaryDirectory() as folder:
             if kind == "still"
             else ["render", name, "--frames", f"0..{FRAMES - 1}"]
         )
-        path = os.path.join(folder, f"{name}.{'png' if kind == 'still' else 'mp4'}")
+        path = os.path.join(folder, f"{name}-{size}.{'png' if kind == 'still' else 'mp4'}")
         measured = float(gen_art(RUN, *moment, "--size", size, "-o", path, *short).splitlines()[-1])
         predicted, title = told["memory"][kind], f"{kind} of {name}"
         ratios[f"{title}, {size}"] = predicted / measured

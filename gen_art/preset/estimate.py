@@ -31,8 +31,8 @@ GROWTH = 2.0  # capacity beyond the slots in use, and the old arrays beside the 
 BIRTH = 160  # a birth while it is being made
 SHADED, LIT, LISTED, SORTED = 50, 36, 85, 36  # a particle on the picture, of a lit system, as a sprite, sorted by depth
 REMEMBERED = 20  # a particle's place that a ribbon goes back to
-CELL = 8 * 4  # of the density grid that a light shines through
-FILM, PICTURE = 16, 6  # a pixel of light; of the developed picture and its file
+CELL = 4 * 4  # of the density grid that a light shines through: eight arrays of a cloud that fills half of its cube
+FILM, PICTURE = 16, 10  # a pixel of light; of the developed picture, its halos and its file
 BATCH_BIRTHS = 4096  # births, or an eighth of the living, that a launch of several steps may make
 BATCH = 64  # steps taken at once where no events and no interactions tie them
 
