@@ -10,6 +10,7 @@ import pytest
 from gen_art.preset.develop import DevelopSpec
 from gen_art.renderer.bloom import levels, stray_light
 from gen_art.renderer.develop import develop
+from gen_art.renderer.resample import PAD, columns, steps
 
 SHAPES = [(90, 160), (37, 61), (8, 8), (5, 3), (1, 1), (1, 50), (28, 48), (450, 33), (831, 65), (720, 1280)]
 
@@ -42,6 +43,15 @@ def test_developing_keeps_the_sum_of_bloomed_light():
         assert np.abs(light - np.minimum(seen[..., :3], 16.0)).max() < 3e-3 * 16
         dim = seen[..., 0] < 16
         assert light[dim].sum() == pytest.approx(seen[dim][..., :3].sum(dtype=np.float64), rel=0.02)
+
+
+@pytest.mark.parametrize(("length", "scale", "left"), [(1920, 4, 0), (1280, 2, 0), (480, 2, PAD), (240, 0, PAD)])
+def test_most_windows_of_a_row_share_their_vectors(length, scale, left):
+    """Going down by a scale, and up (0): all but those at a row's ends, or it would take twice as long."""
+    ((_, down, up),) = steps(length if scale else 2 * length, [scale or 2])
+    taps = (down if scale else up).bordered()
+    place = columns(taps, left, -(-(length + 8) // 16) * 4, -(-len(taps.first) // 16) * 4).place[: len(taps.first) // 4]
+    assert (place >= 0).mean() > 0.95
 
 
 def halo(rows: int, k: int, radius: float) -> np.ndarray:

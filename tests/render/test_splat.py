@@ -8,12 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gen_art import runtime
 from gen_art.preset.look import Look
-from gen_art.renderer import frame
+from gen_art.renderer import frame, scatter
 from gen_art.renderer.camera import Camera
+from gen_art.renderer.film import Film
 from gen_art.renderer.frame import Painter, render_frame
 from gen_art.renderer.scatter import FEW
-from gen_art.renderer.sprite import AREA, profile_integral
+from gen_art.renderer.sprite import AREA, BLUE, RED, X, Y, profile_integral
 from tests.render.particles import scene, state
 
 SIZE = (400, 240)
@@ -266,6 +268,17 @@ def test_many_small_sprites_take_another_way_to_the_same_picture(look, monkeypat
     assert light(listed)[2] > 0
     assert light(scattered) == pytest.approx(light(listed), rel=1e-5)
     assert np.abs(scattered - listed).max() < 1e-5 * listed.max()
+
+
+@pytest.mark.parametrize("draw", [scatter.pixels, scatter.points])
+def test_of_columns_only_the_first_are_drawn(draw):
+    """A picture after one with more particles: what the columns held then stays undrawn."""
+    columns, film = runtime.aligned((11, 2048), np.float32), Film((64, 48))
+    columns[[X, Y]], columns[RED : BLUE + 1] = 20.5, 1.0
+    for n in (1, 31, 512, 513, 1000):
+        film.clear()
+        draw(columns, n, film)
+        assert film.pixels[..., :3].sum((0, 1)).tolist() == [n, n, n]
 
 
 def test_what_hides_is_sorted_by_the_whole_depth():
