@@ -78,7 +78,7 @@ def lean(primal, function, compiling):
 
         return again
 
-    launch.bound = bound  # type: ignore[attr-defined]  # a function may carry attributes
+    vars(launch)["bound"] = bound
     return launch
 
 

@@ -139,12 +139,12 @@ def kernel(function, precision: str = "f32", vectors: bool = False):
     dtype = DTYPES[precision]
     primal = function._primal
     _state["kernels"].append(primal)
-    launch = lean_launching.lean(primal, function, lambda: _compiling(dtype, vectors))
-    launch.primal = primal
-    return launch
+    return lean_launching.lean(primal, function, lambda: _compiling(dtype, vectors))
 
 
-NO_SIGN = 0x7FFFFFF  # index & NO_SIGN is known to be small: LLVM adds constants to it in the address, and not one by one before
+# index & NO_SIGN is known to be no sum's overflow: LLVM adds constants to it in the address, and not one by one before.
+# It leaves all indices below 2^30 as they are: a film of 16384 x 16384 has 2^28 pixels
+NO_SIGN = 0x3FFFFFFF
 
 
 def aligned(shape, dtype) -> np.ndarray:

@@ -160,7 +160,7 @@ def steps(n: int, scales: list[int]) -> list[tuple[int, Taps, Taps]]:
 
 def ring(taps: int, across: int, pixels: int) -> np.ndarray:
     """Memory for the rows that are needed at a time, of each turn: few, as where two meet, rows are resampled twice."""
-    turns = 1 if pixels < _FEW else 2 * threads()
+    turns = 1 if pixels < _FEW else 2 * max(1, threads())
     return aligned((turns * taps * across, WIDE), np.float32)
 
 

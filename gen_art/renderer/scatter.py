@@ -14,6 +14,7 @@ import numpy as np
 
 from gen_art.renderer.shade import LANES
 from gen_art.renderer.sprite import BLUE, GREEN, REACH, RED, X, Y, profile
+from gen_art.renderer.vectors import ROUND
 from gen_art.runtime import NO_SIGN, aligned, kernel, threads, ti
 
 __all__ = ["FEW", "LARGEST", "discs", "pixels", "points"]
@@ -30,7 +31,7 @@ POINTS = WIDE * PARTS
 _MINE, _COLUMN, _ROW, _PLACE = 0, POINTS, 2 * POINTS, 3 * POINTS
 MEMORY = 4 * POINTS
 _ORDER = tuple(range(WIDE))
-_ROUND, _ROUND_BITS = 12582912.0, 0x4B400000  # 1.5 2^23, whose last bits a whole number added to it fills
+_ROUND_BITS = 0x4B400000  # of ROUND, whose last bits a whole number added to it fills
 
 PIXEL = ti.types.vector(4, ti.f32)
 I1, F1, F2 = ti.types.ndarray(ti.i32, 1), ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2)
@@ -45,9 +46,9 @@ def _all(x, kind: ti.template()):
 
 @ti.func
 def _floor(x):
-    """The whole number below each of a vector's, plus _ROUND."""
-    near = x + _all(_ROUND, ti.f32)
-    return ti.select(near - _all(_ROUND, ti.f32) > x, near - _all(1.0, ti.f32), near)
+    """The whole number below each of a vector's, plus ROUND."""
+    near = x + _all(ROUND, ti.f32)
+    return ti.select(near - _all(ROUND, ti.f32) > x, near - _all(1.0, ti.f32), near)
 
 
 @ti.func

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gen_art.preset.develop import DevelopSpec
+from gen_art.renderer import resample
 from gen_art.renderer.bloom import levels, stray_light
 from gen_art.renderer.develop import develop
 from gen_art.renderer.resample import PAD, columns, steps
@@ -52,6 +53,11 @@ def test_most_windows_of_a_row_share_their_vectors(length, scale, left):
     taps = (down if scale else up).bordered()
     place = columns(taps, left, -(-(length + 8) // 16) * 4, -(-len(taps.first) // 16) * 4).place[: len(taps.first) // 4]
     assert (place >= 0).mean() > 0.95
+
+
+def test_a_halo_made_before_taichi_runs_has_room(monkeypatch):
+    monkeypatch.setattr(resample, "threads", lambda: 0)
+    assert len(resample.ring(16, 4, 10**6)) > 0
 
 
 def halo(rows: int, k: int, radius: float) -> np.ndarray:

@@ -281,6 +281,11 @@ def test_of_columns_only_the_first_are_drawn(draw):
         assert film.pixels[..., :3].sum((0, 1)).tolist() == [n, n, n]
 
 
+def test_every_pixel_of_the_largest_film_has_an_index_of_its_own():
+    """NO_SIGN must leave it as it is."""
+    assert 16384 * 16384 - 1 & runtime.NO_SIGN == 16384 * 16384 - 1
+
+
 def test_what_hides_is_sorted_by_the_whole_depth():
     """Two discs a millionth apart, among others far away, in either order."""
     look = {"draw": "disc", "blend": "alpha", "radius": 8.0, "opacity": 50.0}
