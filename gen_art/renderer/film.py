@@ -23,8 +23,8 @@ def _clear(film: FLOATS):
     """In the caches, where the light will find it; NumPy's own way is past them."""
     ti.loop_config(block_dim=1)
     for run in range(RUNS):
-        n, none = film.shape[0], ti.Vector([0.0] * WIDE)
-        for i in range(run * n // RUNS, (run + 1) * n // RUNS):
+        part, none = (film.shape[0] + RUNS - 1) // RUNS, ti.Vector([0.0] * WIDE)
+        for i in range(run * part, ti.min((run + 1) * part, film.shape[0])):
             film[i] = none
 
 

@@ -281,6 +281,15 @@ def test_of_columns_only_the_first_are_drawn(draw):
         assert film.pixels[..., :3].sum((0, 1)).tolist() == [n, n, n]
 
 
+def test_a_large_film_is_cleared_whole(monkeypatch):
+    monkeypatch.setattr("gen_art.renderer.film.LARGE", 0)
+    for size in ((1, 1), (33, 7), (640, 360)):
+        film = Film(size)
+        film.buffer[:] = 1.0
+        film.clear()
+        assert not film.buffer.any()
+
+
 def test_every_pixel_of_the_largest_film_has_an_index_of_its_own():
     """NO_SIGN must leave it as it is."""
     assert 16384 * 16384 - 1 & runtime.NO_SIGN == 16384 * 16384 - 1
