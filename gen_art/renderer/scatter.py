@@ -4,32 +4,33 @@ The film's rows are cut into bands, one for each thread; each thread goes throug
 band. So a pixel takes its light in the order of the particles, whatever the number of bands is and wherever they are cut.
 Pixels are vectors of four: read, added to and written as one.
 
-Of pixels, a tile of particles is looked at by whole vectors, those of the band are listed, and the list is gone through. Most
-of the time is waiting for the film's memory: the more pixels are waited for at a time, the better.
+Of points, a tile of particles is looked at by whole vectors, those of the band are listed, the film's memory that they touch is
+asked for, and the list is gone through.
 """
 
 from functools import lru_cache
 
 import numpy as np
 
+from gen_art.prefetch import prefetch
 from gen_art.renderer.shade import LANES
 from gen_art.renderer.sprite import BLUE, GREEN, REACH, RED, X, Y, profile
-from gen_art.renderer.vectors import ROUND
+from gen_art.renderer.vectors import ROUND, above, within
 from gen_art.runtime import NO_SIGN, aligned, kernel, threads, ti
 
 __all__ = ["FEW", "LARGEST", "discs", "pixels", "points"]
 
 LARGEST = 4.0  # pixels of reach of a disc that is drawn here
 TAPS = 10  # pixels that such a disc may touch along one side; `steps` below counts them
-TILE = 32  # particles a turn: those of the band are counted out first, so that no branch is taken for each
+TILE = 32  # discs a turn: those of the band are counted out first, so that no branch is taken for each
 SAMPLE = 4096  # particles that tell where to cut the rows
 FEW = 32768  # no more particles are drawn as any other sprites: they are not worth kernels of their own
 
-WIDE, PARTS = 32, 16  # numbers of a vector, vectors of a tile of pixels
+WIDE, PARTS = 32, 16  # numbers of a vector, vectors of a tile of points
 POINTS = WIDE * PARTS
-# places in a band's memory, each a tile of numbers
-_MINE, _COLUMN, _ROW, _PLACE = 0, POINTS, 2 * POINTS, 3 * POINTS
-MEMORY = 4 * POINTS
+# what a band's memory holds of a tile of points: whether they are its own, where they lie, their pixels and their shares
+_MINE, _COLUMN, _ROW, _PLACE, _LOWER, _A, _B, _C, _D = (POINTS * k for k in range(9))
+MEMORY = 9 * POINTS
 _ORDER = tuple(range(WIDE))
 _ROUND_BITS = 0x4B400000  # of ROUND, whose last bits a whole number added to it fills
 
@@ -52,6 +53,34 @@ def _floor(x):
 
 
 @ti.func
+def _inside(x, y, x_low, x_high, y_low, y_high, order, left):
+    return (x >= x_low) & (x < x_high) & (y >= y_low) & (y < y_high) & (order < _all(left, ti.i32))
+
+
+@ti.func
+def _place(F: ti.template(), I: ti.template(), v, column, row, stride):
+    """Which pixel of the film: column and row as whole numbers plus ROUND, of which memory makes words."""
+    F[v + _COLUMN // WIDE], F[v + _ROW // WIDE] = column, row
+    bits = _all(_ROUND_BITS, ti.i32)
+    return (I[v + _ROW // WIDE] - bits) * stride + (I[v + _COLUMN // WIDE] - bits)
+
+
+@ti.func
+def _listed(list: ti.template(), own: ti.template(), m):
+    """Put the tile's particles that are the band's into the list, as places in its memory, by no branch; how many they are."""
+    count = 0
+    for j in range(POINTS):
+        list[count] = m + j
+        count += own[m + _MINE + j]
+    return count
+
+
+@ti.func
+def _address(memory, place):
+    return memory + ti.cast(place, ti.i64) * 16
+
+
+@ti.func
 def _light(red: ti.template(), green: ti.template(), blue: ti.template(), place):
     i = place & NO_SIGN
     return ti.Vector([red[i], green[i], blue[i], 0.0])
@@ -66,95 +95,100 @@ def _add(film: ti.template(), place, light):
 @ti.kernel
 def _pixels(
     x: FLOATS, y: FLOATS, red: F1, green: F1, blue: F1, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1,
-    bands: ti.i32, F: FLOATS, I: WORDS, own: I1, light: I1,
+    bands: ti.i32, memory: ti.i64, F: FLOATS, I: WORDS, own: I1,
 ):  # fmt: skip
     """Each point's light into the pixel that it lies in.
 
-    F, I, own : one memory, MEMORY numbers a band     light : the film's floats, as whole numbers
+    memory : where the film lies     F, I, own : the bands' memory, MEMORY numbers each
     """
     ti.loop_config(block_dim=1)
     for band in range(bands):
-        w, low, high = _all(width, ti.f32), _all(cuts[band], ti.f32), _all(cuts[band + 1], ti.f32)
-        order = ti.Vector(_ORDER)
-        none, one, bits, down = _all(0, ti.i32), _all(1, ti.i32), _all(_ROUND_BITS, ti.i32), _all(stride, ti.i32)
+        zero, w, low, high = (
+            _all(0.0, ti.f32),
+            _all(width, ti.f32),
+            _all(cuts[band], ti.f32),
+            _all(cuts[band + 1], ti.f32),
+        )
+        order, none, one, down = ti.Vector(_ORDER), _all(0, ti.i32), _all(1, ti.i32), _all(stride, ti.i32)
         list, home = ti.Vector([0] * POINTS), _all(cuts[band] * stride, ti.i32)
         m = (band * MEMORY) & NO_SIGN
         for tile in range((n + POINTS - 1) // POINTS):
             t = (tile * POINTS) & NO_SIGN
-            for part in ti.static(range(PARTS)):
-                a, b, v = x[t // WIDE + part], y[t // WIDE + part], m // WIDE + part
-                here = (
-                    (a >= _all(0.0, ti.f32))
-                    & (a < w)
-                    & (b >= low)
-                    & (b < high)
-                    & (order < _all(n - t - part * WIDE, ti.i32))
-                )
-                I[v + _MINE // WIDE] = ti.select(here, one, none)
-                F[v + _COLUMN // WIDE], F[v + _ROW // WIDE] = _floor(a), _floor(b)
-                place = (I[v + _ROW // WIDE] - bits) * down + (I[v + _COLUMN // WIDE] - bits)
-                I[v + _PLACE // WIDE] = ti.select(here, place, home)
-            # the tile's pixels are asked for together, by gathers: else each is waited for among the few that come next
-            sum = 0
-            for j in range(POINTS):
-                sum += light[(own[m + _PLACE + j] & NO_SIGN) * 4]
-            own[m + _COLUMN] = sum  # which is of no use, but must not be left out
-            count = 0
-            for j in range(POINTS):
-                list[count] = j
-                count += own[m + _MINE + j]
+            for part in range(PARTS):
+                a, b, at = x[t // WIDE + part], y[t // WIDE + part], m // WIDE + part
+                here = _inside(a, b, zero, w, low, high, order, n - t - part * WIDE)
+                I[at + _MINE // WIDE] = ti.select(here, one, none)
+                I[at + _PLACE // WIDE] = ti.select(here, _place(F, I, at, _floor(a), _floor(b), down), home)
+            count = _listed(list, own, m)
+            for k in range(count):
+                prefetch(_address(memory, own[(list[k] & NO_SIGN) + _PLACE]))
             for k in range(count // 4):
                 i, j, o, p = (
                     list[4 * k] & NO_SIGN, list[4 * k + 1] & NO_SIGN, list[4 * k + 2] & NO_SIGN, list[4 * k + 3] & NO_SIGN,
                 )  # fmt: skip
-                light_i, light_j = _light(red, green, blue, t + i), _light(red, green, blue, t + j)
-                light_o, light_p = _light(red, green, blue, t + o), _light(red, green, blue, t + p)
-                _add(film, own[m + _PLACE + i], light_i)
-                _add(film, own[m + _PLACE + j], light_j)
-                _add(film, own[m + _PLACE + o], light_o)
-                _add(film, own[m + _PLACE + p], light_p)
+                light_i, light_j = _light(red, green, blue, t - m + i), _light(red, green, blue, t - m + j)
+                light_o, light_p = _light(red, green, blue, t - m + o), _light(red, green, blue, t - m + p)
+                _add(film, own[i + _PLACE], light_i)
+                _add(film, own[j + _PLACE], light_j)
+                _add(film, own[o + _PLACE], light_o)
+                _add(film, own[p + _PLACE], light_p)
             for k in range(count // 4 * 4, count):
                 i = list[k] & NO_SIGN
-                _add(film, own[m + _PLACE + i], _light(red, green, blue, t + i))
+                _add(film, own[i + _PLACE], _light(red, green, blue, t - m + i))
 
 
 @ti.kernel
-def _points(C: F2, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1, bands: ti.i32):
-    """Bilinear dots: pixel centres within a pixel of the point get (1 - |dx|) (1 - |dy|) of its light."""
+def _points(
+    x: FLOATS, y: FLOATS, red: F1, green: F1, blue: F1, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1,
+    bands: ti.i32, memory: ti.i64, F: FLOATS, I: WORDS, own: I1, shares: F1,
+):  # fmt: skip
+    """Bilinear dots: pixel centres within a pixel of the point get (1 - |dx|) (1 - |dy|) of its light.
+
+    memory : where the film lies     F, I, own, shares : the bands' memory, MEMORY numbers each
+    """
     ti.loop_config(block_dim=1)
     for band in range(bands):
-        w, low, high = ti.cast(width, ti.f32), ti.cast(cuts[band], ti.f32), ti.cast(cuts[band + 1], ti.f32)
-        for tile in range((n + TILE - 1) // TILE):
-            which, mine = ti.Vector([0] * (TILE + 1)), ti.Vector([0] * TILE)
-            upper, lower = ti.Vector([0] * TILE), ti.Vector([0] * TILE)
-            a, b = ti.Vector([0.0] * TILE), ti.Vector([0.0] * TILE)
-            c, d = ti.Vector([0.0] * TILE), ti.Vector([0.0] * TILE)
-            for j in range(TILE):
-                i = tile * TILE + j
-                u, v = C[X, i] - 0.5, C[Y, i] - 0.5
-                x, y = ti.floor(u), ti.floor(v)
-                here = (x >= -1.0) & (x < w) & (y >= low - 1.0) & (y < high)
-                mine[j] = ti.select(here & (i < n), 1, 0)
-                x = ti.min(ti.max(x, 0.0), ti.max(w - 2.0, 0.0))  # two pixels of the row, of which one may get nothing
-                left, right = ti.max(1.0 - abs(u - x), 0.0), ti.max(1.0 - abs(u - x - 1.0), 0.0)
+        zero, half, whole, round = _all(0.0, ti.f32), _all(0.5, ti.f32), _all(1.0, ti.f32), _all(ROUND, ti.f32)
+        w, last = _all(width, ti.f32), _all(ti.max(width - 2, 0), ti.f32)
+        low, high = _all(cuts[band], ti.f32), _all(cuts[band + 1], ti.f32)
+        order, none, one, down = ti.Vector(_ORDER), _all(0, ti.i32), _all(1, ti.i32), _all(stride, ti.i32)
+        list, home = ti.Vector([0] * POINTS), _all(cuts[band] * stride, ti.i32)
+        m = (band * MEMORY) & NO_SIGN
+        for tile in range((n + POINTS - 1) // POINTS):
+            t = (tile * POINTS) & NO_SIGN
+            for part in range(PARTS):
+                u, v, at = x[t // WIDE + part] - half, y[t // WIDE + part] - half, m // WIDE + part
+                row = _floor(v)
+                a, b = _floor(u) - round, row - round
+                here = _inside(a, b, zero - whole, w, low - whole, high, order, n - t - part * WIDE)
+                I[at + _MINE // WIDE] = ti.select(here, one, none)
+                a = within(a, zero, last)  # two pixels of the row, of which one may get nothing
+                p, q = a - u, a + whole - u
+                left, right = above(whole - above(p, zero - p), zero), above(whole - above(q, zero - q), zero)
                 # a row of another band weighs nothing here: this one is drawn in its place
-                top, bottom = ti.select(y >= low, y + 1.0 - v, 0.0), ti.select(y + 1.0 < high, v - y, 0.0)
-                row = ti.cast(y, ti.i32) * stride + ti.cast(x, ti.i32)
-                upper[j] = row + ti.select(y >= low, 0, stride)
-                lower[j] = row + ti.select(y + 1.0 < high, stride, 0)
-                a[j], b[j], c[j], d[j] = left * top, right * top, left * bottom, right * bottom
-            count = 0
-            for j in range(TILE):
-                which[count] = j
-                count += mine[j]
+                first, second = b >= low, b + whole < high
+                top, bottom = ti.select(first, b + whole - v, zero), ti.select(second, v - b, zero)
+                F[at + _A // WIDE], F[at + _B // WIDE] = left * top, right * top
+                F[at + _C // WIDE], F[at + _D // WIDE] = left * bottom, right * bottom
+                place = _place(F, I, at, a + round, row, down)
+                I[at + _PLACE // WIDE] = ti.select(here, place + ti.select(first, none, down), home)
+                I[at + _LOWER // WIDE] = ti.select(here, place + ti.select(second, down, none), home)
+            count = _listed(list, own, m)
             for k in range(count):
-                j = which[k]
-                i, o, p = tile * TILE + j, upper[j], lower[j]
-                light = PIXEL(C[RED, i], C[GREEN, i], C[BLUE, i], 0.0)
-                film[o] = film[o] + light * a[j]
-                film[o + 1] = film[o + 1] + light * b[j]
-                film[p] = film[p] + light * c[j]
-                film[p + 1] = film[p + 1] + light * d[j]
+                j = list[k] & NO_SIGN
+                o, p = _address(memory, own[j + _PLACE]), _address(memory, own[j + _LOWER])
+                prefetch(o)
+                prefetch(o + 16)  # which may lie in the next 64 bytes
+                prefetch(p)
+                prefetch(p + 16)
+            for k in range(count):
+                j = list[k] & NO_SIGN
+                o, p = own[j + _PLACE] & NO_SIGN, own[j + _LOWER] & NO_SIGN
+                light = _light(red, green, blue, t - m + j)
+                _add(film, o, light * shares[j + _A])
+                _add(film, o + 1, light * shares[j + _B])
+                _add(film, p, light * shares[j + _C])
+                _add(film, p + 1, light * shares[j + _D])
 
 
 @ti.kernel
@@ -225,10 +259,10 @@ def _cuts(columns: np.ndarray, n: int, rows: int, bands: int) -> np.ndarray:
 
 
 @lru_cache(2)
-def _memory(bands: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Vectors of floats, of whole numbers, and whole numbers one by one: all the same."""
+def _memory(bands: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Vectors of floats, of words, words one by one and floats one by one: all the same memory."""
     memory = aligned((bands * MEMORY // WIDE, WIDE), np.float32)
-    return memory, memory.view(np.int32), memory.view(np.int32).reshape(-1)
+    return memory, memory.view(np.int32), memory.view(np.int32).reshape(-1), memory.reshape(-1)
 
 
 def _where(columns: np.ndarray, n: int, film) -> tuple:
@@ -237,18 +271,22 @@ def _where(columns: np.ndarray, n: int, film) -> tuple:
     return film.buffer.reshape(-1, 4), film.stride // 4, film.width, _cuts(columns, n, film.height, bands), bands
 
 
-def pixels(columns: np.ndarray, n: int, film) -> None:
-    """Add the first n columns (11, a multiple of WIDE), from runtime.aligned, to a film, each to one pixel."""
+def _by_vectors(columns: np.ndarray, n: int, film) -> tuple:
+    """What the kernels of points take."""
     x, y = columns[X].reshape(-1, WIDE), columns[Y].reshape(-1, WIDE)
     *where, bands = _where(columns, n, film)
-    _pixels_kernel(
-        x, y, columns[RED], columns[GREEN], columns[BLUE], n, *where, bands, *_memory(bands), film.buffer.view(np.int32)
-    )
+    address = film.buffer.ctypes.data
+    return x, y, columns[RED], columns[GREEN], columns[BLUE], n, *where, bands, address, *_memory(bands)
+
+
+def pixels(columns: np.ndarray, n: int, film) -> None:
+    """Add the first n columns (11, a multiple of WIDE), from runtime.aligned, to a film, each to one pixel."""
+    _pixels_kernel(*_by_vectors(columns, n, film)[:-1])
 
 
 def points(columns: np.ndarray, n: int, film) -> None:
-    """Add the first n columns to a film, each between four pixels."""
-    _points_kernel(columns, n, *_where(columns, n, film))
+    """Add the first n columns (11, a multiple of WIDE), from runtime.aligned, to a film, each between four pixels."""
+    _points_kernel(*_by_vectors(columns, n, film))
 
 
 def discs(columns: np.ndarray, n: int, film) -> None:
