@@ -192,7 +192,7 @@ def _points(
 
 
 @ti.kernel
-def _discs(C: F2, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1, bands: ti.i32):
+def _discs(C: F2, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1, bands: ti.i32, memory: ti.i64):
     """Soft discs of a reach of LARGEST at most, each by the weights of its columns and its rows."""
     ti.loop_config(block_dim=1)
     for band in range(bands):
@@ -225,6 +225,11 @@ def _discs(C: F2, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1
                     x[j], y[j] = C[X, i] - 0.5 - ti.cast(left[j], ti.f32), C[Y, i] - 0.5 - ti.cast(top[j], ti.f32)
                     inverse[j] = 1.0 / reach
                     taps[j] = ti.cast(ti.ceil(2.0 * reach), ti.i32) + 1
+                for j in range(LANES):
+                    for t in range(taps[j]):
+                        o = (top[j] + t) * stride + left[j]
+                        prefetch(_address(memory, o))
+                        prefetch(_address(memory, o + taps[j] - 1))
                 for t in range(TAPS):
                     for j in range(LANES):
                         u = profile((ti.cast(t, ti.f32) - x[j]) * inverse[j])
@@ -291,4 +296,4 @@ def points(columns: np.ndarray, n: int, film) -> None:
 
 def discs(columns: np.ndarray, n: int, film) -> None:
     """Add those of the first n columns whose reach is up to LARGEST to a film, as soft discs."""
-    _discs_kernel(columns, n, *_where(columns, n, film))
+    _discs_kernel(columns, n, *_where(columns, n, film), film.buffer.ctypes.data)
