@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gen_art.prefetch import prefetch
+from gen_art.instructions import PACKS, pack, prefetch
 from gen_art.renderer.shade import LANES
 from gen_art.renderer.sprite import BLUE, GREEN, REACH, RED, X, Y, profile
 from gen_art.renderer.vectors import ROUND, above, within
@@ -28,9 +28,10 @@ FEW = 32768  # no more particles are drawn as any other sprites: they are not wo
 
 WIDE, PARTS = 32, 16  # numbers of a vector, vectors of a tile of points
 POINTS = WIDE * PARTS
-# what a band's memory holds of a tile of points: whether they are its own, where they lie, their pixels and their shares
-_MINE, _COLUMN, _ROW, _PLACE, _LOWER, _A, _B, _C, _D = (POINTS * k for k in range(9))
-MEMORY = 9 * POINTS
+# what a band's memory holds of a tile of points: which places are its own, whether a point is the band's and where it lies, its
+# pixels and their shares, and the list of places of those that are the band's
+_SELF, _MINE, _COLUMN, _ROW, _PLACE, _LOWER, _A, _B, _C, _D, _LIST = (POINTS * k for k in range(11))
+MEMORY = 11 * POINTS
 _ORDER = tuple(range(WIDE))
 _ROUND_BITS = 0x4B400000  # of ROUND, whose last bits a whole number added to it fills
 
@@ -66,13 +67,27 @@ def _place(F: ti.template(), I: ti.template(), v, column, row, stride):
 
 
 @ti.func
-def _listed(list: ti.template(), own: ti.template(), m):
-    """Put the tile's particles that are the band's into the list, as places in its memory, by no branch; how many they are."""
+def _listed(own: ti.template(), scratch, m):
+    """List where the tile's points that are the band's stand in its memory, by no branch; how many they are."""
     count = 0
-    for j in range(POINTS):
-        list[count] = m + j
-        count += own[m + _MINE + j]
+    if ti.static(PACKS):
+        for part in range(PARTS):
+            at = scratch + ti.cast(m + part * WIDE, ti.i64) * 4
+            pack(at + 4 * _MINE, at + 4 * _SELF, scratch + ti.cast(m + _LIST, ti.i64) * 4, count)
+    else:
+        for j in range(POINTS):
+            own[m + _LIST + count] = m + j
+            count += own[m + _MINE + j]
     return count
+
+
+@ti.func
+def _ask(columns, pitch, first):
+    """Ask for the columns of WIDE points. Processors see themselves what is read in order, but in each page anew."""
+    at = columns + ti.cast(first, ti.i64) * 4
+    for c in ti.static((X, Y, RED, GREEN, BLUE)):
+        prefetch(at + c * pitch)
+        prefetch(at + c * pitch + 64)
 
 
 @ti.func
@@ -94,38 +109,36 @@ def _add(film: ti.template(), place, light):
 
 @ti.kernel
 def _pixels(
-    x: FLOATS, y: FLOATS, red: F1, green: F1, blue: F1, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1,
-    bands: ti.i32, memory: ti.i64, F: FLOATS, I: WORDS, own: I1,
+    columns: ti.i64, pitch: ti.i64, memory: ti.i64, scratch: ti.i64, x: FLOATS, y: FLOATS, red: F1, green: F1, blue: F1,
+    n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1, bands: ti.i32, F: FLOATS, I: WORDS, own: I1,
 ):  # fmt: skip
     """Each point's light into the pixel that it lies in.
 
-    memory : where the film lies     F, I, own : the bands' memory, MEMORY numbers each
+    columns, memory, scratch : where the columns lie, each `pitch` bytes after the one before, the film, and the bands' memory
+    F, I, own : the bands' memory, MEMORY numbers each
     """
     ti.loop_config(block_dim=1)
     for band in range(bands):
-        zero, w, low, high = (
-            _all(0.0, ti.f32),
-            _all(width, ti.f32),
-            _all(cuts[band], ti.f32),
-            _all(cuts[band + 1], ti.f32),
-        )
+        zero, w = _all(0.0, ti.f32), _all(width, ti.f32)
+        low, high = _all(cuts[band], ti.f32), _all(cuts[band + 1], ti.f32)
         order, none, one, down = ti.Vector(_ORDER), _all(0, ti.i32), _all(1, ti.i32), _all(stride, ti.i32)
-        list, home = ti.Vector([0] * POINTS), _all(cuts[band] * stride, ti.i32)
+        home = _all(cuts[band] * stride, ti.i32)
         m = (band * MEMORY) & NO_SIGN
         for tile in range((n + POINTS - 1) // POINTS):
             t = (tile * POINTS) & NO_SIGN
             for part in range(PARTS):
+                _ask(columns, pitch, t + POINTS + part * WIDE)
                 a, b, at = x[t // WIDE + part], y[t // WIDE + part], m // WIDE + part
                 here = _inside(a, b, zero, w, low, high, order, n - t - part * WIDE)
                 I[at + _MINE // WIDE] = ti.select(here, one, none)
                 I[at + _PLACE // WIDE] = ti.select(here, _place(F, I, at, _floor(a), _floor(b), down), home)
-            count = _listed(list, own, m)
+            count = _listed(own, scratch, m)
             for k in range(count):
-                prefetch(_address(memory, own[(list[k] & NO_SIGN) + _PLACE]))
+                prefetch(_address(memory, own[(own[m + _LIST + k] & NO_SIGN) + _PLACE]))
             for k in range(count // 4):
-                i, j, o, p = (
-                    list[4 * k] & NO_SIGN, list[4 * k + 1] & NO_SIGN, list[4 * k + 2] & NO_SIGN, list[4 * k + 3] & NO_SIGN,
-                )  # fmt: skip
+                q = (m + 4 * k) & NO_SIGN
+                i, j = own[q + _LIST] & NO_SIGN, own[q + _LIST + 1] & NO_SIGN
+                o, p = own[q + _LIST + 2] & NO_SIGN, own[q + _LIST + 3] & NO_SIGN
                 light_i, light_j = _light(red, green, blue, t - m + i), _light(red, green, blue, t - m + j)
                 light_o, light_p = _light(red, green, blue, t - m + o), _light(red, green, blue, t - m + p)
                 _add(film, own[i + _PLACE], light_i)
@@ -133,18 +146,19 @@ def _pixels(
                 _add(film, own[o + _PLACE], light_o)
                 _add(film, own[p + _PLACE], light_p)
             for k in range(count // 4 * 4, count):
-                i = list[k] & NO_SIGN
+                i = own[m + _LIST + k] & NO_SIGN
                 _add(film, own[i + _PLACE], _light(red, green, blue, t - m + i))
 
 
 @ti.kernel
 def _points(
-    x: FLOATS, y: FLOATS, red: F1, green: F1, blue: F1, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1,
-    bands: ti.i32, memory: ti.i64, F: FLOATS, I: WORDS, own: I1, shares: F1,
+    columns: ti.i64, pitch: ti.i64, memory: ti.i64, scratch: ti.i64, x: FLOATS, y: FLOATS, red: F1, green: F1, blue: F1,
+    n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1, bands: ti.i32, F: FLOATS, I: WORDS, own: I1, shares: F1,
 ):  # fmt: skip
     """Bilinear dots: pixel centres within a pixel of the point get (1 - |dx|) (1 - |dy|) of its light.
 
-    memory : where the film lies     F, I, own, shares : the bands' memory, MEMORY numbers each
+    columns, memory, scratch : where the columns lie, each `pitch` bytes after the one before, the film, and the bands' memory
+    F, I, own, shares : the bands' memory, MEMORY numbers each
     """
     ti.loop_config(block_dim=1)
     for band in range(bands):
@@ -152,11 +166,12 @@ def _points(
         w, last = _all(width, ti.f32), _all(ti.max(width - 2, 0), ti.f32)
         low, high = _all(cuts[band], ti.f32), _all(cuts[band + 1], ti.f32)
         order, none, one, down = ti.Vector(_ORDER), _all(0, ti.i32), _all(1, ti.i32), _all(stride, ti.i32)
-        list, home = ti.Vector([0] * POINTS), _all(cuts[band] * stride, ti.i32)
+        home = _all(cuts[band] * stride, ti.i32)
         m = (band * MEMORY) & NO_SIGN
         for tile in range((n + POINTS - 1) // POINTS):
             t = (tile * POINTS) & NO_SIGN
             for part in range(PARTS):
+                _ask(columns, pitch, t + POINTS + part * WIDE)
                 u, v, at = x[t // WIDE + part] - half, y[t // WIDE + part] - half, m // WIDE + part
                 row = _floor(v)
                 a, b = _floor(u) - round, row - round
@@ -173,16 +188,16 @@ def _points(
                 place = _place(F, I, at, a + round, row, down)
                 I[at + _PLACE // WIDE] = ti.select(here, place + ti.select(first, none, down), home)
                 I[at + _LOWER // WIDE] = ti.select(here, place + ti.select(second, down, none), home)
-            count = _listed(list, own, m)
+            count = _listed(own, scratch, m)
             for k in range(count):
-                j = list[k] & NO_SIGN
+                j = own[m + _LIST + k] & NO_SIGN
                 o, p = _address(memory, own[j + _PLACE]), _address(memory, own[j + _LOWER])
                 prefetch(o)
                 prefetch(o + 16)  # which may lie in the next 64 bytes
                 prefetch(p)
                 prefetch(p + 16)
             for k in range(count):
-                j = list[k] & NO_SIGN
+                j = own[m + _LIST + k] & NO_SIGN
                 o, p = own[j + _PLACE] & NO_SIGN, own[j + _LOWER] & NO_SIGN
                 light = _light(red, green, blue, t - m + j)
                 _add(film, o, light * shares[j + _A])
@@ -192,7 +207,7 @@ def _points(
 
 
 @ti.kernel
-def _discs(C: F2, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1, bands: ti.i32, memory: ti.i64):
+def _discs(memory: ti.i64, C: F2, n: ti.i32, film: FILM, stride: ti.i32, width: ti.i32, cuts: I1, bands: ti.i32):
     """Soft discs of a reach of LARGEST at most, each by the weights of its columns and its rows."""
     ti.loop_config(block_dim=1)
     for band in range(bands):
@@ -264,10 +279,12 @@ def _cuts(columns: np.ndarray, n: int, rows: int, bands: int) -> np.ndarray:
 
 
 @lru_cache(2)
-def _memory(bands: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Vectors of floats, of words, words one by one and floats one by one: all the same memory."""
-    memory = aligned((bands * MEMORY // WIDE, WIDE), np.float32)
-    return memory, memory.view(np.int32), memory.view(np.int32).reshape(-1), memory.reshape(-1)
+def _memory(bands: int) -> np.ndarray:
+    """(bands * MEMORY / WIDE, WIDE) words, whose places each hold their own where POINTS of each band are read."""
+    words = aligned((bands * MEMORY // WIDE, WIDE), np.int32)
+    for m in range(0, bands * MEMORY, MEMORY):
+        words.reshape(-1)[m + _SELF : m + _SELF + POINTS] = np.arange(m, m + POINTS)
+    return words
 
 
 def _where(columns: np.ndarray, n: int, film) -> tuple:
@@ -277,23 +294,29 @@ def _where(columns: np.ndarray, n: int, film) -> tuple:
 
 
 def _by_vectors(columns: np.ndarray, n: int, film) -> tuple:
-    """What the kernels of points take."""
+    """What the kernels of points take: where all lies, the columns, the film, the memory."""
     x, y = columns[X].reshape(-1, WIDE), columns[Y].reshape(-1, WIDE)
     *where, bands = _where(columns, n, film)
-    address = film.buffer.ctypes.data
-    return x, y, columns[RED], columns[GREEN], columns[BLUE], n, *where, bands, address, *_memory(bands)
+    words = _memory(bands)
+    return (
+        columns.ctypes.data, columns.strides[0], film.buffer.ctypes.data, words.ctypes.data,
+        x, y, columns[RED], columns[GREEN], columns[BLUE], n,
+        *where, bands,
+        words.view(np.float32), words, words.reshape(-1),
+    )  # fmt: skip
 
 
 def pixels(columns: np.ndarray, n: int, film) -> None:
     """Add the first n columns (11, a multiple of WIDE), from runtime.aligned, to a film, each to one pixel."""
-    _pixels_kernel(*_by_vectors(columns, n, film)[:-1])
+    _pixels_kernel(*_by_vectors(columns, n, film))
 
 
 def points(columns: np.ndarray, n: int, film) -> None:
     """Add the first n columns (11, a multiple of WIDE), from runtime.aligned, to a film, each between four pixels."""
-    _points_kernel(*_by_vectors(columns, n, film))
+    arguments = _by_vectors(columns, n, film)
+    _points_kernel(*arguments, arguments[-1].view(np.float32))
 
 
 def discs(columns: np.ndarray, n: int, film) -> None:
     """Add those of the first n columns whose reach is up to LARGEST to a film, as soft discs."""
-    _discs_kernel(columns, n, *_where(columns, n, film), film.buffer.ctypes.data)
+    _discs_kernel(film.buffer.ctypes.data, columns, n, *_where(columns, n, film))

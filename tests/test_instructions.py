@@ -1,0 +1,118 @@
+"""Asking for memory ahead and packing change no result, harm at no address, and say nothing."""
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gen_art import instructions, runtime
+from gen_art.renderer.film import Film
+from gen_art.renderer.scatter import pixels, points
+from gen_art.renderer.sprite import BLUE, RED, X, Y
+from gen_art.runtime import kernel, ti
+
+ROOT = Path(__file__).resolve().parents[1]
+FOLDER = Path(instructions.__file__).parent
+SCRIPT = """
+import numpy as np
+from gen_art import runtime
+from gen_art.instructions import prefetch
+from gen_art.runtime import kernel, ti
+
+@ti.kernel
+def _sums(x: ti.types.ndarray(ti.f32, 1), memory: ti.i64):
+    for side in range(2):
+        for i in range(500):
+            prefetch(memory + ti.cast(i, ti.i64) * 64)
+            prefetch(ti.cast(i - 250, ti.i64) << 55)
+            x[side * 500 + i] += 1.0
+
+runtime.init(threads=2)
+sums = kernel(_sums)
+x = np.arange(1000, dtype=np.float32)
+sums(x, x.ctypes.data)
+sums(x, 0)
+assert (x == np.arange(1000) + 2).all()
+"""
+
+
+def ran(script: str, folder: Path):
+    """A process of its own, with a cold cache: LLVM would warn of what it links while it compiles."""
+    path = folder / "script.py"
+    path.write_text(script)
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "GEN_ART_CACHE": str(folder / "cache")}
+    return subprocess.run([sys.executable, str(path)], env=environment, capture_output=True, text=True)
+
+
+def test_asking_changes_nothing_harms_nowhere_and_prints_nothing(tmp_path):
+    done = ran(SCRIPT, tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@pytest.mark.skipif(not instructions.PACKS, reason="this processor cannot")
+def test_packing_keeps_the_marked_in_order():
+    @ti.kernel
+    def _packed(marks: ti.i64, words: ti.i64, to: ti.i64, parts: ti.i32, counts: ti.types.ndarray(ti.i32, 1)):
+        for turn in range(1):
+            count = 3
+            for part in range(parts):
+                at = ti.cast(part, ti.i64) * 128
+                instructions.pack(marks + at, words + at, to, count)
+            counts[turn] = count
+
+    rng = np.random.default_rng(0)
+    marks, words = runtime.aligned((320,), np.int32), runtime.aligned((320,), np.int32)
+    marks[:] = rng.integers(0, 3, 320) * rng.integers(-5, 5, 320)
+    words[:] = rng.integers(-(2**31), 2**31, 320)
+    list, counts = runtime.aligned((400,), np.int32), np.zeros(1, np.int32)
+    list[:] = -7
+    kernel(_packed)(marks.ctypes.data, words.ctypes.data, list.ctypes.data, 10, counts)
+    wanted = words[marks != 0]
+    assert counts[0] == 3 + len(wanted) and 100 < len(wanted) < 300
+    assert (list[:3] == -7).all() and (list[3 : counts[0]] == wanted).all() and (list[counts[0] + 16 :] == -7).all()
+
+
+DRAWN = """
+from gen_art import instructions
+instructions.PACKS = instructions.PREFETCHES = False
+from tests.test_instructions import drawn
+from gen_art import runtime
+runtime.init(threads=2)
+print(drawn())
+"""
+
+
+def drawn() -> str:
+    """The bits of a film of points of both kinds, many of them outside of it."""
+    n, film = 50_001, Film((301, 203))
+    columns = runtime.aligned((11, 50_048), np.float32)
+    rng = np.random.default_rng(1)
+    columns[X], columns[Y] = rng.normal(150, 100, columns.shape[1]), rng.normal(100, 60, columns.shape[1])
+    columns[RED : BLUE + 1] = rng.random((3, columns.shape[1]))
+    pixels(columns, n, film)
+    points(columns, n, film)
+    return hashlib.sha256(film.buffer.tobytes()).hexdigest()
+
+
+def test_a_processor_without_them_draws_the_same(tmp_path):
+    done = ran(DRAWN, tmp_path)
+    assert (done.stdout.strip(), done.stderr) == (drawn(), "")
+
+
+@pytest.mark.skipif(not (shutil.which("llvm-as") and shutil.which("llvm-dis")), reason="needs LLVM's tools")
+@pytest.mark.parametrize("name", ["prefetch", "pack"])
+def test_the_bitcode_is_what_its_source_says(name, tmp_path):
+    """Assembled again, and both shown as text: versions of LLVM write other bits for the same."""
+    subprocess.run(["llvm-as", str(FOLDER / f"{name}.ll"), "-o", str(tmp_path / "again.bc")], check=True)
+
+    def shown(path: Path) -> list[str]:
+        text = subprocess.run(["llvm-dis", "-o", "-", str(path)], capture_output=True, text=True, check=True).stdout
+        return [line for line in text.splitlines() if not line.startswith(("; ModuleID", "source_filename"))]
+
+    assert shown(FOLDER / f"{name}.bc") == shown(tmp_path / "again.bc")
+    assert any(f"@gen_art_{name}(" in line for line in shown(FOLDER / f"{name}.bc"))
