@@ -17,15 +17,17 @@ os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 from gen_art import lean_tracing  # isort: skip  (before anything of Taichi)
 import numpy as np
 import taichi as ti  # the variables above must be set before this
+from taichi._lib import core
 from taichi.lang import impl
+from taichi.lang.expr import make_expr_group
 from taichi.lang.matrix import make_matrix
 
 from gen_art import lean_launching
 from gen_art.errors import UsageError
 
 __all__ = [
-    "DTYPES", "NO_SIGN", "aligned", "cache_folder", "compilations", "finish", "impl", "init", "is_f64", "kernel", "make_matrix",
-    "real", "threads", "ti",
+    "DTYPES", "NO_SIGN", "aligned", "cache_folder", "call_bitcode", "compilations", "finish", "impl", "init", "is_f64", "kernel",
+    "make_matrix", "real", "threads", "ti",
 ]  # fmt: skip
 
 DTYPES = {"f32": ti.f32, "f64": ti.f64}
@@ -169,6 +171,18 @@ def real():
 def is_f64() -> bool:
     """Whether the kernel being traced computes in float64."""
     return real() == ti.f64
+
+
+def call_bitcode(file: Path, function: str, values, variables=()) -> None:
+    """Call a function of LLVM's bitcode from the kernel being traced. It gets the addresses of copies of values, then of variables.
+
+    What it writes to a variable shows after the loop around the call; Taichi does not see it within.
+    """
+    runtime = impl.get_runtime()
+    arguments = make_expr_group([*(impl.expr_init(value) for value in values), *variables])
+    runtime.compiling_callable.ast_builder().insert_external_func_call(
+        0, "", str(file), function, arguments, make_expr_group([]), core.DebugInfo(runtime.get_current_src_info())
+    )
 
 
 for _function in (real, is_f64):

@@ -1,17 +1,15 @@
 """What processors can do and Taichi (1.7.4, which is pinned) has no words for: ask for memory ahead, pack what is marked.
 
 Taichi links functions from LLVM's bitcode into kernels: each .bc file here is one, assembled from the .ll file beside it and
-laid out for Linux on x86-64. Where one cannot run, a kernel does without it: no result depends on them.
+laid out for Linux on x86-64. Where one cannot run, a kernel does without it: no result depends on them. Kernels that were kept
+know a function by its file and name: one that changes needs another name.
 """
 
 import contextlib
 import platform
 from pathlib import Path
 
-from taichi._lib import core
-from taichi.lang.expr import make_expr_group
-
-from gen_art.runtime import impl
+from gen_art.runtime import call_bitcode
 from gen_art.tracing import traced
 
 __all__ = ["PACKS", "PREFETCHES", "pack", "prefetch"]
@@ -26,23 +24,16 @@ def _features() -> set[str]:
     return set()
 
 
+_FOLDER = Path(__file__).parent
 PREFETCHES = (platform.system(), platform.machine()) == ("Linux", "x86_64")
 PACKS = PREFETCHES and {"avx512f", "avx512dq", "avx512bw", "avx512vl", "popcnt"} <= _features()
-
-
-def _call(name: str, *variables) -> None:
-    runtime = impl.get_runtime()
-    runtime.compiling_callable.ast_builder().insert_external_func_call(
-        0, "", str(Path(__file__).with_name(f"{name}.bc")), f"gen_art_{name}", make_expr_group(variables), make_expr_group([]),
-        core.DebugInfo(runtime.get_current_src_info()),
-    )  # fmt: skip
 
 
 @traced
 def prefetch(address):
     """Ask for the 64 bytes around an address, a 64-bit whole number, if PREFETCHES. No address is wrong."""
     if PREFETCHES:
-        _call("prefetch", impl.expr_init(address))
+        call_bitcode(_FOLDER / "prefetch.bc", "gen_art_prefetch", [address])
 
 
 @traced
@@ -51,8 +42,8 @@ def pack(marks, words, to, count):
 
     marks, words : addresses of 32 words each, at whole vectors; a mark other than 0 says that the word is meant
     to           : address of the list. Up to sixteen words behind the last may be written over
-    count        : a variable of 32 bits. Taichi does not see it change: read it after the loop that packs, not within
+    count        : a variable of 32 bits. Read it after the loop that packs, not within
 
     Only if PACKS.
     """
-    _call("pack", impl.expr_init(marks), impl.expr_init(words), impl.expr_init(to), count)
+    call_bitcode(_FOLDER / "pack.bc", "gen_art_pack", [marks, words, to], [count])
