@@ -174,7 +174,7 @@ def is_f64() -> bool:
 
 
 def call_bitcode(file: Path, function: str, values, variables=()) -> None:
-    """Call a function of LLVM's bitcode from the kernel being traced. It gets the addresses of copies of values, then of variables.
+    """Call a function of LLVM's bitcode from the kernel being traced. It gets addresses of copies of values, then of variables.
 
     What it writes to a variable shows after the loop around the call; Taichi does not see it within.
     """
