@@ -281,6 +281,23 @@ def test_of_columns_only_the_first_are_drawn(draw):
         assert film.pixels[..., :3].sum((0, 1)).tolist() == [n, n, n]
 
 
+@pytest.mark.parametrize("draw", [scatter.pixels, scatter.points])
+def test_points_on_the_border_stay_in_their_row_and_touch_nothing_behind_the_film(draw):
+    """A film without padding, and minus zeros behind it: adding no light to one would make it a plus."""
+    film = Film((128, 128))
+    assert film.buffer.size == 128 * 128 * 4
+    memory = runtime.aligned(film.buffer.size + 4 * 4 * 128, np.float32)
+    memory[:] = -0.0
+    film.buffer = memory[: film.buffer.size]
+    columns = runtime.aligned((11, 512), np.float32)
+    columns[X], columns[Y] = 127.8, np.arange(512) / 4
+    columns[RED : BLUE + 1] = 1.0
+    draw(columns, 512, film)
+    assert (film.pixels[:, -1, 0] > 2).all()
+    assert not film.pixels[:, 0].any()
+    assert np.signbit(memory[film.buffer.size :]).all()
+
+
 def test_a_large_film_is_cleared_whole(monkeypatch):
     monkeypatch.setattr("gen_art.renderer.film.LARGE", 0)
     for size in ((1, 1), (33, 7), (640, 360)):
