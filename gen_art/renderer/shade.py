@@ -61,6 +61,7 @@ from gen_art.renderer.tables import (
     POSITION,
     QUANTITIES,
     RAMPS,
+    RANDOM,
     RAW,
     RIBBON,
     ROWS,
@@ -160,7 +161,6 @@ def _shade(
                 quantity[2 * LANES + j], quantity[3 * LANES + j] = ti.sqrt(squared), 0.5 * mass * squared
                 quantity[4 * LANES + j], quantity[5 * LANES + j] = ti.cast(S[7, i], ti.f32), mass
                 quantity[6 * LANES + j], quantity[7 * LANES + j] = ti.cast(S[8, i], ti.f32), ti.cast(id[i], ti.f32)
-                quantity[8 * LANES + j] = unit(key[0, i], key[1, i], 11)
                 quantity[9 * LANES + j] = ti.sqrt(x * x + y * y + z * z)
                 quantity[10 * LANES + j], quantity[11 * LANES + j], quantity[12 * LANES + j] = x, y, z
                 quantity[13 * LANES + j] = push[ti.min(i, pushes - 1)]
@@ -201,20 +201,28 @@ def _shade(
             place = ti.Vector([0.0] * (RAMPS * LANES))
             value = ti.Vector([0.0] * (3 * LANES))
             for k in range(RAMPS):
-                slot = ti.cast(ramps[k, 0], ti.i32) * LANES
-                channel = ti.cast(ramps[k, 3], ti.i32)
-                if channel >= 0:
+                if ramps[k, 2] == 0.0:  # a constant, which takes no place in its table
+                    if k < 3:
+                        for j in range(LANES):
+                            value[k * LANES + j] = curves[k, 0]
+                else:
+                    slot = ti.cast(ramps[k, 0], ti.i32) * LANES
+                    channel = ti.cast(ramps[k, 3], ti.i32)
+                    if channel >= 0:
+                        for j in range(LANES):
+                            quantity[slot + j] = ti.cast(S[channel, i0 + j], ti.f32)
+                    if slot == RANDOM * LANES:
+                        for j in range(LANES):
+                            quantity[slot + j] = unit(key[0, i0 + j], key[1, i0 + j], 11)
                     for j in range(LANES):
-                        quantity[slot + j] = ti.cast(S[channel, i0 + j], ti.f32)
-                for j in range(LANES):
-                    t = ti.min(ti.max((quantity[slot + j] - ramps[k, 1]) * ramps[k, 2], 0.0), 1.0)
-                    place[k * LANES + j] = t * (TABLE - 1.0)
-                if k < 3:
-                    for j in range(LANES):
-                        t = place[k * LANES + j]
-                        at = ti.min(ti.cast(t, ti.i32), TABLE - 2)
-                        first = curves[k, at]
-                        value[k * LANES + j] = first + (curves[k, at + 1] - first) * (t - ti.cast(at, ti.f32))
+                        t = ti.min(ti.max((quantity[slot + j] - ramps[k, 1]) * ramps[k, 2], 0.0), 1.0)
+                        place[k * LANES + j] = t * (TABLE - 1.0)
+                    if k < 3:
+                        for j in range(LANES):
+                            t = place[k * LANES + j]
+                            at = ti.min(ti.cast(t, ti.i32), TABLE - 2)
+                            first = curves[k, at]
+                            value[k * LANES + j] = first + (curves[k, at + 1] - first) * (t - ti.cast(at, ti.f32))
             # size in pixels, the area its light is worth, what hides it
             half, area, light, fog = _lanes(0.0), _lanes(0.0), _lanes(0.0), _lanes(1.0)
             through, cover = _lanes(0.0), _lanes(0.0)
@@ -253,32 +261,25 @@ def _shade(
             # colour, and the light that a lamp would leave on it
             red, green, blue = _lanes(0.0), _lanes(0.0), _lanes(0.0)
             if Q[EMITS] > 0.5:
+                glows = ti.Vector([0.0] * (3 * LANES))  # a black body's colour
+                for c in ti.static(range(3)):
+                    for j in range(LANES):
+                        glows[c * LANES + j] = colours[0, 0, c]
+                if ramps[KELVIN, 2] > 0.0:
+                    for j in range(LANES):
+                        t = place[KELVIN * LANES + j]
+                        at = ti.min(ti.cast(t, ti.i32), TABLE - 2)
+                        for c in ti.static(range(3)):
+                            first = colours[0, at, c]
+                            glows[c * LANES + j] = first + (colours[0, at + 1, c] - first) * (t - ti.cast(at, ti.f32))
                 for j in range(LANES):
-                    t, h = place[COLOR * LANES + j], place[KELVIN * LANES + j]
-                    row, at, hot = tag_rows[source[i0 + j]], ti.min(ti.cast(t, ti.i32), TABLE - 2), 0
-                    hot = ti.min(ti.cast(h, ti.i32), TABLE - 2)
-                    f, g = t - ti.cast(at, ti.f32), h - ti.cast(hot, ti.f32)
-                    c, d, e, k = (
-                        colours[row, at, 0],
-                        colours[row, at + 1, 0],
-                        colours[0, hot, 0],
-                        colours[0, hot + 1, 0],
-                    )
-                    red[j] = (c + (d - c) * f) * (e + (k - e) * g) * (light[j] * area[j])
-                    c, d, e, k = (
-                        colours[row, at, 1],
-                        colours[row, at + 1, 1],
-                        colours[0, hot, 1],
-                        colours[0, hot + 1, 1],
-                    )
-                    green[j] = (c + (d - c) * f) * (e + (k - e) * g) * (light[j] * area[j])
-                    c, d, e, k = (
-                        colours[row, at, 2],
-                        colours[row, at + 1, 2],
-                        colours[0, hot, 2],
-                        colours[0, hot + 1, 2],
-                    )
-                    blue[j] = (c + (d - c) * f) * (e + (k - e) * g) * (light[j] * area[j])
+                    t, row, strength = place[COLOR * LANES + j], tag_rows[source[i0 + j]], light[j] * area[j]
+                    at = ti.min(ti.cast(t, ti.i32), TABLE - 2)
+                    f = t - ti.cast(at, ti.f32)
+                    c, d, e = colours[row, at, 0], colours[row, at, 1], colours[row, at, 2]
+                    red[j] = (c + (colours[row, at + 1, 0] - c) * f) * glows[j] * strength
+                    green[j] = (d + (colours[row, at + 1, 1] - d) * f) * glows[LANES + j] * strength
+                    blue[j] = (e + (colours[row, at + 1, 2] - e) * f) * glows[2 * LANES + j] * strength
             if Q[BLEND] > 0.5:
                 for j in range(LANES):
                     t = place[ALBEDO * LANES + j]

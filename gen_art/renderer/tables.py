@@ -17,9 +17,10 @@ from gen_art.renderer.colour import TABLE, blackbody, gradient_table, planck_lum
 from gen_art.renderer.picture import texels
 from gen_art.renderer.sprite import AREA, KINDS
 
-__all__ = ["QUANTITIES", "RAMPS", "SOFT", "Shading", "numbers"]
+__all__ = ["QUANTITIES", "RAMPS", "RANDOM", "SOFT", "Shading", "numbers"]
 
 QUANTITIES = len(BY)  # what a ramp may go by, in the order of BY; attributes follow, a place for each ramp
+RANDOM = BY.index("random")
 SIZE, INTENSITY, OPACITY, KELVIN, COLOR, ALBEDO = range(6)
 RAMPS = 6
 
@@ -97,6 +98,9 @@ class Shading:
             colours[0, :, :3] = blackbody(temperatures) * (relative**emission.planck)[:, None]
         for row, gradient in enumerate(gradients):
             colours[1 + row, :, :3] = gradient_table(gradient)
+        for k, first, last in ((ALBEDO, 1, 2), (COLOR, 2, len(colours))):
+            if (colours[first:last] == colours[first:last, :1]).all():
+                ramps[k, 2] = 0.0
         return cls(look, ramps, curves, colours, tags)
 
     def rows(self, sources) -> np.ndarray:
