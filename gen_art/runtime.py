@@ -9,6 +9,8 @@ import hashlib
 import io
 import os
 import platform
+from functools import lru_cache
+from itertools import takewhile
 from pathlib import Path
 
 os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")
@@ -27,7 +29,7 @@ from gen_art.errors import UsageError
 
 __all__ = [
     "DTYPES", "NO_SIGN", "aligned", "cache_folder", "call_bitcode", "compilations", "finish", "impl", "init", "is_f64", "kernel",
-    "make_matrix", "real", "threads", "ti",
+    "make_matrix", "processor", "real", "threads", "ti",
 ]  # fmt: skip
 
 DTYPES = {"f32": ti.f32, "f64": ti.f64}
@@ -37,6 +39,14 @@ _state: dict = {"config": None, "kernels": [], "lock": None}
 lean_tracing.install()
 
 
+@lru_cache(1)
+def processor() -> list[str]:
+    """The lines with the first processor's name and what it can do ("flags"); none where the system does not tell."""
+    with contextlib.suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as lines:
+        return [line for line in takewhile(str.strip, lines) if line.startswith(("model name", "flags"))]
+    return []
+
+
 def cache_folder(arch: str) -> Path:
     """Where compiled kernels are kept: $GEN_ART_CACHE, else the user's cache folder.
 
@@ -44,13 +54,7 @@ def cache_folder(arch: str) -> Path:
     """
     base = os.environ.get("GEN_ART_CACHE")
     root = Path(base) if base else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "gen-art"
-    cpu = platform.machine() + platform.processor()
-    with contextlib.suppress(OSError):
-        cpu += "".join(
-            line
-            for line in Path("/proc/cpuinfo").read_text().split("\n\n")[0].splitlines(keepends=True)
-            if line.startswith(("model name", "flags"))
-        )
+    cpu = platform.machine() + platform.processor() + "".join(processor())
     tag = hashlib.sha256(cpu.encode()).hexdigest()[:12]
     return root / f"taichi-{'.'.join(map(str, ti.__version__))}-{arch}-{tag}"
 

@@ -12,8 +12,8 @@ import pytest
 
 from gen_art import instructions, runtime
 from gen_art.renderer.film import Film
-from gen_art.renderer.scatter import pixels, points
-from gen_art.renderer.sprite import BLUE, RED, X, Y
+from gen_art.renderer.scatter import discs, pixels, points
+from gen_art.renderer.sprite import BLUE, REACH, RED, X, Y
 from gen_art.runtime import kernel, ti
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -88,7 +88,7 @@ print(drawn())
 
 
 def drawn() -> str:
-    """The bits of a film of points of both kinds, many of them outside of it."""
+    """The bits of a film of points of both kinds and discs, many of them outside of it."""
     n, film = 50_001, Film((301, 203))
     columns = runtime.aligned((11, 50_048), np.float32)
     rng = np.random.default_rng(1)
@@ -96,6 +96,8 @@ def drawn() -> str:
     columns[RED : BLUE + 1] = rng.random((3, columns.shape[1]))
     pixels(columns, n, film)
     points(columns, n, film)
+    columns[REACH] = rng.uniform(0.5, 4.0, columns.shape[1])
+    discs(columns, n, film)
     return hashlib.sha256(film.buffer.tobytes()).hexdigest()
 
 

@@ -5,28 +5,18 @@ laid out for Linux on x86-64. Where one cannot run, a kernel does without it: no
 know a function by its file and name: one that changes needs another name.
 """
 
-import contextlib
 import platform
 from pathlib import Path
 
-from gen_art.runtime import call_bitcode
+from gen_art.runtime import call_bitcode, processor
 from gen_art.tracing import traced
 
 __all__ = ["PACKS", "PREFETCHES", "pack", "prefetch"]
 
 
-def _features() -> set[str]:
-    """What this processor says that it can do."""
-    with contextlib.suppress(OSError):
-        for line in Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("flags"):
-                return set(line.split())
-    return set()
-
-
 _FOLDER = Path(__file__).parent
 PREFETCHES = (platform.system(), platform.machine()) == ("Linux", "x86_64")
-PACKS = PREFETCHES and {"avx512f", "avx512dq", "avx512bw", "avx512vl", "popcnt"} <= _features()
+PACKS = PREFETCHES and {"avx512f", "avx512dq", "avx512bw", "avx512vl", "popcnt"} <= set("".join(processor()).split())
 
 
 @traced
