@@ -108,6 +108,30 @@ def test_black_bodies_take_planck_s_fall_as_far_as_asked():
     assert at(1, 0.5)[0] / at(0, 0.5)[0] == pytest.approx(ratio, rel=0.02)
 
 
+def test_one_temperature_has_its_colour():
+    got = light({"draw": "disc", "radius": 2, "emission": {"blackbody": 1500}})
+    assert got / (4 * DISC) == pytest.approx(blackbody(1500)[0], abs=2e-3)
+
+
+def test_chance_gives_each_particle_a_number_of_its_own():
+    """Numbers of 0..1 have the mean 1/2, and what is 1 below 1/4 and 0 above it the mean 1/4."""
+    n = 2000
+    for curve, mean in (([[0, 0], [1, 1]], 0.5), ([[0, 1], [0.25, 1], [0.2501, 0], [1, 0]], 0.25)):
+        look = {"draw": "disc", "radius": 2, "emission": {"intensity": {"by": "random", "curve": curve}}}
+        assert light(look, position=[[0.2, 0.3, 0]] * n)[0] / (4 * DISC * n) == pytest.approx(
+            mean, abs=4 * 0.43 / n**0.5
+        )
+
+
+def test_what_covers_takes_its_colour_by_its_own_quantity():
+    """Beside a light of one colour: black at rest, as white as it covers at 1 m/s."""
+    albedo = {"by": "speed", "range": "0..1", "gradient": ["black", "white"]}
+    look = {"draw": "disc", "radius": 2, "blend": "alpha", "opacity": 50.0, "albedo": albedo}
+    rest, half, fast = (light(look, velocity=[[v, 0, 0]])[1] for v in (0.0, 0.5, 1.0))
+    assert rest == pytest.approx(0, abs=1e-6) and fast == pytest.approx(4 * DISC, rel=0.05)
+    assert half / fast == pytest.approx(0.125, abs=0.005)  # OKLab's grey is a cube root
+
+
 def test_strobes_blink_at_their_rate_for_their_part_of_the_time():
     look = Look(draw="disc", radius=2.0, emission={"strobe": "5..5", "duty": 0.25})
     on = np.array([light(look, film_time=t)[0] > 0 for t in np.arange(400) / 400])
