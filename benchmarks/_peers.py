@@ -44,7 +44,7 @@ def _mix(a, b, w):
 
 
 def numpy_noise(p, time: float, seed: int):
-    """gen_art.noise.curl_noise for positions (3, n), float32, in NumPy."""
+    """gen_art.maths.noise.curl_noise for positions (3, n), float32, in NumPy."""
     base = np.floor(p)
     f = p - base
     w = f * f * f * (f * (f * F(6) - F(15)) + F(10))
@@ -100,12 +100,12 @@ def numpy_step(S, laws: dict, now: float, h: float, block: int) -> None:
 
 def plain_kernel(composition, blocks: bool):
     """One particle an iteration, stored straight to the array; with `blocks`, 1024 of them a task."""
-    from gen_art import runtime
-    from gen_art.elementary import phi
+    from gen_art.backend import runtime
+    from gen_art.backend.kernel_views import parameters
+    from gen_art.backend.runtime import ti
     from gen_art.forces.base import term_acceleration
-    from gen_art.integrators.terms import Terms, repeats, view
-    from gen_art.runtime import ti
-    from gen_art.tracing import parameters
+    from gen_art.integrators.tile import Terms, repeats, view
+    from gen_art.maths.elementary import phi
 
     terms = Terms(composition, (), 0)
     drag, place = terms.dampings[0][:2]

@@ -6,7 +6,7 @@ import numpy as np
 from _bench import Bench, alternate
 
 import gen_art as ga
-from gen_art import runtime
+from gen_art.backend import runtime
 
 bench = Bench("cloth", __doc__)
 side, warm, rounds = (48, 5, 2) if bench.quick else (256, 45, 9)

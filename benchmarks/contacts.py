@@ -6,7 +6,7 @@ import numpy as np
 from _bench import Bench, alternate
 
 import gen_art as ga
-from gen_art import runtime
+from gen_art.backend import runtime
 
 bench = Bench("contacts", __doc__)
 few, many, rounds = (1000, 8000, 1) if bench.quick else (10_000, 1_000_000, 3)

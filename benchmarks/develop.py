@@ -3,13 +3,13 @@
 import numpy as np
 from _bench import Bench, alternate
 
-from gen_art import runtime
+from gen_art.backend import runtime
+from gen_art.backend.runtime import kernel, ti
 from gen_art.preset.develop import DevelopSpec
+from gen_art.renderer.auto_exposure import meter
 from gen_art.renderer.bloom import chain, flat
-from gen_art.renderer.develop import develop
-from gen_art.renderer.film import Film
-from gen_art.renderer.metering import meter
-from gen_art.runtime import kernel, ti
+from gen_art.renderer.framebuffer import Film
+from gen_art.renderer.tone_map import develop
 
 bench = Bench("develop", __doc__)
 runtime.init(threads=2)

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 from _bench import Bench
 
-from gen_art import runtime
+from gen_art.backend import runtime
 from gen_art.output import job
 from gen_art.output.formats import find_format
-from gen_art.output.run import Run
+from gen_art.output.playback import Run
 from gen_art.output.stills import write_still
 from gen_art.output.video import film_writer
 from gen_art.preset import load_preset
-from gen_art.renderer.develop import develop
+from gen_art.renderer.tone_map import develop
 
 # Each stage runs alone, and the processor time of the whole process says what it took of the cores; their sum over the cores
 # is the least wall time a film can have. The film then runs as `gen-art render` makes it. Simulating includes building the

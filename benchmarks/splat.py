@@ -8,9 +8,9 @@ channel. Discs: 5 x 5 pixels, against a numba loop that adds the same discs to o
 import numpy as np
 from _bench import Bench, alternate
 
-from gen_art import runtime
-from gen_art.renderer.film import Film
-from gen_art.renderer.scatter import discs, pixels, points
+from gen_art.backend import runtime
+from gen_art.renderer.direct_splat import discs, pixels, points
+from gen_art.renderer.framebuffer import Film
 from gen_art.renderer.sprite import BLUE, REACH, RED, X, Y
 
 bench = Bench("splat", __doc__)

@@ -5,8 +5,8 @@ from _bench import Bench, alternate
 from _peers import numpy_step, plain_kernel
 
 import gen_art as ga
-from gen_art import runtime
-from gen_art.composition import Composition
+from gen_art.backend import runtime
+from gen_art.integrators.kernel_terms import Composition
 
 bench = Bench("step", __doc__)
 n, rounds = (20_000, 1) if bench.quick else (1_000_000, 7)

@@ -2,7 +2,8 @@
 
 import pytest
 
-from gen_art import plugins, runtime
+from gen_art import plugins
+from gen_art.backend import runtime
 from gen_art.emitters.base import EMITTERS, SHAPES, VELOCITIES
 from gen_art.forces.base import FORCES
 from gen_art.interactions.base import INTERACTIONS

@@ -8,11 +8,11 @@ import pytest
 from click.testing import CliRunner
 
 import gen_art as ga
-from gen_art.advice import advice, step_advice
 from gen_art.audit import audit
+from gen_art.audit.advice import advice, step_advice
+from gen_art.audit.invariants import expected_order, invariants
 from gen_art.integrators import INTEGRATORS
 from gen_art.integrators.schemes import reach
-from gen_art.invariants import expected_order, invariants
 
 MIRROR = {"magnetic_mirror": {"strength": 2}}
 FIELD = {"magnetic_field": [0, 0, 2]}

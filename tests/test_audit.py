@@ -6,13 +6,13 @@ import json
 import pytest
 
 import gen_art as ga
-from gen_art.advice import advice
 from gen_art.audit import Trend, audit
+from gen_art.audit.advice import advice
 from gen_art.audit.thinning import thinned
 from gen_art.integrators.schemes import INTEGRATORS
 from gen_art.interactions.springs import Springs
-from gen_art.ledger import Bookkeeper
 from gen_art.preset.shipped import preset_names
+from gen_art.simulation.ledger import Bookkeeper
 
 
 def piece(forces, integrator="leapfrog", medium=None, **particle):

@@ -167,4 +167,4 @@ def test_one_module_imports_taichi():
         for path in (ROOT / "gen_art").rglob("*.py")
         if re.search(r"^\s*(from|import) taichi", path.read_text(encoding="utf-8"), re.M)
     }
-    assert found == {"runtime.py", "lean_tracing.py", "lean_launching.py"}
+    assert found == {"runtime.py", "tracing_patch.py", "launch_patch.py"}

@@ -10,19 +10,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gen_art import instructions, runtime
-from gen_art.renderer.film import Film
-from gen_art.renderer.scatter import discs, pixels, points
+from gen_art.backend import intrinsics as instructions
+from gen_art.backend import runtime
+from gen_art.backend.runtime import kernel, ti
+from gen_art.renderer.direct_splat import discs, pixels, points
+from gen_art.renderer.framebuffer import Film
 from gen_art.renderer.sprite import BLUE, REACH, RED, X, Y
-from gen_art.runtime import kernel, ti
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = Path(instructions.__file__).parent
 SCRIPT = """
 import numpy as np
-from gen_art import runtime
-from gen_art.instructions import prefetch
-from gen_art.runtime import kernel, ti
+from gen_art.backend import runtime
+from gen_art.backend.intrinsics import prefetch
+from gen_art.backend.runtime import kernel, ti
 
 @ti.kernel
 def _sums(x: ti.types.ndarray(ti.f32, 1), memory: ti.i64):
@@ -78,10 +79,10 @@ def test_packing_keeps_the_marked_in_order():
 
 
 DRAWN = """
-from gen_art import instructions
+from gen_art.backend import intrinsics as instructions
 instructions.PACKS = instructions.PREFETCHES = False
 from tests.test_instructions import drawn
-from gen_art import runtime
+from gen_art.backend import runtime
 runtime.init(threads=2)
 print(drawn())
 """

@@ -1,21 +1,21 @@
 """The audit: a thinned copy of a preset, run in float64 at dt, dt/2 and dt/4, and judged.
 
-What should hold comes from the flags of the forces (gen_art.invariants); what did hold is measured (measure.py).
+What should hold comes from the flags of the forces (gen_art.audit.invariants); what did hold is measured (measure.py).
 """
 
 import math
 import warnings
 from dataclasses import dataclass, replace
 
-from gen_art.advice import FORETOLD, advice, gyration_advice
+from gen_art.audit.advice import FORETOLD, advice, gyration_advice
+from gen_art.audit.invariants import expected_order, forces_of, has_kinks, has_stiff_springs, invariants
 from gen_art.audit.measure import MOMENTS, ROUND_OFF, Run, Trend, positions, run, scatter
 from gen_art.audit.thinning import thinned
-from gen_art.diagnostics import Diagnostics
 from gen_art.errors import UsageError
 from gen_art.integrators import scheme
-from gen_art.invariants import expected_order, forces_of, has_kinks, has_stiff_springs, invariants
-from gen_art.ledger import Ledger
 from gen_art.preset.estimate import refuse_if_too_large
+from gen_art.simulation.diagnostics import Diagnostics
+from gen_art.simulation.ledger import Ledger
 
 __all__ = ["FILM_TIME", "PARTICLES", "Audit", "audit"]
 
@@ -64,7 +64,7 @@ class Audit:
 
     def text(self) -> str:
         """The report in words, one screen or two."""
-        from gen_art.audit.text import write
+        from gen_art.audit.report_text import write
 
         return write(self)
 

@@ -6,9 +6,9 @@ from functools import reduce
 
 import numpy as np
 
-from gen_art.audit.turning import largest_turn
-from gen_art.diagnostics import Diagnostics, energy_of_pairs, living, sums
-from gen_art.ledger import Ledger
+from gen_art.audit.gyration import largest_turn
+from gen_art.simulation.diagnostics import Diagnostics, energy_of_pairs, living, sums
+from gen_art.simulation.ledger import Ledger
 
 __all__ = ["MOMENTS", "QUANTITIES", "ROUND_OFF", "History", "Run", "Trend", "positions", "run", "scatter"]
 

@@ -2,9 +2,9 @@
 
 from typing import ClassVar
 
+from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.registry import Parameter, Parametric, Registry, param
-from gen_art.runtime import ti
 
 __all__ = ["ACTIONS", "COLLIDERS", "Collider", "collider"]
 

@@ -1,9 +1,9 @@
 """An upright box that holds particles, or stands in their way."""
 
+from gen_art.backend.runtime import ti
 from gen_art.colliders.base import Collider, collider
 from gen_art.errors import UsageError
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @collider("box")

@@ -1,8 +1,8 @@
 """A capsule: a rod with round ends."""
 
+from gen_art.backend.runtime import ti
 from gen_art.colliders.base import Collider, collider
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @collider("capsule")

@@ -1,7 +1,7 @@
 """When a path meets a surface, and what the surface does to a velocity. `surface` is the function of surface.py."""
 
+from gen_art.backend.runtime import is_f64, ti
 from gen_art.colliders.surface import common, count
-from gen_art.runtime import is_f64, ti
 
 __all__ = ["meeting", "reflected", "settled", "support"]
 

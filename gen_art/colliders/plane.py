@@ -1,8 +1,8 @@
 """A plane: a floor, a wall, a slope."""
 
+from gen_art.backend.runtime import ti
 from gen_art.colliders.base import Collider, collider
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @collider("plane")

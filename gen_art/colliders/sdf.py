@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
+from gen_art.backend.runtime import real, ti
 from gen_art.colliders.base import Collider, collider
 from gen_art.errors import UsageError
 from gen_art.forces.grid_file import read_array
 from gen_art.registry import param
-from gen_art.runtime import real, ti
 
 
 @collider("sdf")

@@ -4,9 +4,9 @@
 a surface is a side of one, numbered through all of them.
 """
 
-from gen_art.elementary import cos, sin
-from gen_art.runtime import ti
-from gen_art.tracing import parameters, traced
+from gen_art.backend.kernel_views import parameters, traced
+from gen_art.backend.runtime import ti
+from gen_art.maths.elementary import cos, sin
 
 __all__ = ["carried", "clear", "common", "count", "make_surface", "owner", "turning"]
 

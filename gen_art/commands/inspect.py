@@ -53,8 +53,8 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
 
 
 def _facts(piece, size, precision) -> dict:
-    from gen_art.advice import advice, step_advice
-    from gen_art.invariants import colliders_of, forces_of, invariants
+    from gen_art.audit.advice import advice, step_advice
+    from gen_art.audit.invariants import colliders_of, forces_of, invariants
     from gen_art.output.formats import CODECS
     from gen_art.preset.estimate import estimate
 

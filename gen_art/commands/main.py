@@ -79,8 +79,8 @@ def leave(status: int) -> None:
         sys.stderr.flush()
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    if "gen_art.runtime" in sys.modules:
-        sys.modules["gen_art.runtime"].finish()
+    if "gen_art.backend.runtime" in sys.modules:
+        sys.modules["gen_art.backend.runtime"].finish()
     gc.freeze()  # or the interpreter looks through all that tracing made for what could be freed: a quarter of a second
     sys.exit(status)
 

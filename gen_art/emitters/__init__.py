@@ -1,6 +1,6 @@
 """Births: shapes, velocities, scripted emitters, schedules and events."""
 
-from gen_art.emitters import galaxies, nets, rigid, shapes, velocities
+from gen_art.emitters import galaxies, net_emitters, rigid_body, shapes, velocities
 from gen_art.emitters.base import EMITTERS, SHAPES, VELOCITIES, Emitter, Shape, Velocity, emitter
 
 __all__ = [
@@ -12,8 +12,8 @@ __all__ = [
     "Velocity",
     "emitter",
     "galaxies",
-    "nets",
-    "rigid",
+    "net_emitters",
+    "rigid_body",
     "shapes",
     "velocities",
 ]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen_art.emitters.emission import Batch, Emission
-from gen_art.particles.state import Particles
-from gen_art.rng import channel_of, derive, uniform
+from gen_art.emitters.births import Batch, Emission
+from gen_art.maths.random import channel_of, derive, uniform
+from gen_art.particles.storage import Particles
 
 __all__ = ["Window", "children"]
 

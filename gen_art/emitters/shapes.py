@@ -1,9 +1,9 @@
 """Where particles are born. Channels 1 to 9 of the particle's random stream belong to shapes."""
 
-from gen_art.elementary import cos, power, sin
+from gen_art.backend.runtime import real, ti
 from gen_art.emitters.base import Shape, shape
+from gen_art.maths.elementary import cos, power, sin
 from gen_art.registry import param
-from gen_art.runtime import real, ti
 
 
 @ti.func

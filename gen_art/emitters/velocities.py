@@ -1,10 +1,10 @@
 """How fast particles are born. Channels 11 to 19 of the random stream belong to velocities."""
 
-from gen_art.elementary import cos, sin
+from gen_art.backend.runtime import real, ti
 from gen_art.emitters.base import Velocity, velocity
 from gen_art.emitters.shapes import across
+from gen_art.maths.elementary import cos, sin
 from gen_art.registry import param
-from gen_art.runtime import real, ti
 
 
 @velocity("constant")

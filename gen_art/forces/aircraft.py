@@ -2,12 +2,12 @@
 
 import math
 
-from gen_art.elementary import cos, sin
+from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.forces.base import force
 from gen_art.forces.controls import Controlled
+from gen_art.maths.elementary import cos, sin
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @force("aircraft")

@@ -2,10 +2,10 @@
 
 import math
 
-from gen_art.elementary import exp
+from gen_art.backend.runtime import ti
 from gen_art.forces.base import Force, force
+from gen_art.maths.elementary import exp
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @force("buoyancy")

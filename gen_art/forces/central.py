@@ -1,9 +1,9 @@
 """Forces towards a point."""
 
-from gen_art.elementary import log, power
+from gen_art.backend.runtime import ti
 from gen_art.forces.base import Force, force
+from gen_art.maths.elementary import log, power
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @force("central_force")

@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.forces.base import Force
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 __all__ = ["Controlled", "read_controls"]
 

@@ -1,9 +1,9 @@
 """Turbulence: octaves of divergence-free noise."""
 
+from gen_art.backend.runtime import real, ti
 from gen_art.forces.base import Force, force
-from gen_art.noise import curl_noise
+from gen_art.maths.noise import curl_noise
 from gen_art.registry import param
-from gen_art.runtime import real, ti
 
 
 @force("curl_noise")

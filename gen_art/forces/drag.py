@@ -2,9 +2,9 @@
 
 import math
 
+from gen_art.backend.runtime import ti
 from gen_art.forces.base import Force, force
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @force("drag")

@@ -1,10 +1,10 @@
 """A periodic force."""
 
-from gen_art.elementary import cos
+from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.forces.base import Force, force
+from gen_art.maths.elementary import cos
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @force("driver")

@@ -1,11 +1,11 @@
 """Electric fields of sources: a dipole, a charged wire, a quadrupole trap, a grid."""
 
-from gen_art.elementary import log
+from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.forces.base import Force, force
 from gen_art.forces.vector_field import Sampled
+from gen_art.maths.elementary import log
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 COULOMB = 8.9875517923e9  # 1 / (4 pi epsilon0), N m^2 / C^2
 

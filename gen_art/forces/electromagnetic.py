@@ -1,9 +1,9 @@
 """Electric and magnetic fields on charges."""
 
+from gen_art.backend.runtime import ti
 from gen_art.forces.base import Force, force
-from gen_art.forces.field_of import field_of
+from gen_art.forces.field_functions import field_of
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @force("electric_field")

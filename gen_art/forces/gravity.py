@@ -1,9 +1,9 @@
 """Uniform gravity, and gravity that weakens with height."""
 
+from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.forces.base import Force, force
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @force("gravity")

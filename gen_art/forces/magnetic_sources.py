@@ -1,10 +1,10 @@
 """Magnetic fields of sources: a dipole, a wire, a loop of current, a grid."""
 
+from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.forces.base import Force, force
 from gen_art.forces.vector_field import Sampled
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 MU0_4PI = 1e-7  # mu0 / (4 pi), T m / A, to 2e-10
 _MEANS = 6  # steps of the arithmetic-geometric mean: float64 down to a complementary modulus of 1e-4

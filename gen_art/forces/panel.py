@@ -1,8 +1,8 @@
 """Lift and drag on panels: sails, blades, leaves."""
 
+from gen_art.backend.runtime import ti
 from gen_art.forces.base import Force, force
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @force("panel")

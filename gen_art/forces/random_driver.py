@@ -1,9 +1,9 @@
 """A random force that is a function of time and of the particle's key."""
 
-from gen_art.elementary import cos, log
+from gen_art.backend.runtime import real, ti
 from gen_art.forces.base import Force, force
+from gen_art.maths.elementary import cos, log
 from gen_art.registry import param
-from gen_art.runtime import real, ti
 
 _FREQUENCY = 1.2533141373155003  # sqrt(pi / 2): spread of the angular frequencies for a correlation time of 1
 

@@ -1,9 +1,9 @@
 """A spring to a fixed point, and one to a hand that moves."""
 
+from gen_art.backend.runtime import ti
 from gen_art.forces.base import Force, force
 from gen_art.forces.controls import Controlled
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @force("spring")

@@ -1,9 +1,9 @@
 """A rocket's engine: thrust, and the mass that it burns."""
 
+from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.forces.base import Force, force
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @force("thrust")

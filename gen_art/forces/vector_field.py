@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from gen_art.backend.runtime import real, ti
 from gen_art.errors import UsageError
 from gen_art.forces.base import Force, force
 from gen_art.forces.grid_file import read_grid
 from gen_art.registry import param
-from gen_art.runtime import real, ti
 
 __all__ = ["Sampled", "VectorField"]
 

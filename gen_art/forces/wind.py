@@ -1,8 +1,8 @@
 """A uniform wind: the simplest velocity field of a medium."""
 
+from gen_art.backend.runtime import ti
 from gen_art.forces.base import Force, force
 from gen_art.registry import param
-from gen_art.runtime import ti
 
 
 @force("wind")

@@ -9,12 +9,12 @@ from functools import cache
 
 import numpy as np
 
-from gen_art import runtime
-from gen_art.composition import Composition
-from gen_art.integrators.burning import burn, lighten
-from gen_art.integrators.kernels import BLOCK, advance_stage
-from gen_art.integrators.terms import WIDTH, Terms, accumulate, lifespan, load, tile
-from gen_art.runtime import ti
+from gen_art.backend import runtime
+from gen_art.backend.runtime import ti
+from gen_art.integrators.kernel_terms import Composition
+from gen_art.integrators.mass_loss import burn, lighten
+from gen_art.integrators.step_kernels import BLOCK, advance_stage
+from gen_art.integrators.tile import WIDTH, Terms, accumulate, lifespan, load, tile
 
 __all__ = ["ERROR", "STAGES", "TIMES", "first_step", "make_slopes", "next_step"]
 

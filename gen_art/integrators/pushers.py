@@ -11,8 +11,8 @@ Sources: Boris (1970); Vay (2008), Phys. Plasmas 15, 056701; Higuera & Cary (201
 Langdon, Plasma Physics via Computer Simulation, section 4.3.
 """
 
-from gen_art.elementary import cos, sin
-from gen_art.runtime import is_f64, ti
+from gen_art.backend.runtime import is_f64, ti
+from gen_art.maths.elementary import cos, sin
 
 __all__ = ["corrected", "gamma_at", "relativistic"]
 

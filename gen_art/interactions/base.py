@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from gen_art.particles.state import Particles
+from gen_art.particles.storage import Particles
 from gen_art.registry import Parametric, Registry
 
 __all__ = ["INTERACTIONS", "Interaction", "Pull", "Turn", "interaction"]

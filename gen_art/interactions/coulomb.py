@@ -1,7 +1,7 @@
 """Coulomb's law between the particles' charges."""
 
 from gen_art.interactions.base import interaction
-from gen_art.interactions.direct import DirectSum
+from gen_art.interactions.direct_sum import DirectSum
 from gen_art.registry import param
 
 __all__ = ["Coulomb"]

@@ -1,7 +1,7 @@
 """A power law of the distance between every two particles."""
 
 from gen_art.interactions.base import interaction
-from gen_art.interactions.direct import DirectSum
+from gen_art.interactions.direct_sum import DirectSum
 from gen_art.registry import param
 
 __all__ = ["PairForce"]

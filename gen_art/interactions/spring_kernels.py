@@ -2,9 +2,9 @@
 
 from functools import cache
 
-from gen_art import runtime
+from gen_art.backend import runtime
+from gen_art.backend.runtime import ti
 from gen_art.particles.fixed import is_fixed
-from gen_art.runtime import ti
 
 __all__ = ["BLOCK", "spring_kernels"]
 

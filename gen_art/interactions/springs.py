@@ -8,7 +8,7 @@ import numpy as np
 from gen_art.errors import UsageError
 from gen_art.interactions.adjacency import Adjacency
 from gen_art.interactions.base import Interaction, Pull, interaction
-from gen_art.interactions.implicit import solve
+from gen_art.interactions.implicit_springs import solve
 from gen_art.interactions.spring_kernels import spring_kernels
 from gen_art.particles.fixed import fixed_lifetimes
 from gen_art.registry import param
@@ -179,9 +179,9 @@ class Springs(Interaction):
             numbers, dtype = self._numbers[whole], state.floats.dtype
             self._springs = Adjacency(slots[whole], numbers, state.count, dtype)
             if self.values["method"] == "xpbd":
-                from gen_art.interactions import tethers, threads
+                from gen_art.interactions import strands, tethers
 
-                self._threads = threads.Threads(slots[whole], numbers, state.count, dtype)
+                self._threads = strands.Threads(slots[whole], numbers, state.count, dtype)
                 held = fixed_lifetimes(state.floats[9, : state.count])
                 self._tethers = [] if self.values["tether"] is None else tethers.ways(self._springs, held, dtype)
         return self._springs

@@ -4,9 +4,9 @@ from functools import cache
 
 import numpy as np
 
-from gen_art import runtime
+from gen_art.backend import runtime
+from gen_art.backend.runtime import ti
 from gen_art.interactions.adjacency import Adjacency
-from gen_art.runtime import ti
 
 __all__ = ["stretched"]
 

@@ -3,8 +3,8 @@
 from functools import cache
 from types import SimpleNamespace
 
-from gen_art import runtime
-from gen_art.runtime import ti
+from gen_art.backend import runtime
+from gen_art.backend.runtime import ti
 
 __all__ = ["COEFFICIENTS", "MOMENTS", "tree_kernels"]
 

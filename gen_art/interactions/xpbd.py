@@ -15,10 +15,10 @@ from functools import cache
 
 import numpy as np
 
-from gen_art import runtime
-from gen_art.interactions.threads import LANES, Threads
+from gen_art.backend import runtime
+from gen_art.backend.runtime import ti
+from gen_art.interactions.strands import LANES, Threads
 from gen_art.particles.fixed import is_fixed
-from gen_art.runtime import ti
 
 __all__ = ["sweep"]
 

@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 
 from gen_art.errors import EncoderError, OutputError, UsageError
-from gen_art.output.behind import behind
-from gen_art.output.reading import read_recipe
+from gen_art.output.background import behind
+from gen_art.output.playback import Run
+from gen_art.output.read_recipe import read_recipe
 from gen_art.output.recipe import make_recipe, verify
 from gen_art.output.report import Report
-from gen_art.output.run import Run
 from gen_art.output.stills import write_still
 from gen_art.output.target import Target, check_size_of, check_writable, find_target
 from gen_art.preset.files import FOLDER
 from gen_art.preset.shipped import presets_folder
-from gen_art.renderer.develop import develop
-from gen_art.renderer.frame import check_size
+from gen_art.renderer.painter import check_size
+from gen_art.renderer.tone_map import develop
 
 __all__ = ["QUALITIES", "check_target", "picture_size", "render", "rerun", "still"]
 

@@ -82,7 +82,7 @@ class FilmWriter:
 
             write_webp(self.partial, temporary, self._fps, self._recipe, self._film.profile)
         else:
-            from gen_art.output.join import join
+            from gen_art.output.join_segments import join
 
             join(self.partial, temporary, self._film.ending, self._text, as_fraction(self._fps))
 

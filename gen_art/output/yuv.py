@@ -12,7 +12,7 @@ import av
 import numpy as np
 from av.video.reformatter import ColorPrimaries, ColorRange, ColorTrc
 
-from gen_art.runtime import kernel, ti
+from gen_art.backend.runtime import kernel, ti
 
 __all__ = ["MATRIX_BT709", "MATRIX_RGB", "film_frame", "tag"]
 

@@ -5,7 +5,7 @@ They are marked by a lifetime beyond every real one (but not infinite): their ow
 
 import numpy as np
 
-from gen_art.runtime import ti
+from gen_art.backend.runtime import ti
 
 __all__ = ["FIXED", "fixed_lifetimes", "is_fixed"]
 

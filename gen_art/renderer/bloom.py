@@ -9,8 +9,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from gen_art.backend.runtime import aligned
 from gen_art.renderer.resample import PAD, WIDE, Taps, blend_weights, columns, resample, ring, steps, variance
-from gen_art.runtime import aligned
 
 __all__ = ["Halo", "chain", "flat", "levels", "stray_light"]
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.preset.camera import CameraSpec
+from gen_art.renderer.camera_shake import shake_noise
 from gen_art.renderer.colour import linear
-from gen_art.renderer.shake import shake_noise
 
 __all__ = ["Camera", "View"]
 

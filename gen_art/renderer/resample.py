@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gen_art.runtime import NO_SIGN, aligned, kernel, threads, ti
+from gen_art.backend.runtime import NO_SIGN, aligned, kernel, threads, ti
 
 __all__ = ["PAD", "WIDE", "Taps", "blend_weights", "mirrored", "columns", "resample", "ring", "steps", "variance"]
 

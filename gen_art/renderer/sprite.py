@@ -14,7 +14,7 @@ the film with bilinear weights; their reach is shortened by what that adds.
 
 import numpy as np
 
-from gen_art.runtime import kernel, ti
+from gen_art.backend.runtime import kernel, ti
 
 __all__ = ["AREA", "along", "finish", "profile", "profile_integral", "rim", "step"]
 

@@ -10,8 +10,8 @@ import pytest
 from gen_art.errors import OutputError, UsageError
 from gen_art.output import job
 from gen_art.output.exr import write_exr
-from gen_art.output.reading import read_recipe
-from gen_art.output.run import Run
+from gen_art.output.playback import Run
+from gen_art.output.read_recipe import read_recipe
 from tests.output.piece import piece
 
 OpenEXR = pytest.importorskip("OpenEXR")

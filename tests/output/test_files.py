@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 from gen_art.errors import OutputError, UsageError
-from gen_art.output.reading import read_recipe
+from gen_art.output.read_recipe import read_recipe
 from gen_art.output.stills import write_still
 from gen_art.output.target import beside
 

@@ -15,7 +15,7 @@ from gen_art.commands.main import run
 from gen_art.errors import OutputError, UsageError
 from gen_art.output import job
 from gen_art.output.probe import probe
-from gen_art.output.reading import read_recipe
+from gen_art.output.read_recipe import read_recipe
 from tests.output.piece import piece
 from tests.output.test_video import exact
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gen_art.errors import UsageError
-from gen_art.output.run import Run
+from gen_art.output.playback import Run
 from gen_art.preset.load import load_preset
 
 SIZE = (160, 90)

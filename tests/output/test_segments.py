@@ -16,7 +16,7 @@ from gen_art.output import job, segments
 from gen_art.output.formats import find_format
 from gen_art.output.fragments import split
 from gen_art.output.probe import probe
-from gen_art.output.reading import read_recipe
+from gen_art.output.read_recipe import read_recipe
 from gen_art.output.video import film_writer, partial_path
 from tests.output.piece import piece
 
@@ -215,7 +215,7 @@ signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 from gen_art.commands.main import run
 import tests.output.test_segments as t
 from gen_art.errors import OutputError
-from gen_art import runtime
+from gen_art.backend import runtime
 runtime.init("cpu")
 path = t.Path(sys.argv[1])
 writer = t.film_writer(path, (64, 48), 5)
@@ -244,12 +244,12 @@ def test_a_full_disk_is_an_output_error_and_keeps_whole_segments(tmp_path, name,
 
 
 def test_a_disk_that_fills_while_the_film_is_joined_keeps_it_all(tmp_path, monkeypatch):
-    from gen_art.output import join
+    from gen_art.output import join_segments
 
     def full(*args):
         raise OSError(28, os.strerror(28))
 
-    monkeypatch.setattr(join, "join", full)
+    monkeypatch.setattr(join_segments, "join", full)
     with pytest.raises(OutputError, match=r"No space left.*first 10 frames are kept"):
         job.render(piece(), tmp_path / "a.mp4")
     assert [p.name for p in tmp_path.iterdir()] == ["a.partial.mp4"]

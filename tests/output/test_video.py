@@ -14,7 +14,7 @@ from PIL import Image
 from gen_art.errors import UsageError
 from gen_art.output.formats import CODECS, PROFILES, find_format
 from gen_art.output.probe import probe
-from gen_art.output.reading import read_recipe
+from gen_art.output.read_recipe import read_recipe
 from gen_art.output.segments import encoder_stream, open_film
 from gen_art.output.video import film_writer
 from gen_art.output.yuv import film_frame
@@ -120,7 +120,7 @@ _SMALL = """
 import sys
 sys.path.insert(0, {root!r})
 from pathlib import Path
-from gen_art import runtime
+from gen_art.backend import runtime
 from gen_art.output.formats import CODECS, find_format
 from gen_art.output.probe import probe
 from tests.output.test_video import moving, write

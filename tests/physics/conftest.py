@@ -2,7 +2,7 @@
 
 import pytest
 
-from gen_art import runtime
+from gen_art.backend import runtime
 
 
 @pytest.fixture(scope="session", autouse=True)

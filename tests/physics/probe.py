@@ -5,13 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from gen_art import runtime
-from gen_art.composition import Composition
+from gen_art.backend import runtime
+from gen_art.backend.kernel_views import parameters
+from gen_art.backend.runtime import ti
 from gen_art.forces.base import term_acceleration
-from gen_art.integrators.terms import Terms, view
-from gen_art.medium import Medium
-from gen_art.runtime import ti
-from gen_art.tracing import parameters
+from gen_art.forces.medium import Medium
+from gen_art.integrators.kernel_terms import Composition
+from gen_art.integrators.tile import Terms, view
 
 FLOW = (0.3, -0.2, 0.1)  # the velocity of the medium, for forces that look at it
 

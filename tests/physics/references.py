@@ -3,7 +3,7 @@
 import numpy as np
 
 import gen_art as ga
-from gen_art.medium import Medium
+from gen_art.forces.medium import Medium
 
 F = ga.forces
 

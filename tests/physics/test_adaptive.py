@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import gen_art as ga
-from gen_art import adaptive_steps
 from gen_art.integrators import dormand_prince
+from gen_art.simulation import adaptive as adaptive_steps
 from tests.physics.test_integrators import on_orbit
 
 F, I = ga.forces, ga.interactions

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import gen_art as ga
-from gen_art.interactions.threads import LANES, Threads
+from gen_art.interactions.strands import LANES, Threads
 from gen_art.interactions.xpbd import sweep
 
 Springs = ga.interactions.Springs

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
-from gen_art import elementary, rng, runtime
-from gen_art.runtime import ti
+from gen_art.backend import runtime
+from gen_art.backend.runtime import ti
+from gen_art.maths import elementary
+from gen_art.maths import random as rng
 
 CASES = {
     "exp": (elementary.exp, np.exp, -80, 80, True),
@@ -56,7 +58,7 @@ def test_streams_are_the_same_in_kernels_and_numpy():
     keys = rng.derive(np.uint64(7), np.arange(n))
     words = np.stack([(keys >> np.uint64(32)).astype(np.uint32), (keys & np.uint64(0xFFFFFFFF)).astype(np.uint32)])
 
-    from gen_art.emitters.kernel import stream
+    from gen_art.emitters.birth_kernel import stream
 
     @ti.kernel
     def run(K: ti.types.ndarray(ti.u32, 2), out: ti.types.ndarray(ti.f64, 1)):

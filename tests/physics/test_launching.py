@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gen_art import runtime
-from gen_art.runtime import ti
+from gen_art.backend import runtime
+from gen_art.backend.runtime import ti
 
 
 def _kernels():

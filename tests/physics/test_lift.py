@@ -63,8 +63,8 @@ def test_it_needs_a_density_and_an_axis():
 
 
 def test_a_kick_that_loses_an_order_is_named():
-    from gen_art.advice import advice
-    from gen_art.invariants import expected_order
+    from gen_art.audit.advice import advice
+    from gen_art.audit.invariants import expected_order
 
     def preset(integrator):
         return ga.load_preset(

@@ -8,7 +8,7 @@ import pytest
 
 import gen_art as ga
 from gen_art.interactions.base import Pull
-from gen_art.particles.state import PADDING
+from gen_art.particles.storage import PADDING
 from gen_art.preset.load import load_preset
 
 

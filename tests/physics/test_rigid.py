@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import gen_art as ga
-from gen_art.rigid.turns import matrices, product, quaternion, rotation
+from gen_art.interactions.rigid.quaternions import matrices, product, quaternion, rotation
 from tests.physics.bodies import SHAPES, G, inside, slope, speed, tower, world
 
 # -- shapes
@@ -108,7 +108,7 @@ def test_middle_axis_turns_over(precision, tolerance):
 
 
 def test_free_turning_has_order_4():
-    from gen_art.rigid.motion import plan, turn_kernel
+    from gen_art.interactions.rigid.free_motion import plan, turn_kernel
 
     inertia, hold, axle = np.array([[1.0, 2.0, 3.0]]), np.array([0]), np.zeros((1, 3))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import gen_art as ga
-from gen_art.rigid.turns import matrices, rotation
+from gen_art.interactions.rigid.quaternions import matrices, rotation
 from tests.physics.bodies import SHAPES, G, inside, slope, speed, world
 
 # -- where they touch
@@ -14,8 +14,8 @@ from tests.physics.bodies import SHAPES, G, inside, slope, speed, world
 @pytest.mark.parametrize("two", ["sphere", "capsule", "box"])
 def test_contacts_lie_where_the_shapes_are_nearest(one, two):
     """Against the nearest of 10,000 points on one shape to the other: the least gap, and its normal leads apart."""
-    from gen_art.rigid.shapes import parts_of
-    from gen_art.rigid.touching import Shapes, touching
+    from gen_art.interactions.rigid.collision_detection import Shapes, touching
+    from gen_art.interactions.rigid.shapes import parts_of
 
     r = np.random.default_rng(7)
     parts = [parts_of(SHAPES[k])[0] for k in (one, two)]
@@ -208,7 +208,7 @@ def test_what_has_sunk_in_is_taken_back():
 
 def test_nearest_points_of_segments():
     """Against all pairs of 401 points on each."""
-    from gen_art.rigid.touching import _between_segments
+    from gen_art.interactions.rigid.collision_detection import _between_segments
 
     c, u, d, v = np.random.default_rng(3).normal(size=(4, 60, 3))
     v[:5] = u[:5]  # parallel

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import gen_art as ga
-from gen_art.rigid.turns import matrices, product, rotation
+from gen_art.interactions.rigid.quaternions import matrices, product, rotation
 from tests.physics.bodies import inside, tower, world
 
 # -- blades

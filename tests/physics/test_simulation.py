@@ -123,7 +123,7 @@ def test_bad_snapshots(tmp_path):
 
 def test_numbers_compile_nothing():
     """Changing any number, a rate or the seed generates no new kernel."""
-    from gen_art import runtime
+    from gen_art.backend import runtime
 
     def run(g, rate, seed, octaves, radius):
         systems = {

@@ -7,8 +7,9 @@ import sys
 import numpy as np
 import pytest
 
-from gen_art import lean_tracing, runtime
-from gen_art.runtime import ti
+from gen_art.backend import runtime
+from gen_art.backend import tracing_patch as lean_tracing
+from gen_art.backend.runtime import ti
 
 F1 = ti.types.ndarray(ti.f32, 1)
 
@@ -140,11 +141,11 @@ def test_the_cache_serves_both_ways_of_tracing(lean, tmp_path):
     """One process fills the cache, another finds every kernel in it, whichever of the two traces leanly."""
     code = """
 import sys
-from gen_art import lean_tracing
+from gen_art.backend import tracing_patch as lean_tracing
 if sys.argv[1] == "plain":
     lean_tracing.install = lambda: None
 import gen_art as ga
-from gen_art import runtime
+from gen_art.backend import runtime
 sim = ga.Simulation(ga.load_preset("charged", overrides={"seed": 1}), threads=1)
 sim.step(2)
 print(sim.digest())

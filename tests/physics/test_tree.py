@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import gen_art as ga
-from gen_art import runtime
-from gen_art.interactions import tree
+from gen_art.backend import runtime
+from gen_art.interactions import tree_sum as tree
 from gen_art.interactions.octree import grow
 
 I = ga.interactions

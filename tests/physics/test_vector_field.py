@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 import gen_art as ga
-from gen_art import runtime
+from gen_art.backend import runtime
 from gen_art.output.recipe import make_recipe
 from tests.physics.probe import probe, states
 

@@ -1,6 +1,6 @@
 import pytest
 
-from gen_art import runtime
+from gen_art.backend import runtime
 
 
 @pytest.fixture(autouse=True, scope="session")

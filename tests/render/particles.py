@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from gen_art.particles.state import PADDING as SPARE
+from gen_art.particles.storage import PADDING as SPARE
 
 
 def state(position, velocity=None, *, mass=1.0, charge=0.0, radius=0.01, life=np.inf, birth=0.0, tags=(None,), source=0,

@@ -10,8 +10,8 @@ import pytest
 from gen_art.preset.develop import DevelopSpec
 from gen_art.renderer import resample
 from gen_art.renderer.bloom import levels, stray_light
-from gen_art.renderer.develop import develop
 from gen_art.renderer.resample import PAD, columns, steps
+from gen_art.renderer.tone_map import develop
 
 SHAPES = [(90, 160), (37, 61), (8, 8), (5, 3), (1, 1), (1, 50), (28, 48), (450, 33), (831, 65), (720, 1280)]
 
@@ -99,11 +99,11 @@ def test_halos_are_round_and_the_same_wherever_a_point_lies(rows):
 
 CHECKED = """
 import numpy as np
-from gen_art import runtime
-from gen_art.runtime import ti, kernel
+from gen_art.backend import runtime
+from gen_art.backend.runtime import ti, kernel
 runtime.init("cpu", 2)
 from gen_art.preset.develop import DevelopSpec
-from gen_art.renderer.develop import develop
+from gen_art.renderer.tone_map import develop
 for height, width in ((1, 1), (5, 3), (28, 48), (1, 50), (3, 21), (401, 7), (820, 5), (801, 33)):
     for transparent in (False, True):
         develop(np.ones((height, width, 4), np.float32), DevelopSpec(grain=0.1, vignette=1), transparent=transparent)

@@ -9,8 +9,8 @@ from gen_art.preset.load import load_preset
 from gen_art.preset.look import Look
 from gen_art.preset.reader import read_text
 from gen_art.renderer.camera import Camera
-from gen_art.renderer.frame import Painter
-from gen_art.renderer.shake import shake_noise
+from gen_art.renderer.camera_shake import shake_noise
+from gen_art.renderer.painter import Painter
 from tests.render.particles import scene, state
 
 DOTS = """version: 1

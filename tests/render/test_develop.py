@@ -7,7 +7,7 @@ from gen_art.errors import UsageError
 from gen_art.preset.colour_names import srgb
 from gen_art.preset.develop import DevelopSpec
 from gen_art.renderer.colour import encode_srgb
-from gen_art.renderer.develop import develop
+from gen_art.renderer.tone_map import develop
 
 TONES = ["agx", "aces", "reinhard", "neutral", "log", "none"]
 

@@ -5,10 +5,10 @@ import pytest
 
 from gen_art.preset.look import KeyLight, Look
 from gen_art.renderer.camera import Camera
-from gen_art.renderer.density import DIRECTIONS, STEP, WEIGHTS, Smoke
-from gen_art.renderer.frame import Painter
-from gen_art.renderer.glow import Glow, gathered, glow_on
-from gen_art.renderer.light import Lit, incoming_light, octaves, phase_function, shine
+from gen_art.renderer.emissive_lighting import Glow, gathered, glow_on
+from gen_art.renderer.painter import Painter
+from gen_art.renderer.smoke_density import DIRECTIONS, STEP, WEIGHTS, Smoke
+from gen_art.renderer.smoke_lighting import Lit, incoming_light, octaves, phase_function, shine
 from tests.render.particles import scene, state
 
 DARK = {"ambient_intensity": 0.0}

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from gen_art.preset.develop import AutoExposure, DevelopSpec
+from gen_art.renderer.auto_exposure import ages, meter, smooth
 from gen_art.renderer.colour import LUMINANCE, to_linear
-from gen_art.renderer.develop import develop
-from gen_art.renderer.metering import ages, meter, smooth
+from gen_art.renderer.tone_map import develop
 
 
 def grey(level: float, size=(90, 160)) -> np.ndarray:
@@ -110,9 +110,9 @@ def test_an_exposed_picture_has_its_key():
 def test_threads_change_no_bit(tmp_path):
     script = """
 import sys, numpy as np
-from gen_art import runtime
+from gen_art.backend import runtime
 runtime.init("cpu", int(sys.argv[1]))
-from gen_art.renderer.metering import meter
+from gen_art.renderer.auto_exposure import meter
 print(*(meter(np.random.default_rng(7).exponential(1.0, (h, w, 4)).astype(np.float32)).hex() for h, w in ((180, 320), (37, 61))))
 """
     said = [

@@ -12,8 +12,8 @@ from gen_art.preset.files import FOLDER
 from gen_art.preset.load import load_preset
 from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
-from gen_art.renderer.frame import Painter
-from gen_art.renderer.picture import texels
+from gen_art.renderer.painter import Painter
+from gen_art.renderer.sprite_image import texels
 from tests.render.particles import scene, state
 
 SIZE = (300, 200)

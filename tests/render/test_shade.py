@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from gen_art import runtime
+from gen_art.backend import runtime
 from gen_art.errors import UsageError
 from gen_art.preset.camera import CameraSpec
 from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.colour import blackbody, linear, planck_luminance
-from gen_art.renderer.frame import Painter
+from gen_art.renderer.painter import Painter
 from gen_art.renderer.sprite import AREA
 from tests.render.particles import scene, state
 

@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gen_art import runtime
+from gen_art.backend import runtime
 from gen_art.preset.look import Look
-from gen_art.renderer import frame, scatter
+from gen_art.renderer import direct_splat as scatter
+from gen_art.renderer import painter as frame
 from gen_art.renderer.camera import Camera
-from gen_art.renderer.film import Film
-from gen_art.renderer.frame import Painter, render_frame
-from gen_art.renderer.scatter import FEW
+from gen_art.renderer.direct_splat import FEW
+from gen_art.renderer.framebuffer import Film
+from gen_art.renderer.painter import Painter, render_frame
 from gen_art.renderer.sprite import AREA, BLUE, RED, X, Y, profile_integral
 from tests.render.particles import scene, state
 
@@ -213,13 +214,13 @@ def test_the_kernel_s_integral():
 _DIGEST = """
 import sys, hashlib, numpy as np
 sys.path.insert(0, {root!r})
-from gen_art import runtime
+from gen_art.backend import runtime
 runtime.init("cpu", int(sys.argv[1]))
 from tests.render.particles import scene, state
 from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
-from gen_art.renderer.frame import Painter
-from gen_art.renderer.develop import develop
+from gen_art.renderer.painter import Painter
+from gen_art.renderer.tone_map import develop
 rng = np.random.default_rng(0)
 x, v = rng.normal(0, 1, (40000, 3)), rng.normal(0, 2, (40000, 3))
 light = dict(
@@ -299,7 +300,7 @@ def test_points_on_the_border_stay_in_their_row_and_touch_nothing_behind_the_fil
 
 
 def test_a_large_film_is_cleared_whole(monkeypatch):
-    monkeypatch.setattr("gen_art.renderer.film.LARGE", 0)
+    monkeypatch.setattr("gen_art.renderer.framebuffer.LARGE", 0)
     for size in ((1, 1), (33, 7), (640, 360)):
         film = Film(size)
         film.buffer[:] = 1.0

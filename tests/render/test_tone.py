@@ -5,8 +5,8 @@ import pytest
 
 from gen_art.preset.develop import DevelopSpec
 from gen_art.renderer.colour import LUMINANCE, encode_srgb, to_linear
-from gen_art.renderer.develop import develop
-from gen_art.renderer.tone import matrices
+from gen_art.renderer.tone_curves import matrices
+from gen_art.renderer.tone_map import develop
 
 COLOURS = np.random.default_rng(5).exponential(1.0, (40, 64, 3)) ** 2 * 2.0
 COLOURS[0, :32] = np.geomspace(1e-4, 30.0, 32)[:, None]  # greys

@@ -1,0 +1,57 @@
+"""How fast a system's magnetic fields turn its charges, where they are."""
+
+from functools import cache
+
+import numpy as np
+
+from gen_art.backend import runtime
+from gen_art.backend.kernel_views import parameters
+from gen_art.backend.runtime import ti
+from gen_art.integrators.kernel_terms import Composition
+from gen_art.integrators.tile import Terms, repeats, view
+from gen_art.simulation.diagnostics import living
+
+__all__ = ["largest_turn"]
+
+
+@cache
+def _kernel(composition: Composition, channels: tuple, precision: str):
+    real = runtime.DTYPES[precision]
+    matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
+    terms = Terms(composition, channels, 0)
+
+    @ti.kernel
+    def measure(
+        S: matrix, birth: ti.types.ndarray(ti.f64, 1), K: ti.types.ndarray(ti.u32, 2), Q: vector, time: ti.f64,
+        slots: ti.types.ndarray(ti.i32, 1), out: vector,
+    ):  # fmt: skip
+        ti.loop_config(serialize=True)
+        for k in range(slots.shape[0]):
+            i = slots[k]
+            x = ti.Vector([S[0, i], S[1, i], S[2, i]])
+            v = ti.Vector([S[3, i], S[4, i], S[5, i]])
+            p = view(terms, S, K, i, x, v, ti.cast(time - birth[i], real))
+            B = x * 0.0
+            for force, offset, count, _ in ti.static(terms.magnetics):
+                for repeat in range(repeats(Q, count)):
+                    B += force.magnetic(p, ti.cast(time, real), parameters(Q, force, offset, repeat))
+            out[k] = B.norm() * ti.abs(S[7, i]) / S[6, i]
+
+    return runtime.kernel(measure, precision)
+
+
+def largest_turn(sim, name: str) -> float:
+    """The largest abs(q B) / (gamma m) of the living, 1/s; 0 without magnetic fields."""
+    system, slots = sim[name], living(sim, name)
+    if not system.composition.magnetics or not len(slots):
+        return 0.0
+    state = system.state
+    out = np.zeros(len(slots), state.floats.dtype)
+    kernel = _kernel(system.composition, state.attributes, sim.precision)
+    kernel(
+        state.floats, state.birth, state.key, sim._stepped[name].numbers, sim.time, slots.astype(np.int32), out
+    )  # fmt: skip
+    light = system.scheme.light
+    speed = np.linalg.norm(state.floats[3:6, slots], axis=0)
+    gamma = 1 / np.sqrt(1 - (speed / light) ** 2) if light else 1.0
+    return float((out / gamma).max())

@@ -1,0 +1,39 @@
+"""What processors can do and Taichi (1.7.4, which is pinned) has no words for: ask for memory ahead, pack what is marked.
+
+Taichi links functions from LLVM's bitcode into kernels: each .bc file here is one, assembled from the .ll file beside it and
+laid out for Linux on x86-64. Where one cannot run, a kernel does without it: no result depends on them. Kernels that were kept
+know a function by its file and name: one that changes needs another name.
+"""
+
+import platform
+from pathlib import Path
+
+from gen_art.backend.kernel_views import traced
+from gen_art.backend.runtime import call_bitcode, processor
+
+__all__ = ["PACKS", "PREFETCHES", "pack", "prefetch"]
+
+
+_FOLDER = Path(__file__).parent
+PREFETCHES = (platform.system(), platform.machine()) == ("Linux", "x86_64")
+PACKS = PREFETCHES and {"avx512f", "avx512dq", "avx512bw", "avx512vl", "popcnt"} <= set("".join(processor()).split())
+
+
+@traced
+def prefetch(address):
+    """Ask for the 64 bytes around an address, a 64-bit whole number, if PREFETCHES. No address is wrong."""
+    if PREFETCHES:
+        call_bitcode(_FOLDER / "prefetch.bc", "gen_art_prefetch", [address])
+
+
+@traced
+def pack(marks, words, to, count):
+    """Write those of 32 words that are marked, one after the other, to word `count` of a list and on, and add to `count`.
+
+    marks, words : addresses of 32 words each, at whole vectors; a mark other than 0 says that the word is meant
+    to           : address of the list. Up to sixteen words behind the last may be written over
+    count        : a variable of 32 bits. Read it after the loop that packs, not within
+
+    Only if PACKS.
+    """
+    call_bitcode(_FOLDER / "pack.bc", "gen_art_pack", [marks, words, to], [count])

@@ -1,0 +1,56 @@
+"""What a composed kernel hands to a force while Taichi traces it: plain Python objects whose attributes are expressions.
+
+`View` carries them through ti.func calls by reference. `parameters(Q, cls, offset)` is the view `q` of one term's slice of
+the run-time parameter array; numbers that do not reach kernels (choices, flags) stand in it as Python constants;
+`q.table(k)` reads the table of a class that has one.
+"""
+
+from gen_art.backend.runtime import impl, make_matrix, ti
+
+__all__ = ["View", "parameters", "particle", "traced"]
+
+
+class View:
+    """Attribute access resolved while Taichi traces."""
+
+    _data_oriented = True
+
+    def __init__(self, **attributes):
+        self.__dict__.update(attributes)
+
+
+def traced(function):
+    """Mark a plain Python function as meant to be called while tracing (Taichi then does not warn)."""
+    function._is_wrapped_kernel = True
+    return function
+
+
+@traced
+def parameters(array, term, offset: int, index=0):
+    """The view `q` of a term: its run-time numbers at `array[offset:]`, its fixed values, and `q.index`, the repeat."""
+
+    def at(k):
+        return impl.subscript(None, array, k)
+
+    view = {"index": index}
+    for name, start, size in term.layout():
+        first = offset + start
+        kind = term.parameters[name].kind
+        if size == 1:
+            view[name] = ti.cast(at(first), ti.i32) if kind == "int" else at(first)
+        else:
+            view[name] = make_matrix([at(first + c) for c in range(size)])
+    if term.tabled:
+        place = offset + sum(size for _, _, size in term.layout())
+        start = ti.cast(at(place), ti.i32) * 4096 + ti.cast(at(place + 1), ti.i32)
+        view["table"] = traced(lambda k: at(start + k))
+    for name, parameter in term.parameters.items():
+        if not parameter.size:
+            view[name] = term.values[name]
+    return View(**view)
+
+
+@traced
+def particle(**attributes):
+    """The view `p` of one particle."""
+    return View(**attributes)

@@ -1,0 +1,81 @@
+"""Rigid bodies, laid at the start as the particles that stand for them (`interactions: rigid`)."""
+
+import numpy as np
+
+from gen_art.emitters.base import Emitter, emitter
+from gen_art.errors import UsageError
+from gen_art.particles.fixed import FIXED
+from gen_art.registry import param
+
+__all__ = ["RigidBody"]
+
+_GOLDEN = (5**0.5 - 1) / 2  # its multiples fill a range evenly, neighbours far apart
+
+
+@emitter("body")
+class RigidBody(Emitter):
+    """A rigid body, or a grid of bodies alike, as particles on its surface or along its edges that carry its whole mass.
+
+    mass = density volume (or density area, where hollow);  centres at position + (i, j, k) pitch, 0 <= (i, j, k) < grid
+
+    shape : {sphere: radius}, {capsule: [length of the straight part, radius]} along y, {box: [x, y, z]}, in m; or a list of such
+    for a compound, each with `at` (m), `turn` (degrees) and `density` (relative to the others) beside it
+    velocity : m/s, of the centre of mass     spin : rad/s, (3,)     turn : rotation vector, axis times angle
+    pivot : a point (3,) that stays in place     axle : (3,) the body turns about this axis alone, through the pivot or, without
+    one, the centre of mass     static : it never moves     points : particles a body, about; six more carry mass inside, with
+    radius 0     grain : m, radius of the particles
+    Its particles have the attributes normal_x, normal_y, normal_z (outward), area (m^2, half the surface that a point stands
+    for), shade (0 to 1, how much it looks towards the lamp of `rigid`) and tint.
+    """
+
+    shape: object = param(doc="sphere, capsule, box, or a list of such")
+    density: float = param(1000.0, unit="kg/m^3", min=1e-300)
+    mass: float = param(None, unit="kg", min=1e-300, doc="of each body; by its density when left out")
+    hollow: bool = param(False, doc="the mass is on the surface; density is then in kg/m^2")
+    position: tuple = param((0.0, 0.0, 0.0), unit="m")
+    turn: tuple = param((0.0, 0.0, 0.0), unit="rad")
+    velocity: tuple = param((0.0, 0.0, 0.0), unit="m/s")
+    spin: tuple = param((0.0, 0.0, 0.0), unit="rad/s")
+    pivot: tuple = param(None, unit="m", kind="vector")
+    axle: tuple = param(None, kind="vector")
+    static: bool = param(False)
+    draw: str = param(
+        "cloud", choices=("cloud", "wire"), doc="points over the surface, or along edges and great circles"
+    )
+    points: int = param(400, min=8, max=10_000_000)
+    grain: float = param(None, unit="m", min=0, doc="three quarters of the points' spacing when left out")
+    tint: tuple = param(
+        (0.0, 0.0), kind="range", doc="a number to colour by; a range is spread over the bodies of the grid"
+    )
+    grid: tuple = param((1.0, 1.0, 1.0), min=1, max=10_000, doc="how many along x, y and z")
+    pitch: tuple = param((1.0, 1.0, 1.0), unit="m", doc="from one body of the grid to the next")
+
+    declares = ("area", "normal_x", "normal_y", "normal_z", "shade", "tint")
+
+    def prepare(self):
+        from gen_art.interactions.rigid.body import body
+        from gen_art.interactions.rigid.group import bodies
+
+        v = dict(self.values)
+        low, high = v.pop("tint")
+        grid, pitch = [round(n) for n in v.pop("grid")], np.array(v.pop("pitch"))
+        if any(n != g for n, g in zip(grid, self.values["grid"])):
+            raise UsageError(f"grid must be three whole numbers, not {list(self.values['grid'])}")
+        start, count = np.array(v.pop("position")), int(np.prod(grid))
+        places = [(i, j, k) for j in range(grid[1]) for k in range(grid[2]) for i in range(grid[0])]
+        if v["pivot"] is not None and count > 1:
+            raise UsageError("a pivot is for one body: leave out grid, or the pivot")
+        self.group = bodies(
+            body(position=start + pitch * place, tint=low + (high - low) * (n * _GOLDEN % 1.0), **v)
+            for n, place in enumerate(places)
+        )
+
+    @property
+    def births(self) -> int:
+        return len(self.group.mass)
+
+    def sample(self, r, n):
+        group = self.group
+        born = {"position": group.position.T, "velocity": group.velocity.T, "mass": group.mass, "radius": group.radius}
+        born["lifetime"] = np.where(group.fixed, FIXED, np.inf)
+        return {**born, **group.attributes}

@@ -1,0 +1,59 @@
+"""What ElectricField and MagneticField make of a source that is not three numbers: an object, a function, a grid."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from gen_art.backend.runtime import ti
+from gen_art.errors import UsageError
+from gen_art.forces.base import Force
+
+__all__ = ["field_of"]
+
+
+@cache
+def _magnetic_of(function) -> Force:
+    class MagneticFunction(Force):
+        """A user's own magnetic field, B = f(p, t, q)."""
+
+        does_work = False
+        depends_on_velocity = True
+
+        @ti.func
+        def magnetic(self, p, t, q):
+            return function(p, t, q)
+
+    return MagneticFunction()
+
+
+@cache
+def _electric_of(function) -> Force:
+    class ElectricFunction(Force):
+        """A user's own electric field, E = f(p, t, q)."""
+
+        @ti.func
+        def electric(self, p, t, q):
+            return function(p, t, q)
+
+    return ElectricFunction()
+
+
+def field_of(quantity: str, source, options: dict) -> Force | None:
+    """The force of a source of the quantity, electric or magnetic; None where `source` is three numbers or left out.
+
+    A force that gives the quantity is taken as it is, a @ti.func of (p, t, q) is called, a path or an array (nx, ny, nz, 3) is a
+    grid, with the options of vector_field. Raises UsageError for a force that gives no such field.
+    """
+    from gen_art.forces.electric_sources import ElectricGrid
+    from gen_art.forces.magnetic_sources import MagneticGrid
+
+    if isinstance(source, Force):
+        if not source.provides(quantity):
+            raise UsageError(f"{source!r} gives no {quantity} field")
+        return source
+    if getattr(source, "_is_taichi_function", False):
+        return (_magnetic_of if quantity == "magnetic" else _electric_of)(source)
+    if isinstance(source, (str, Path)) or np.ndim(source) > 1:
+        return (MagneticGrid if quantity == "magnetic" else ElectricGrid)(source, **options)
+    return None

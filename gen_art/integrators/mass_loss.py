@@ -1,0 +1,68 @@
+"""Particles that lose mass while they move: the rate is held over a step, so the mass is exact at every stage."""
+
+from gen_art.backend.kernel_views import parameters
+from gen_art.backend.runtime import ti
+from gen_art.forces.base import term_acceleration, term_mass_rate
+from gen_art.integrators.ledger_rows import note
+from gen_art.integrators.tile import WIDTH, repeats, view
+
+__all__ = ["book_exhaust", "burn", "lighten"]
+
+
+@ti.func
+def burn(
+    terms: ti.template(), L: ti.template(), X: ti.template(), S: ti.template(), K: ti.template(), Q: ti.template(), i
+):
+    """Each lane's loss of mass in kg/s over its own step, into L.w."""
+    for j in range(WIDTH):
+        L.w[j] = 0.0
+        x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
+        v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
+        p = view(terms, S, K, i + j, x, v, L.age[j], None, S[6, i + j], (L.age[j], L.h[j]))
+        for burner in ti.static(terms.burners):
+            L.w[j] += term_mass_rate(burner[0], p, L.t[j], parameters(Q, burner[0], burner[1]))
+
+
+@ti.func
+def lighten(L: ti.template(), S: ti.template(), i, n):
+    """Take what burnt in the step off the particles' mass."""
+    for j in range(WIDTH):
+        if i + j < n:
+            S[6, i + j] = S[6, i + j] - L.h[j] * L.w[j]
+
+
+@ti.func
+def book_exhaust(
+    terms: ti.template(), B: ti.template(), b, L: ti.template(), X: ti.template(),
+    S: ti.template(), K: ti.template(), Q: ti.template(), i, n, tau, share,
+):  # fmt: skip
+    """Book what burns in a share of the step, at the state X: the exhaust leaves at v + u, u = -F / rate.
+
+    Exhaust's rows: energy, mass, momentum; then angular momentum. The engine's own row is mended by what the exhaust takes of
+    its work and impulse, so that it holds the energy it set free and no net impulse.
+    """
+    for j in range(WIDTH):
+        if i + j < n and L.h[j] > 0.0:
+            x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
+            v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
+            m = S[6, i + j] - tau * L.h[j] * L.w[j]
+            age, t = L.age[j] + tau * L.h[j], L.t[j] + tau * L.h[j]
+            p = view(terms, S, K, i + j, x, v, age, None, m, (L.age[j], L.h[j]))
+            for k, burner in ti.static(enumerate(terms.burners)):
+                q = parameters(Q, burner[0], burner[1])
+                rate = term_mass_rate(burner[0], p, t, q)
+                if rate > 0.0:
+                    u = term_acceleration(burner[0], p, t, q) * (-m / rate)
+                    dm = rate * share * L.h[j]
+                    gone = v + u
+                    extra = dm * (0.5 * u.dot(u) + u.dot(v))
+                    note(B, b, burner[3], extra, 0.0, u * dm)
+                    row = ti.static(terms.exhaust + 2 * k)
+                    energy = 0.5 * dm * gone.dot(gone)
+                    for force, offset, count, _ in ti.static(terms.potentials):
+                        lighter = view(terms, S, K, i + j, x, v, age, None, m - dm, (L.age[j], L.h[j]))
+                        for repeat in range(repeats(Q, count)):
+                            at = parameters(Q, force, offset, repeat)
+                            energy += force.potential(p, t, at) - force.potential(lighter, t, at)
+                    note(B, b, row, energy, dm, gone * dm)
+                    note(B, b, row + 1, 0.0, 0.0, x.cross(gone) * dm)

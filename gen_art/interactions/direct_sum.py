@@ -1,0 +1,196 @@
+"""Summation of a central law over all pairs: what mutual gravity, Coulomb's law and the power laws share.
+
+The targets are the lanes and the sources the inner run-time loop, so that it vectorises. A law is chosen when the kernel
+is generated: "square" for the inverse square, which needs no logarithm, "power" for the rest, "log" for its potential.
+Inverse squares of many particles may be summed by a tree instead.
+"""
+
+from functools import cache
+from typing import ClassVar
+
+import numpy as np
+
+from gen_art.backend import runtime
+from gen_art.backend.runtime import ti
+from gen_art.errors import UsageError
+from gen_art.interactions.base import Interaction, Pull
+from gen_art.maths.elementary import log, power
+
+__all__ = ["DirectSum"]
+
+_LANES = 16
+_BLOCK = 256  # targets a task
+_MANY = 30_000**2  # pairs beyond which `auto` takes the tree
+_CHUNK = 256  # sources summed before they join the total: keeps float32 sums of many thousands accurate
+
+
+class DirectSum(Interaction):
+    """a_i = -k c_i / m_i sum_j c_j s^(n-1) (x_i - x_j), with c the mass or the charge; each pair's potential is c_i c_j phi(s).
+
+    A subclass gives `law`, which is (k, n, softening); `weight` is the row c.
+    """
+
+    weight: ClassVar[str] = "mass"
+
+    @property
+    def law(self) -> tuple[float, float, float]:
+        raise NotImplementedError
+
+    @property
+    def amount(self) -> str:
+        """The row of the state that a particle acts by, and is acted on by."""
+        return self.weight
+
+    def prepare(self):
+        if self.values.get("sources") == "":
+            raise UsageError("sources must name a system")
+
+    def by_tree(self, pairs: int) -> bool:
+        """Whether so many pairs are summed by the tree."""
+        method = self.values.get("method", "direct")
+        return method == "tree" or (method == "auto" and pairs > _MANY)
+
+    def accelerate(self, pull: Pull, out: np.ndarray) -> None:
+        k, n, softening = self.law
+        amounts = pull.sources.floats[pull.sources.channels[self.amount], : pull.m]
+        if self.by_tree(pull.n * pull.m):
+            sources = None if self.source_system is None else pull.source_rows[:3, : pull.m]
+            out[:, : pull.n] = k * self._tree(pull.rows[:3, : pull.n], sources, amounts, pull.precision)[:3]
+            self._weigh(pull, out)
+            return
+        sources = np.ascontiguousarray(np.concatenate([pull.source_rows[:3, : pull.m], amounts[None]]))
+        numbers = np.array([k, softening**2, n], out.dtype)
+        _accelerator("square" if n == -2 else "power", pull.precision)(pull.rows, sources, out, pull.n, numbers)
+        self._weigh(pull, out)
+
+    def _tree(self, targets, sources, amounts, precision, valued=False):
+        from gen_art.interactions.tree_sum import pull as by_tree
+
+        softening, theta = self.values["softening"], self.values["theta"]
+        return by_tree(np.ascontiguousarray(targets), sources, amounts, softening, theta, precision, valued)
+
+    def _weigh(self, pull: Pull, out: np.ndarray) -> None:
+        """From the field to accelerations, where it does not act on mass."""
+        if self.amount != "mass":
+            mass, own = pull.state.floats[6, : pull.n], pull.state.floats[pull.state.channels[self.amount], : pull.n]
+            if ((mass == 0) & (own != 0)).any():
+                raise UsageError(
+                    f"{self.name}: a particle with a charge and no mass has no acceleration; give it a mass"
+                )
+            out[:, : pull.n] *= np.divide(own, mass, out=np.zeros_like(own), where=mass > 0)
+
+    def energy(self, state, slots, precision):
+        count = len(slots)
+        if self.source_system is not None or count == 0:
+            return 0.0
+        k, n, softening = self.law
+        dtype = state.floats.dtype
+        amounts = state.floats[state.channels[self.amount], slots]
+        if self.by_tree(count * count):
+            field = self._tree(state.floats[:3, slots], None, amounts, precision, valued=True)[3]
+            return float(-0.5 * k * np.sum(amounts.astype(np.float64) * field))
+        positions = np.zeros((3, -(-count // _LANES) * _LANES), dtype)
+        positions[:, :count] = state.floats[:3, slots]
+        sources = np.ascontiguousarray(np.concatenate([positions[:, :count], amounts[None]]))
+        potential = np.zeros(positions.shape[1], dtype)
+        numbers = np.array([k, softening**2, n], dtype)
+        law = "square" if n == -2 else "log" if n == -1 else "power"
+        _potential(law, precision)(positions, sources, potential, count, numbers)
+        c = amounts.astype(np.float64)
+        own = 0.0 if softening == 0 else -c / softening if n == -2 else c * _phi(softening, n)
+        return float(0.5 * k * np.sum(c * (potential[:count].astype(np.float64) - own)))
+
+
+def _phi(s: float, n: float) -> float:
+    """The potential whose force is -s^n."""
+    return float(np.log(s)) if n == -1 else s ** (n + 1) / (n + 1)
+
+
+@cache
+def _accelerator(law: str, precision: str):
+    real = runtime.DTYPES[precision]
+    matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
+
+    @ti.func
+    def strength(r2, n):
+        """s^(n - 1) of s^2; 0 at s = 0, where there is no direction."""
+        f = r2 * 0.0
+        if ti.static(law == "square"):
+            f = ti.select(r2 > 0.0, 1.0 / (r2 * ti.sqrt(r2)), 0.0)
+        else:
+            f = power(r2, 0.5 * (n - 1.0))
+        return f
+
+    @ti.kernel
+    def accelerate(T: matrix, M: matrix, out: matrix, n: ti.i32, q: vector):
+        k0, e2, exponent = q[0], q[1], q[2]
+        m = M.shape[1]
+        ti.loop_config(block_dim=1)
+        for b in range((n + _BLOCK - 1) // _BLOCK):
+            for s in range(_BLOCK // _LANES):
+                i = b * _BLOCK + s * _LANES
+                if i < n:
+                    X, Y, Z = ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES)
+                    A, B, C = ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES)
+                    for k in range(_LANES):
+                        X[k], Y[k], Z[k] = T[0, i + k], T[1, i + k], T[2, i + k]
+                    for c in range((m + _CHUNK - 1) // _CHUNK):
+                        P, Q, R = ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES)
+                        for j in range(c * _CHUNK, ti.min((c + 1) * _CHUNK, m)):
+                            xj, yj, zj, mj = M[0, j], M[1, j], M[2, j], M[3, j]
+                            for k in range(_LANES):
+                                dx, dy, dz = xj - X[k], yj - Y[k], zj - Z[k]
+                                w = mj * strength(dx * dx + dy * dy + dz * dz + e2, exponent)
+                                P[k] += w * dx
+                                Q[k] += w * dy
+                                R[k] += w * dz
+                        for k in range(_LANES):
+                            A[k] += P[k]
+                            B[k] += Q[k]
+                            C[k] += R[k]
+                    for k in range(_LANES):
+                        out[0, i + k], out[1, i + k], out[2, i + k] = k0 * A[k], k0 * B[k], k0 * C[k]
+
+    return runtime.kernel(accelerate, precision)
+
+
+@cache
+def _potential(law: str, precision: str):
+    real = runtime.DTYPES[precision]
+    matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
+
+    @ti.func
+    def phi(r2, n):
+        """The potential at s^2 of a unit source; 0 at s = 0, a particle's own place without softening."""
+        f = r2 * 0.0
+        if ti.static(law == "square"):
+            f = -1.0 / ti.sqrt(r2)
+        elif ti.static(law == "log"):
+            f = 0.5 * log(ti.select(r2 > 0.0, r2, 1.0))
+        else:
+            f = power(r2, 0.5 * (n + 1.0)) / (n + 1.0)
+        return ti.select(r2 > 0.0, f, 0.0)
+
+    @ti.kernel
+    def potential(T: matrix, M: matrix, out: vector, n: ti.i32, q: vector):
+        e2, exponent = q[1], q[2]
+        m = M.shape[1]
+        ti.loop_config(block_dim=1)
+        for b in range((n + _BLOCK - 1) // _BLOCK):
+            for s in range(_BLOCK // _LANES):
+                i = b * _BLOCK + s * _LANES
+                if i < n:
+                    A = ti.Vector([0.0] * _LANES)
+                    for c in range((m + _CHUNK - 1) // _CHUNK):
+                        P = ti.Vector([0.0] * _LANES)
+                        for j in range(c * _CHUNK, ti.min((c + 1) * _CHUNK, m)):
+                            xj, yj, zj, mj = M[0, j], M[1, j], M[2, j], M[3, j]
+                            for k in range(_LANES):
+                                dx, dy, dz = xj - T[0, i + k], yj - T[1, i + k], zj - T[2, i + k]
+                                P[k] += mj * phi(dx * dx + dy * dy + dz * dz + e2, exponent)
+                        for k in range(_LANES):
+                            A[k] += P[k]
+                    for k in range(_LANES):
+                        out[i + k] = A[k]
+
+    return runtime.kernel(potential, precision)

@@ -1,0 +1,34 @@
+"""Mutual gravity."""
+
+from gen_art.interactions.base import interaction
+from gen_art.interactions.direct_sum import DirectSum
+from gen_art.registry import param
+
+__all__ = ["SelfGravity"]
+
+
+@interaction("self_gravity")
+class SelfGravity(DirectSum):
+    """Every particle attracts every other, softened after Plummer.
+
+    a_i = G sum_j m_j (x_j - x_i) / s^3,  s^2 = abs(x_j - x_i)^2 + softening^2;  U = -G sum_{i<j} m_i m_j / s
+
+    G : constant of gravitation in the preset's units, 6.6743e-11 m^3/kg/s^2 when left out     softening : m, >= 0
+    method : "direct", every pair; "tree", cells at a distance as a whole: forces to about 3 parts in a thousand, momentum to
+    round-off; "auto", the tree beyond 30,000 particles     theta : of the tree, 0.05 to 1: how large two cells may look from each
+    other to act as a whole; less is more exact     order : 3, of its expansions
+    sources : the name of another system, whose field then acts without reaction (booked in the ledger)
+    Conservative and reciprocal, unless `sources` is given. Source: Dehnen & Read, Eur. Phys. J. Plus 126, 55 (2011).
+    The tree's forces are no exact gradient: they keep energy to their own accuracy.
+    """
+
+    G: float = param(6.67430e-11, min=0, doc="constant of gravitation; units.G of the preset when left out")
+    softening: float = param(0.0, unit="m", min=0)
+    method: str = param("auto", choices=("auto", "direct", "tree"))
+    theta: float = param(0.36, min=0.05, max=1, doc="opening of the tree; less is more exact")
+    order: int = param(3, min=3, max=3, doc="of the tree's expansions; 3 is what there is")
+    sources: str = param(None, doc="another system that attracts this one, without reaction")
+
+    @property
+    def law(self):
+        return self.values["G"], -2.0, self.values["softening"]

@@ -1,0 +1,142 @@
+"""Contacts between spheres; the kernels are in contact_kernels.py."""
+
+import math
+import warnings
+
+import numpy as np
+
+from gen_art.errors import UsageError
+from gen_art.interactions.base import Interaction, Pull, interaction
+from gen_art.interactions.neighbour_grid import Grid, sort_into_grid
+from gen_art.interactions.sphere_contact_kernels import BLOCK, deepest, pushes
+from gen_art.registry import param
+
+__all__ = ["Contacts"]
+
+_STEPS = 20  # of a contact whose duration is not given
+_FEWEST = 8
+_DEEP = 0.02  # of a sphere's radius: deeper overlaps at the start are a warning
+_SOFTEST = 1e-3  # restitution that stands for 0
+
+
+@interaction("contacts")
+class Contacts(Interaction):
+    """Spheres that touch push each other apart, as damped linear springs that every collision takes the same time on.
+
+    d = r_i + r_j - abs(x_i - x_j) > 0,  m = 1 / (1/m_i + 1/m_j),  w = (v_i - v_j).n,  L = -ln restitution,  T = duration
+    F_n = m (pi^2 + L^2) d / T^2 - 2 m L w / T,  F_t <= friction F_n against the sliding
+    U = sum m (pi^2 + L^2) d^2 / (2 T^2)
+
+    restitution : speed after over speed before, 0 to 1 (0 counts as 0.001), at any masses and speeds
+    friction : Coulomb's coefficient, >= 0
+    spin : spheres turn (moment of inertia 2/5 m r^2): friction acts where they touch, and its torque goes to the attributes
+    spin_x, spin_y, spin_z, 1/s, which a particle may be born with and are 0 otherwise
+    rolling : with spin, torque rolling R F_n against the rolling, 1/R = 1/r_i + 1/r_j; >= 0, and above 0 spheres spin
+    duration : s, of a collision; 20 steps when left out. A sphere sinks in by speed T / pi at most: shorter is harder
+    Diagnostics and the ledger know no spin: what friction turns into rotation counts as dissipated.
+    Reciprocal to round-off; conservative but for restitution and friction, which the ledger has as dissipated.
+    Neighbours come from a sorted uniform grid as wide as the largest sphere. Source: Cundall & Strack (1979).
+    """
+
+    restitution: float = param(0.8, min=0, max=1)
+    friction: float = param(0.0, min=0)
+    rolling: float = param(0.0, min=0)
+    spin: bool = param(False, doc="spheres turn; they do wherever rolling is above 0")
+    duration: float = param(None, unit="s", min=1e-300, doc="of a collision; 20 steps when left out")
+
+    @property
+    def parts(self):
+        lossless = self.values["restitution"] == 1 and self.values["friction"] == 0 and not self.spins
+        return ("",) if lossless else ("", "loss")
+
+    @property
+    def spins(self) -> bool:
+        return self.values["spin"] or self.values["rolling"] > 0
+
+    @property
+    def attributes(self):
+        return ("spin_x", "spin_y", "spin_z") if self.spins else ()
+
+    def join(self, system, dt):
+        if self.spins and system.scheme.name not in ("semi_implicit_euler", "position_verlet"):
+            raise UsageError(
+                f"contacts: spin is turned once a step; give '{system.name}' semi_implicit_euler or position_verlet, "
+                f"not {system.scheme.name}"
+            )
+        self._duration = self.values["duration"] or _STEPS * dt
+        if self._duration < _FEWEST * dt:
+            warnings.warn(
+                f"system '{system.name}': contacts of {self._duration:g} s last {self._duration / dt:.3g} steps; "
+                f"they need {_FEWEST}: a step of at most {self._duration / _FEWEST:.3g} s",
+                stacklevel=2,
+            )
+        self._warn_of_overlaps(system)
+
+    def overlaps(self, state, precision: str) -> tuple[np.ndarray, np.ndarray]:
+        """How deep each sphere lies in another, m, at most, and in which: (n,) and (n,) slots; itself where in none."""
+        n = state.count
+        depth, other = np.zeros(n, state.floats.dtype), np.arange(n, dtype=np.int32)
+        grid = self._grid(state.floats, state.floats, n, precision) if n else None
+        if grid is not None:
+            deepest(precision)(grid.sorted, grid.slots, grid.first, grid.low, grid.shape, grid.size, depth, other)
+        return depth, other
+
+    def _warn_of_overlaps(self, system) -> None:
+        """Spheres that begin inside each other would be thrown apart: name the deepest pair."""
+        state = system.state
+        if not state.count:
+            return
+        depth, other = self.overlaps(state, "f64" if state.floats.dtype == np.float64 else "f32")
+        i = int(np.argmax(depth))
+        if depth[i] > _DEEP * float(state.floats[8, i]):
+            a, b = sorted((int(state.id[i]), int(state.id[other[i]])))
+            warnings.warn(
+                f"system '{system.name}': {(depth > 0).sum()} spheres overlap at the start, particles {a} and {b} the most, by "
+                f"{depth[i]:.3g} m: they will be thrown apart at up to {depth[i] * math.pi / self._duration:.3g} m/s",
+                stacklevel=3,
+            )
+
+    def _numbers(self, span: float, dt: float, dtype) -> np.ndarray:
+        """stiffness and damping over the reduced mass, friction, and its rate; damping as its exact decay over the kick."""
+        decay = -math.log(max(self.values["restitution"], _SOFTEST)) / self._duration
+        rate = -math.expm1(-2 * decay * span) / span if span > 0 else 2 * decay
+        square = (math.pi / self._duration) ** 2 + decay**2
+        return np.array([square, rate, self.values["friction"], 0.5 / (span or dt), self.values["rolling"]], dtype)
+
+    def _grid(self, rows, floats, n, precision) -> Grid | None:
+        radius = float(floats[8, :n].max())
+        if radius <= 0:
+            return None
+        return sort_into_grid(rows, floats, n, 2 * radius * (1 + 1e-6), precision)
+
+    def accelerate(self, pull: Pull, out):
+        state, n = pull.state, pull.n
+        if (state.floats[6, :n] <= 0).any():
+            raise UsageError("contacts: a particle has no mass; give it one, or fix it")
+        grid = self._grid(pull.rows, state.floats, n, pull.precision)
+        if grid is None:
+            out[:, :n] = 0.0
+            return
+        numbers = self._numbers(pull.span, pull.dt, out.dtype)
+        turn = np.zeros((3, n if self.spins else 1), out.dtype)
+        first = state.channels["spin_x"] if self.spins else 0
+        accelerate, hand_back, _ = pushes(pull.precision, self.spins)
+        found = np.empty(6 * n, out.dtype)
+        accelerate(
+            grid.sorted, grid.slots, grid.first, grid.low, grid.shape, numbers, grid.size, state.floats, first, found, turn,
+            len(self.parts),
+        )  # fmt: skip
+        hand_back(found, grid.rank, out, 3 * len(self.parts))
+        if self.spins:
+            state.floats[first : first + 3, :n] += pull.span * turn
+
+    def energy(self, state, slots, precision):
+        if not len(slots):
+            return 0.0
+        rows = np.ascontiguousarray(state.floats[:, slots])
+        grid = self._grid(rows, rows, len(slots), precision)
+        if grid is None:
+            return 0.0
+        out, numbers = np.zeros((-(-len(slots) // BLOCK), 1)), self._numbers(0.0, 1.0, rows.dtype)
+        pushes(precision, False)[2](grid.sorted, grid.first, grid.low, grid.shape, numbers, grid.size, out)
+        return float(out.sum())

@@ -1,0 +1,1 @@
+"""Elementary functions, counter-based random numbers and noise, for kernels."""

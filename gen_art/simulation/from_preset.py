@@ -1,0 +1,104 @@
+"""From a Preset to the ParticleSystems of a Simulation."""
+
+import math
+
+from gen_art.emitters.births import Emission, Event, Kind, Motion
+from gen_art.emitters.schedule import Burst, Pulse, Rate, Schedule
+from gen_art.forces.medium import Medium
+from gen_art.simulation.system import ParticleSystem
+
+__all__ = ["systems_of"]
+
+_DEFAULTS = {"radius": (0.01, 0.01), "mass": (1.0, 1.0), "charge": (0.0, 0.0), "lifetime": (math.inf, math.inf)}
+
+
+def systems_of(preset) -> dict[str, ParticleSystem]:
+    """A ParticleSystem for each system of a preset, in the preset's order."""
+    shared = _medium(preset.medium)
+    systems = {}
+    for name, spec in preset.systems.items():
+        forces = [*(preset.forces if spec.inherit_forces else ()), *spec.forces]
+        medium = _medium(spec.medium) if spec.medium is not None else shared
+        systems[name] = ParticleSystem(
+            forces=forces,
+            interactions=list(spec.interactions),
+            colliders=[*(preset.colliders if spec.inherit_colliders else ()), *spec.colliders],
+            integrator=spec.integrator,
+            speed_of_light=spec.speed_of_light,
+            exact_gyration=spec.exact_gyration,
+            medium=medium,
+            emitters=[_emission(key, emitter, spec.particle) for key, emitter in spec.emitters.items()],
+            look=spec.look,
+        )
+    return systems
+
+
+def _medium(spec) -> Medium:
+    return Medium(density=spec.density, field=spec.terms)
+
+
+def _emission(name: str, spec, particle) -> Emission:
+    source = spec.source
+    if source is not None:
+        rate = float(spec.rate) if source.kind == "path" else 0.0
+        event = Event(
+            source.system, source.kind, tuple(source.tag), source.inherit == "velocity", source.balance == "pairs", rate
+        )
+        return Emission(name, _kinds(name, spec, particle), event=event)
+    motion = None
+    if spec.motion is not None:
+        orbit = spec.motion.orbit
+        circle = {} if orbit is None else {
+            "radius": orbit.radius, "period": orbit.period, "axis": orbit.axis, "phase": math.radians(orbit.phase),
+        }  # fmt: skip
+        motion = Motion(velocity=spec.motion.velocity, **circle)
+    start = spec.start or 0.0
+    if spec.rate is not None:
+        rate = spec.rate if isinstance(spec.rate, (int, float)) else spec.rate.points
+        pulse = None if spec.pulse is None else Pulse(spec.pulse.period, spec.pulse.depth, spec.pulse.duty)
+        schedule: Schedule = Rate(rate, start, spec.stop, pulse)
+    else:
+        count = 1 if spec.count is None else round(spec.count.hi)
+        schedule = Burst(spec.at if spec.at is not None else (start,), count)
+    return Emission(name, _kinds(name, spec, particle), schedule, motion=motion)
+
+
+def _kinds(name: str, spec, particle) -> list[Kind]:
+    if not spec.choose:
+        return [_kind(name, spec, spec, particle)]
+    return [_kind(f"{name}.{key}", choice, spec, particle) for key, choice in spec.choose.items()]
+
+
+def _kind(name: str, own, emitter, particle) -> Kind:
+    """One kind of birth: what it says itself, else what its emitter says, else its system's particle, else the default."""
+    levels = [own, emitter, particle] if own is not emitter else [own, particle]
+
+    def first(key):
+        return next((getattr(level, key) for level in levels if getattr(level, key, None) is not None), None)
+
+    attributes = {}
+    for key, default in _DEFAULTS.items():
+        value = first(key)
+        attributes[key] = default if value is None else (value.lo, value.hi)
+    for level in levels:  # mass and density are alternatives: the nearest level that names one of them decides
+        if level.density is not None:
+            attributes["density"] = (level.density.lo, level.density.hi)
+            break
+        if level.mass is not None:
+            break
+    for level in reversed(levels):
+        attributes |= {key: (value.lo, value.hi) for key, value in level.attributes.items()}
+    scripted = getattr(emitter, "scripted", None)
+    for key in getattr(scripted, "declares", ()):
+        attributes.setdefault(key, (0.0, 0.0))
+    count = first("count")
+    return Kind(
+        name=name,
+        tag=first("tag"),
+        shape=first("shape"),
+        velocity=first("velocity"),
+        scripted=scripted,
+        attributes=attributes,
+        weight=getattr(own, "weight", 1.0),
+        count=(1, 1) if count is None else (round(count.lo), round(count.hi)),
+    )

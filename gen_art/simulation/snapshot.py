@@ -1,0 +1,169 @@
+"""Snapshots: the whole state of a simulation on disk, bit for bit, and the laws to go on with."""
+
+import json
+import os
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from gen_art.colliders import COLLIDERS
+from gen_art.errors import OutputError, UsageError
+from gen_art.forces.base import FORCES
+from gen_art.forces.medium import Medium
+from gen_art.interactions import INTERACTIONS
+from gen_art.simulation.system import ParticleSystem
+
+__all__ = ["restore", "save"]
+
+_FORMAT = 1
+_COLUMNS = ("floats", "birth", "key", "id", "source")
+
+
+def save(sim, path) -> None:
+    """Write `sim` to `path` beside its final name, then rename. Raises OutputError when the disk says no."""
+    if sim._ledger is not None:
+        raise UsageError("a simulation that keeps a ledger cannot be saved: the account is not part of the state")
+    head = {
+        "format": _FORMAT, "precision": sim.precision, "dt": sim.dt, "seed": sim.seed, "steps": sim.steps_done,
+        "preset": None if sim.preset is None else {**sim.preset.resolved(), "name": sim.preset.name}, "systems": {},
+    }  # fmt: skip
+    for name, system in sim._members.items():
+        state = system.state
+        head["systems"][name] = {
+            "count": state.count, "next_id": state.next_id, "may_die": state.may_die, "attributes": state.attributes,
+            "done": [e.done for e in system.emitters], "behind": sim._behind[name],
+            "memory": [list(one.memory) for one in system.interactions],
+            "definition": None if sim.preset is not None else _definition(system),
+        }  # fmt: skip
+    path = Path(path)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with zipfile.ZipFile(temporary, "w") as archive:
+            archive.writestr("head.json", json.dumps(head))
+            for name, system in sim._members.items():
+                for column in _COLUMNS:
+                    array = getattr(system.state, column)[..., : system.state.count]
+                    _write(archive, f"{name}/{column}.npy", array)
+                for k, one in enumerate(system.interactions):
+                    for key, array in one.memory.items():
+                        _write(archive, f"{name}/{k}.{key}.npy", array)
+        os.replace(temporary, path)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        raise OutputError(f"cannot write {path}: {error.strerror or error}") from None
+
+
+def _write(archive, name: str, array: np.ndarray) -> None:
+    with archive.open(name, "w") as out:
+        np.lib.format.write_array(out, np.ascontiguousarray(array), allow_pickle=False)
+
+
+def _read(archive, name: str) -> np.ndarray:
+    return np.lib.format.read_array(archive.open(name), allow_pickle=False)
+
+
+def restore(path):
+    """The simulation saved at `path`. Raises OutputError if it cannot be read, UsageError if it is no snapshot."""
+    from gen_art.simulation.simulation import Simulation
+
+    try:
+        with zipfile.ZipFile(path) as archive:
+            head = json.loads(archive.read("head.json"))
+            if head["format"] != _FORMAT:
+                raise UsageError(f"{path} is a snapshot of format {head['format']}; this version reads {_FORMAT}")
+            columns = {
+                (name, column): _read(archive, f"{name}/{column}.npy")
+                for name in head["systems"]
+                for column in _COLUMNS
+            }
+            memories = {
+                name: [
+                    {key: _read(archive, f"{name}/{k}.{key}.npy") for key in keys}
+                    for k, keys in enumerate(entry["memory"])
+                ]
+                for name, entry in head["systems"].items()
+            }
+    except OSError as error:
+        raise OutputError(f"cannot read {path}: {error.strerror or error}") from None
+    except (zipfile.BadZipFile, KeyError, ValueError) as error:
+        if isinstance(error, UsageError):
+            raise
+        raise UsageError(f"{path} is not a snapshot of this program") from None
+    if head["preset"] is not None:
+        from gen_art.preset import load_preset
+
+        what = load_preset(head["preset"])
+    else:
+        what = {name: _rebuilt(entry["definition"]) for name, entry in head["systems"].items()}
+    sim = Simulation(what, dt=head["dt"], seed=head["seed"], precision=head["precision"])
+    for name, entry in head["systems"].items():
+        system, state = sim._members[name], sim._members[name].state
+        state.count = 0
+        state.reserve(entry["count"])
+        for column in _COLUMNS:
+            getattr(state, column)[..., : entry["count"]] = columns[name, column]
+        state.count, state.next_id, state.may_die = entry["count"], entry["next_id"], entry["may_die"]
+        for emission, done in zip(system.emitters, entry["done"]):
+            emission.done = done
+        sim._behind[name] = tuple(entry["behind"])
+    sim.steps_done = head["steps"]
+    for name, known in memories.items():
+        for one, memory in zip(sim._members[name].interactions, known):
+            if memory:
+                one.remember(memory, sim.time)
+    return sim
+
+
+def _law(one) -> dict:
+    values = {k: _medium(v) if isinstance(v, Medium) else v for k, v in one.values.items()}
+    values = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
+    return {"name": one.name, "values": values}
+
+
+def _medium(medium: Medium) -> dict:
+    return {"density": medium.density, "terms": [_law(t) for t in medium.terms]}
+
+
+def _definition(system: ParticleSystem) -> dict:
+    if system.emitters:
+        raise UsageError("a system with emitters made in Python cannot be saved: describe it as a preset")
+    laws = [*system.forces, *(t for t in system.medium.terms)]
+    for one in laws:
+        if one.name not in FORCES or any(isinstance(v, np.ndarray) for v in one.values.values()):
+            raise UsageError(f"{one!r} cannot be saved: register its class with @ga.force('name')")
+    for one in system.colliders:
+        if any(callable(v) for v in one.values.values()):
+            raise UsageError(f"{one!r} is given by a function, and a function cannot be saved: give it as a grid")
+    return {
+        "forces": [_law(f) for f in system.forces],
+        "interactions": [_law(i) for i in system.interactions],
+        "colliders": [_law(c) for c in system.colliders],
+        "medium": _medium(system.medium),
+        "integrator": system.scheme.name,
+        "speed_of_light": system.scheme.light or None,
+        "exact_gyration": system.scheme.exact,
+        "attributes": list(system.attribute_names),
+    }
+
+
+def _rebuilt(definition: dict) -> ParticleSystem:
+    def medium(entry):
+        return Medium(entry["density"], field=[law(FORCES, t) for t in entry["terms"]])
+
+    def law(registry, entry):
+        values = {k: medium(v) if isinstance(v, dict) else v for k, v in entry["values"].items()}
+        return registry[entry["name"]](**values)
+
+    empty = np.zeros((0, 3))
+    return ParticleSystem(
+        position=empty,
+        forces=[law(FORCES, f) for f in definition["forces"]],
+        interactions=[law(INTERACTIONS, i) for i in definition["interactions"]],
+        colliders=[law(COLLIDERS, c) for c in definition.get("colliders", ())],
+        medium=medium(definition["medium"]),
+        integrator=definition["integrator"],
+        speed_of_light=definition.get("speed_of_light"),
+        exact_gyration=definition.get("exact_gyration", False),
+        attributes={name: np.zeros(0) for name in definition["attributes"]},
+    )
