@@ -104,10 +104,10 @@ def plain_kernel(composition, blocks: bool):
     from gen_art.backend.kernel_views import parameters
     from gen_art.backend.runtime import ti
     from gen_art.forces.base import term_acceleration
-    from gen_art.integrators.tile import Terms, repeats, view
+    from gen_art.integrators.tile import TileTerms, repeats, view
     from gen_art.maths.elementary import phi
 
-    terms = Terms(composition, (), 0)
+    terms = TileTerms(composition, (), 0)
     drag, place = terms.dampings[0][:2]
     matrix, vector = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.f32, 1)
 

@@ -8,7 +8,7 @@ from gen_art.backend.runtime import kernel, ti
 from gen_art.preset.develop import DevelopSpec
 from gen_art.renderer.auto_exposure import meter
 from gen_art.renderer.bloom import chain, flat
-from gen_art.renderer.framebuffer import Film
+from gen_art.renderer.framebuffer import FrameBuffer
 from gen_art.renderer.tone_map import develop
 
 bench = Bench("develop", __doc__)
@@ -41,7 +41,7 @@ def _write(picture: ti.types.ndarray(ti.i32, 1), value: ti.i32):
 
 
 read, write = kernel(_read), kernel(_write)
-film = Film((width, height)).pixels  # as the renderer keeps it
+film = FrameBuffer((width, height)).pixels  # as the renderer keeps it
 film[:] = np.random.default_rng(0).exponential(0.2, film.shape)
 plane, sums, picture = film.reshape(-1), np.zeros(CHUNKS, np.float32), np.empty((height, width, 3), np.uint8)
 words = picture.reshape(-1).view(np.int32)

@@ -11,7 +11,7 @@ from _bench import Bench
 from gen_art.backend import runtime
 from gen_art.output import job
 from gen_art.output.formats import find_format
-from gen_art.output.playback import Run
+from gen_art.output.playback import Playback
 from gen_art.output.stills import write_still
 from gen_art.output.video import film_writer
 from gen_art.preset import load_preset
@@ -60,7 +60,7 @@ class Stages:
 def alone(folder: Path, frames: int, film: bool) -> dict[str, float]:
     """Processor seconds of the stages of a film, or of a sequence of PNGs."""
     stages, pictures = Stages(), []
-    run = stages.measure("simulate", Run, PRESET, (width, height), "f32", cores)
+    run = stages.measure("simulate", Playback, PRESET, (width, height), "f32", cores)
     step = run.sim.step
     run.sim.step = lambda steps: stages.measure("simulate", step, steps)
     clock = PRESET.clock

@@ -10,7 +10,7 @@ from _bench import Bench, alternate
 
 from gen_art.backend import runtime
 from gen_art.renderer.direct_splat import discs, pixels, points
-from gen_art.renderer.framebuffer import Film
+from gen_art.renderer.framebuffer import FrameBuffer
 from gen_art.renderer.sprite import BLUE, REACH, RED, X, Y
 
 bench = Bench("splat", __doc__)
@@ -31,7 +31,7 @@ in_order = runtime.aligned(columns.shape, np.float32)
 in_order[:, :n] = columns[:, order]
 round_ones = columns[:, : number + 64].copy()
 round_ones[REACH] = 2.4  # five pixels across, wherever it lies
-film = Film(size)
+film = FrameBuffer(size)
 
 
 def draw(what, particles, how):

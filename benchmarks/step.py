@@ -6,7 +6,7 @@ from _peers import numpy_step, plain_kernel
 
 import gen_art as ga
 from gen_art.backend import runtime
-from gen_art.integrators.kernel_terms import Composition
+from gen_art.integrators.kernel_terms import KernelTerms
 
 bench = Bench("step", __doc__)
 n, rounds = (20_000, 1) if bench.quick else (1_000_000, 7)
@@ -28,8 +28,8 @@ state = sim["s"]._state
 initial = state.floats[:, :n].copy()
 
 keys = np.zeros((2, n), np.uint32)
-numbers = Composition(forces, medium).numbers(np.float32)
-simple, blocked = (plain_kernel(Composition(forces, medium), blocks) for blocks in (False, True))
+numbers = KernelTerms(forces, medium).numbers(np.float32)
+simple, blocked = (plain_kernel(KernelTerms(forces, medium), blocks) for blocks in (False, True))
 peers = {
     "numpy": lambda S: numpy_step(S, laws, FIRST * H, H, block=n),
     "numpy, in blocks": lambda S: numpy_step(S, laws, FIRST * H, H, block=16384),

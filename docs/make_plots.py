@@ -10,7 +10,7 @@ import numpy as np
 
 import gen_art as ga
 from gen_art.integrators import INTEGRATORS
-from gen_art.integrators.schemes import reach
+from gen_art.integrators.schemes import stability_limit
 
 FOLDER = Path(__file__).resolve().parent
 BEGIN, END = "<!-- table: made by docs/make_plots.py, not by hand -->", "<!-- end of the table -->"
@@ -123,7 +123,7 @@ def table() -> str:
     for name, one in INTEGRATORS.items():
         symplectic, reversible, use = TRAITS[name]
         kept = " (1: see below)" if one.stages[-1][2] == 0 and one.kind == "splitting" else ""
-        limit = f"{reach(one):.3g}" if name not in ("euler", "rk2") else "never"
+        limit = f"{stability_limit(one):.3g}" if name not in ("euler", "rk2") else "never"
         rows.append(
             f"| `{name}` | {one.order} | {measured_order(name):.2f} | {len(one.stages)}{kept} | {symplectic} | {reversible} "
             f"| {limit} | {use} |"

@@ -21,7 +21,7 @@ _NAMES = {
     "Velocity": "gen_art.emitters.base",
     "adaptive": "gen_art.simulation.adaptive",
     "colliders": None,
-    "bodies": "gen_art.interactions.rigid.group",
+    "bodies": "gen_art.simulation.bodies",
     "body": "gen_art.interactions.rigid.body",
     "chain": "gen_art.interactions.spring_nets",
     "cloth": "gen_art.interactions.spring_nets",

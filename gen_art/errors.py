@@ -1,6 +1,14 @@
 """One family of exceptions; each knows the exit status the command line gives it."""
 
-__all__ = ["GenArtError", "UsageError", "PresetError", "MemoryRefused", "OutputError", "EncoderError"]
+__all__ = [
+    "GenArtError",
+    "UsageError",
+    "PresetError",
+    "MemoryRefused",
+    "OutputError",
+    "EncoderError",
+    "InstallationError",
+]
 
 
 class GenArtError(Exception):
@@ -37,3 +45,9 @@ class EncoderError(GenArtError):
     """The video encoder failed; the message names what was kept."""
 
     exit_code = 6
+
+
+class InstallationError(GenArtError):
+    """A package that gen-art needs is installed in a version it cannot work with; the message names the one it needs."""
+
+    exit_code = 2

@@ -12,7 +12,7 @@ from gen_art.audit.thinning import thinned
 from gen_art.integrators.schemes import INTEGRATORS
 from gen_art.interactions.springs import Springs
 from gen_art.preset.shipped import preset_names
-from gen_art.simulation.ledger import Bookkeeper
+from gen_art.simulation.ledger import LedgerKeeper
 
 
 def piece(forces, integrator="leapfrog", medium=None, **particle):
@@ -71,19 +71,19 @@ def test_a_scheme_with_a_wrong_weight_is_found(monkeypatch):
 
 
 def test_wrong_books_are_found(monkeypatch):
-    right = Bookkeeper.step
+    right = LedgerKeeper.step
 
     def wrong(self, name, *rest):
         right(self, name, *rest)
         self.books_of[name][:, 0] *= 1.001  # work
 
-    monkeypatch.setattr(Bookkeeper, "step", wrong)
+    monkeypatch.setattr(LedgerKeeper, "record_step", wrong)
     found = audit(piece({"damping": 2.0}, "position_verlet", {"wind": [1, 0, 0]}), time=0.5, precision="f64")
     assert [s.split(":")[1].strip() for s in found.problems] == ["the ledger of energy does not close"]
 
 
 def test_deaths_that_are_not_booked_are_found(monkeypatch):
-    monkeypatch.setattr(Bookkeeper, "after_step", lambda *_: None)
+    monkeypatch.setattr(LedgerKeeper, "record_deaths", lambda *_: None)
     found = audit(piece({"gravity": [0, -9.81, 0]}, lifetime="0.1..0.4"), time=0.5, precision="f64")
     assert any("births and deaths do not account for the mass" in sentence for sentence in found.problems)
     assert any("ledger of momentum does not close" in sentence for sentence in found.problems)

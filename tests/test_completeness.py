@@ -83,7 +83,7 @@ def test_the_pages_are_up_to_date(reference):
 
 
 def test_every_mapping_of_a_preset_has_its_table_and_every_key_its_words(reference):
-    """`Medium` and `Preset` are told in prose; `Particle` is `Attributes` by another name."""
+    """`MediumSpec` and `Preset` are told in prose; `ParticleSpec` is `Attributes` by another name."""
     from gen_art.preset import camera, clock, develop, emitter, look, schema
     from gen_art.preset.types import Model
 
@@ -91,7 +91,7 @@ def test_every_mapping_of_a_preset_has_its_table_and_every_key_its_words(referen
     found = {
         c for m in modules for c in vars(m).values() if isinstance(c, type) and issubclass(c, Model) and c is not Model
     }
-    assert found - {schema.Medium, schema.Preset, emitter.Particle} == set(reference.DOCUMENTED)
+    assert found - {schema.MediumSpec, schema.Preset, emitter.ParticleSpec} == set(reference.DOCUMENTED)
     for cls in reference.DOCUMENTED:
         for name, field in cls.model_fields.items():
             assert field.exclude or field.description, f"{cls.__name__}.{name} has no description"

@@ -10,15 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gen_art.backend import intrinsics as instructions
-from gen_art.backend import runtime
+from gen_art.backend import intrinsics, runtime
 from gen_art.backend.runtime import kernel, ti
 from gen_art.renderer.direct_splat import discs, pixels, points
-from gen_art.renderer.framebuffer import Film
+from gen_art.renderer.framebuffer import FrameBuffer
 from gen_art.renderer.sprite import BLUE, REACH, RED, X, Y
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDER = Path(instructions.__file__).parent
+FOLDER = Path(intrinsics.__file__).parent
 SCRIPT = """
 import numpy as np
 from gen_art.backend import runtime
@@ -55,7 +54,7 @@ def test_asking_changes_nothing_harms_nowhere_and_prints_nothing(tmp_path):
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
-@pytest.mark.skipif(not instructions.PACKS, reason="this processor cannot")
+@pytest.mark.skipif(not intrinsics.HAS_PACK, reason="this processor cannot")
 def test_packing_keeps_the_marked_in_order():
     @ti.kernel
     def _packed(marks: ti.i64, words: ti.i64, to: ti.i64, parts: ti.i32, counts: ti.types.ndarray(ti.i32, 1)):
@@ -63,7 +62,7 @@ def test_packing_keeps_the_marked_in_order():
             count = 3
             for part in range(parts):
                 at = ti.cast(part, ti.i64) * 128
-                instructions.pack(marks + at, words + at, to, count)
+                intrinsics.pack(marks + at, words + at, to, count)
             counts[turn] = count
 
     rng = np.random.default_rng(0)
@@ -79,8 +78,8 @@ def test_packing_keeps_the_marked_in_order():
 
 
 DRAWN = """
-from gen_art.backend import intrinsics as instructions
-instructions.PACKS = instructions.PREFETCHES = False
+from gen_art.backend import intrinsics
+intrinsics.HAS_PACK = intrinsics.HAS_PREFETCH = False
 from tests.test_instructions import drawn
 from gen_art.backend import runtime
 runtime.init(threads=2)
@@ -90,7 +89,7 @@ print(drawn())
 
 def drawn() -> str:
     """The bits of a film of points of both kinds and discs, many of them outside of it."""
-    n, film = 50_001, Film((301, 203))
+    n, film = 50_001, FrameBuffer((301, 203))
     columns = runtime.aligned((11, 50_048), np.float32)
     rng = np.random.default_rng(1)
     columns[X], columns[Y] = rng.normal(150, 100, columns.shape[1]), rng.normal(100, 60, columns.shape[1])

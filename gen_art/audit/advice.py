@@ -5,7 +5,7 @@ import warnings
 
 from gen_art.audit.invariants import colliders_of, expected_order, forces_of
 from gen_art.integrators import scheme
-from gen_art.integrators.schemes import reach
+from gen_art.integrators.schemes import stability_limit
 from gen_art.interactions import Interaction
 from gen_art.simulation.from_preset import systems_of
 
@@ -34,7 +34,7 @@ def advice(piece) -> list[str]:
 
 def step_advice(piece) -> list[str]:
     """What springs and contacts say of the step once their particles are born: builds the simulation, if there are any."""
-    if not any(type(one).join is not Interaction.join for s in piece.systems.values() for one in s.interactions):
+    if not any(type(one).attach is not Interaction.attach for s in piece.systems.values() for one in s.interactions):
         return []
     from gen_art.simulation import Simulation
 
@@ -144,7 +144,7 @@ def _oscillator(piece, system, used, lightest):
     square = sum(f.values["strength"] for f in linear)
     square += sum(f.values["stiffness"] for f in springs) / lightest if lightest > 0 else 0.0
     if square > 0:
-        w, limit = math.sqrt(square), reach(used)
+        w, limit = math.sqrt(square), stability_limit(used)
         names = ", ".join(dict.fromkeys(f.name for f in (*springs, *linear)))
         if limit == 0 and w * dt > 0.01:
             yield (

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from gen_art.audit.advice import FORETOLD, advice, gyration_advice
 from gen_art.audit.invariants import expected_order, forces_of, has_kinks, has_stiff_springs, invariants
-from gen_art.audit.measure import MOMENTS, ROUND_OFF, Run, Trend, positions, run, scatter
+from gen_art.audit.measure import MOMENTS, ROUND_OFF, AuditRun, Trend, positions, run, scatter
 from gen_art.audit.thinning import thinned
 from gen_art.errors import UsageError
 from gen_art.integrators import scheme
@@ -60,7 +60,7 @@ class Audit:
     booked: dict[tuple[str, str], str]
     warnings: list[str]
     problems: list[str]
-    runs: list[Run]
+    runs: list[AuditRun]
 
     def text(self) -> str:
         """The report in words, one screen or two."""
@@ -189,12 +189,12 @@ def _trend(values: list, expected: int) -> Trend | None:
     return None if None in values else Trend(tuple(values), expected)
 
 
-def _floors(double: Run, single: Run) -> dict[str, float]:
+def _floors(double: AuditRun, single: AuditRun) -> dict[str, float]:
     pairs = ((name, *double.last[name], single.last[name][0]) for name in double.last)
     return {name: abs(rounded - exact) / scale for name, exact, scale, rounded in pairs if scale > 0}
 
 
-def _problems(piece, energy, momentum, placed, held, runs: list[Run]) -> list[str]:
+def _problems(piece, energy, momentum, placed, held, runs: list[AuditRun]) -> list[str]:
     """What does not close, in sentences."""
     found = []
     for label, trends in (("energy", energy), ("momentum", momentum)):

@@ -7,18 +7,17 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
-from gen_art.integrators.kernel_terms import Composition
-from gen_art.integrators.tile import Terms, repeats, view
-from gen_art.simulation.diagnostics import living
+from gen_art.integrators.kernel_terms import KernelTerms
+from gen_art.integrators.tile import TileTerms, repeats, view
 
 __all__ = ["largest_turn"]
 
 
 @cache
-def _kernel(composition: Composition, channels: tuple, precision: str):
+def _kernel(composition: KernelTerms, channels: tuple, precision: str):
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = Terms(composition, channels, 0)
+    terms = TileTerms(composition, channels, 0)
 
     @ti.kernel
     def measure(
@@ -42,14 +41,14 @@ def _kernel(composition: Composition, channels: tuple, precision: str):
 
 def largest_turn(sim, name: str) -> float:
     """The largest abs(q B) / (gamma m) of the living, 1/s; 0 without magnetic fields."""
-    system, slots = sim[name], living(sim, name)
+    system, slots = sim[name], sim.living(name)
     if not system.composition.magnetics or not len(slots):
         return 0.0
     state = system.state
     out = np.zeros(len(slots), state.floats.dtype)
     kernel = _kernel(system.composition, state.attributes, sim.precision)
     kernel(
-        state.floats, state.birth, state.key, sim._stepped[name].numbers, sim.time, slots.astype(np.int32), out
+        state.floats, state.birth, state.key, sim.stepper(name).numbers, sim.time, slots.astype(np.int32), out
     )  # fmt: skip
     light = system.scheme.light
     speed = np.linalg.norm(state.floats[3:6, slots], axis=0)

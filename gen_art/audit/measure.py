@@ -7,10 +7,10 @@ from functools import reduce
 import numpy as np
 
 from gen_art.audit.gyration import largest_turn
-from gen_art.simulation.diagnostics import Diagnostics, energy_of_pairs, living, sums
+from gen_art.simulation.diagnostics import Diagnostics, energy_of_pairs, sums
 from gen_art.simulation.ledger import Ledger
 
-__all__ = ["MOMENTS", "QUANTITIES", "ROUND_OFF", "History", "Run", "Trend", "positions", "run", "scatter"]
+__all__ = ["MOMENTS", "QUANTITIES", "ROUND_OFF", "RunHistory", "AuditRun", "Trend", "positions", "run", "scatter"]
 
 ROUND_OFF = 2e-12  # relative; below it a float64 sum over many steps has no order to measure
 TOLERANCE = 0.5  # how far below the expected order a measured one may fall
@@ -77,7 +77,7 @@ class Trend:
 
 
 @dataclass(frozen=True)
-class History:
+class RunHistory:
     """A run from moment to moment, the start included: simulated seconds (m,); of all systems together, kinetic energy,
     potential energy and what the account says the energy should be, J (m,); momentum (m, 3), N s.
 
@@ -93,7 +93,7 @@ class History:
 
 
 @dataclass(frozen=True)
-class Run:
+class AuditRun:
     """What one run left.
 
     residuals : by (system, energy or momentum), the largest share of what moved that the account missed
@@ -110,11 +110,11 @@ class Run:
     drifts: dict[tuple[str, str], float | None]
     last: dict[str, tuple[float, float]]
     places: dict[str, tuple[np.ndarray, np.ndarray]]
-    history: History
+    history: RunHistory
     turns: dict[str, float]
 
 
-def run(piece, steps: int, dt: float, precision: str, threads, division: int = 1, moments: int = MOMENTS) -> Run:
+def run(piece, steps: int, dt: float, precision: str, threads, division: int = 1, moments: int = MOMENTS) -> AuditRun:
     """Run a preset with its ledger for `steps` steps of dt, each cut into `division`, and look at it at so many moments."""
     from gen_art.simulation import Simulation
 
@@ -142,7 +142,7 @@ def run(piece, steps: int, dt: float, precision: str, threads, division: int = 1
                     if quantity == "energy":
                         last[name] = (float(new - old - passed), scale)
     places = {name: (sim[name].keys, sim[name].position.astype(np.float64)) for name in piece.systems}
-    return Run(sim.ledger(), start, sim.diagnostics(), residuals, drifts, last, places, _history(seen), turns)
+    return AuditRun(sim.ledger(), start, sim.diagnostics(), residuals, drifts, last, places, _history(seen), turns)
 
 
 def _look(sim, now: Diagnostics, residual: float) -> tuple:
@@ -150,7 +150,7 @@ def _look(sim, now: Diagnostics, residual: float) -> tuple:
     return now.time, now.kinetic_energy, now.potential_energy, now.energy - residual, now.momentum, places
 
 
-def _history(seen: list[tuple]) -> History:
+def _history(seen: list[tuple]) -> RunHistory:
     times, kinetic, potential, accounted, momentum, places = zip(*seen)
     paths = {}
     for name in places[0]:
@@ -160,7 +160,7 @@ def _history(seen: list[tuple]) -> History:
         for m, at in enumerate(places):
             _, mine, theirs = np.intersect1d(shown, at[name][0], return_indices=True)
             paths[name][mine, m] = at[name][1][theirs]
-    return History(
+    return RunHistory(
         np.array(times), np.array(kinetic), np.array(potential), np.array(accounted), np.array(momentum), paths
     )
 
@@ -172,7 +172,7 @@ def _keep(largest: dict, key, difference, scale: float) -> None:
 
 def _sums(sim, name: str) -> dict[str, tuple]:
     """Each conserved quantity of one system's living, with the sum of its parts' sizes to judge a change by."""
-    slots = living(sim, name)
+    slots = sim.living(name)
     part, pairs = sums(sim, name, slots), energy_of_pairs(sim, name, slots)
     floats = sim.systems[name].floats[:, slots].astype(np.float64)
     speed, light = np.linalg.norm(floats[3:6], axis=0), sim[name].scheme.light
@@ -196,7 +196,7 @@ def _booked(books: Ledger, name: str, quantity: str) -> tuple:
     return sum(plus) - sum(minus), moved
 
 
-def scatter(runs: list[Run], others: dict[float, Run], name: str, first: float) -> float:
+def scatter(runs: list[AuditRun], others: dict[float, AuditRun], name: str, first: float) -> float:
     """What positions at dt/2 may err by, by the luck of where in a step a kink falls, relative as in `positions`.
 
     others : runs of a few steps more over the same span, by their share of the steps. Kinks fall elsewhere in theirs: what
@@ -209,7 +209,7 @@ def scatter(runs: list[Run], others: dict[float, Run], name: str, first: float) 
     return max([4 * one / 8 for one in luck], default=0.0) if luck and max(luck) > 0 else 0.0
 
 
-def positions(runs: list[Run], name: str, expected: int) -> tuple[Trend, int] | None:
+def positions(runs: list[AuditRun], name: str, expected: int) -> tuple[Trend, int] | None:
     """The median distance between the same particles (by key) of neighbouring runs over the extent, and their number."""
     found = [one.places[name] for one in runs]
     common = reduce(np.intersect1d, [keys for keys, _ in found])

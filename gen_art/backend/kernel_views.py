@@ -1,16 +1,16 @@
 """What a composed kernel hands to a force while Taichi traces it: plain Python objects whose attributes are expressions.
 
-`View` carries them through ti.func calls by reference. `parameters(Q, cls, offset)` is the view `q` of one term's slice of
+`KernelView` carries them through ti.func calls by reference. `parameters(Q, cls, offset)` is the view `q` of one term's slice of
 the run-time parameter array; numbers that do not reach kernels (choices, flags) stand in it as Python constants;
 `q.table(k)` reads the table of a class that has one.
 """
 
 from gen_art.backend.runtime import impl, make_matrix, ti
 
-__all__ = ["View", "parameters", "particle", "traced"]
+__all__ = ["KernelView", "parameters", "particle", "traced"]
 
 
-class View:
+class KernelView:
     """Attribute access resolved while Taichi traces."""
 
     _data_oriented = True
@@ -47,10 +47,10 @@ def parameters(array, term, offset: int, index=0):
     for name, parameter in term.parameters.items():
         if not parameter.size:
             view[name] = term.values[name]
-    return View(**view)
+    return KernelView(**view)
 
 
 @traced
 def particle(**attributes):
     """The view `p` of one particle."""
-    return View(**attributes)
+    return KernelView(**attributes)

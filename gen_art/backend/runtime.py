@@ -1,11 +1,15 @@
-"""The only place that starts Taichi: backend, threads, cache folder, precision, quiet.
+"""The only place that starts Taichi: backend, threads, cache folder, precision, silence.
 
 Every other module takes `ti` from here. Kernels are wrapped by `kernel(function, precision)`, which compiles them
-with the right default float type: without it the literals of a float64 kernel silently become float32.
+with the right default float type: otherwise the literals of a float64 kernel silently become float32.
+
+This package replaces parts of Taichi's inside (tracing_patch, real_function_patch, launch_patch) and links LLVM bitcode
+into kernels (intrinsics/). With the environment variable GEN_ART_STOCK_TAICHI=1 it does neither: the same bits, more slowly.
 """
 
 import contextlib
 import hashlib
+import importlib.metadata
 import io
 import os
 import platform
@@ -13,30 +17,63 @@ from functools import lru_cache
 from itertools import takewhile
 from pathlib import Path
 
+import numpy as np
+
+from gen_art.errors import InstallationError, UsageError
+
+TAICHI_VERSION = "1.7.4"
+STOCK_TAICHI = os.environ.get("GEN_ART_STOCK_TAICHI", "") not in ("", "0")
+
+
+def _check_version(found: str) -> None:
+    """Raise InstallationError for a version of Taichi whose inside the patches do not know."""
+    if found != TAICHI_VERSION and not STOCK_TAICHI:
+        raise InstallationError(
+            f"gen-art needs taichi {TAICHI_VERSION}, and {found} is installed: run pip install 'taichi=={TAICHI_VERSION}', "
+            "or set GEN_ART_STOCK_TAICHI=1 to try this one without gen-art's patches"
+        )
+
+
+_check_version(importlib.metadata.version("taichi"))
 os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
-
-from gen_art.backend import tracing_patch  # isort: skip  (before anything of Taichi)
-import numpy as np
+if not STOCK_TAICHI:
+    from gen_art.backend import tracing_patch  # isort: skip  (before anything of Taichi)
 import taichi as ti  # the variables above must be set before this
 from taichi._lib import core
 from taichi.lang import impl
 from taichi.lang.expr import make_expr_group
 from taichi.lang.matrix import make_matrix
 
-from gen_art.backend import launch_patch
-from gen_art.errors import UsageError
+if not STOCK_TAICHI:
+    from gen_art.backend import real_function_patch
+    from gen_art.backend.launch_patch import launch_without_repeats as _launcher
+
+    tracing_patch.install()
+    real_function_patch.install()
 
 __all__ = [
-    "DTYPES", "NO_SIGN", "aligned", "cache_folder", "call_bitcode", "compilations", "finish", "impl", "init", "is_f64", "kernel",
-    "make_matrix", "processor", "real", "threads", "ti",
-]  # fmt: skip
+    "DTYPES",
+    "INDEX_MASK",
+    "aligned",
+    "cache_folder",
+    "call_bitcode",
+    "compilations",
+    "finish",
+    "impl",
+    "init",
+    "is_f64",
+    "kernel",
+    "make_matrix",
+    "processor",
+    "real",
+    "threads",
+    "ti",
+]
 
 DTYPES = {"f32": ti.f32, "f64": ti.f64}
 _ALIGNMENT = 128  # bytes: sixteen float64
 _state: dict = {"config": None, "kernels": [], "lock": None}
-
-tracing_patch.install()
 
 
 @lru_cache(1)
@@ -124,6 +161,21 @@ def threads() -> int:
     return _state["config"][1] if _state["config"] else 0
 
 
+def _launch_by_taichi(primal, function, compiling):
+    """What `launch_without_repeats` gives, with Taichi's own launch each time."""
+
+    def launch(*args):
+        with compiling():
+            return function(*args)
+
+    vars(launch)["bound"] = lambda *args: lambda: launch(*args)
+    return launch
+
+
+if STOCK_TAICHI:
+    _launcher = _launch_by_taichi
+
+
 @contextlib.contextmanager
 def _compiling(dtype, vectors: bool):
     runtime = impl.get_runtime()
@@ -145,12 +197,12 @@ def kernel(function, precision: str = "f32", vectors: bool = False):
     dtype = DTYPES[precision]
     primal = function._primal
     _state["kernels"].append(primal)
-    return launch_patch.lean(primal, function, lambda: _compiling(dtype, vectors))
+    return _launcher(primal, function, lambda: _compiling(dtype, vectors))
 
 
 # index & NO_SIGN is known to be no sum's overflow: LLVM adds constants to it in the address, and not one by one before.
 # It leaves all indices below 2^30 as they are: a film of 16384 x 16384 has 2^28 pixels
-NO_SIGN = 0x3FFFFFFF
+INDEX_MASK = 0x3FFFFFFF
 
 
 def aligned(shape, dtype) -> np.ndarray:

@@ -1,17 +1,17 @@
-"""Taichi (1.7.4, which is pinned) traces a kernel node by node; this spares it what it does over and over on the way.
+"""A patch that makes Taichi 1.7.4 trace kernels faster. It does not change what is traced.
 
-What it does over and over, and what is done here instead:
+Tracing runs the Python of a kernel node by node. Taichi repeats four things on the way; here each is done once:
 
-- a function's source is looked up, laid out and parsed each time it is inlined: here a file is parsed once, and the tree
-  of a function is lent for one pass at a time;
-- the source line of every node is laid out for an error message that never comes: here only while one is raised;
-- the builder of a node is looked up by name, and its position kept, for every expression: here a builder by type, and a
-  position for a statement;
-- whether a function stands in a class is read off the source around it: here off the calling frame, and, while Taichi
-  itself is imported, off one line of that source.
+- The source of a function is found, formatted and parsed every time the function is inlined. Here a file is parsed once,
+  and the syntax tree of a function is lent to one pass at a time.
+- The source line of every node is formatted for an error message that rarely comes. Here only while an error is raised.
+- The builder of a node is looked up by name, and its position is stored, for every expression. Here the builder is looked
+  up by type, and the position is stored for every statement.
+- Taichi reads source text to learn whether a function is defined in a class. Here the calling frame tells, and, while
+  Taichi itself is imported, one line of that source.
 
-What is traced, the cache keys and the error messages stay as they were; but a function with branches or loops can be used
-inside a real function, where Taichi 1.7.4 puts them in the wrong place.
+Kernels, cache keys and error messages stay as they were (tests/physics/test_tracing.py). GEN_ART_STOCK_TAICHI=1 switches
+this patch off.
 """
 
 import ast
@@ -92,8 +92,6 @@ def _tree_and_context(self, excluded_parameters=(), is_kernel=True, args=None, i
     if is_kernel or is_real_function:
         for slot in self.template_slot_locations:
             variables[self.arguments[slot].name] = args[slot]
-    else:  # Taichi's own way lays the branches and loops of a function out in the kernel, where a real function uses it
-        rest["ast_builder"] = impl.get_runtime().compiling_callable.ast_builder()
     context = ASTTransformerContext(
         excluded_parameters=excluded_parameters,
         is_kernel=is_kernel,
@@ -175,7 +173,7 @@ def _inside_class(level_of_class_stackframe: int) -> bool:
 
 
 def install() -> None:
-    """Put the lean ways in the place of Taichi's, for every kernel and function defined from here on."""
+    """Replace five functions of Taichi, for every kernel and function defined from here on."""
     kernel_impl._get_tree_and_ctx = _tree_and_context
     kernel_impl.transform_tree = _transform_tree
     kernel_impl._inside_class = _inside_class

@@ -1,9 +1,9 @@
 """When a path meets a surface, and what the surface does to a velocity. `surface` is the function of surface.py."""
 
 from gen_art.backend.runtime import is_f64, ti
-from gen_art.colliders.surface import common, count
+from gen_art.colliders.surface import count, surface_properties
 
-__all__ = ["meeting", "reflected", "settled", "support"]
+__all__ = ["time_of_impact", "bounce", "resting_velocity", "support"]
 
 _FIRST, _GROWTH = 1e-4, 1.05  # least step of the march along a path, of its length, and its growth: at most 130 steps
 _GRAZE = 0.02  # a hop shorter than this share of the path counts as resting
@@ -11,7 +11,7 @@ _SWEEPS = 6  # over the surfaces a particle rests on: exact for right angles, cl
 
 
 @ti.func
-def meeting(surface: ti.template(), Q: ti.template(), s, x, v, W, turning, a, now, left, radius):
+def time_of_impact(surface: ti.template(), Q: ti.template(), s, x, v, W, turning, a, now, left, radius):
     """The time in [0, left] when the path x + v t + a t^2 / 2 from time `now` on first meets surface s; 2 left if it does not.
 
     W : velocity of the surface     turning : m/s, the most that its turning moves it there
@@ -67,7 +67,7 @@ def meeting(surface: ti.template(), Q: ti.template(), s, x, v, W, turning, a, no
 
 
 @ti.func
-def reflected(numbers, w, n, pull, h):
+def bounce(numbers, w, n, pull, h):
     """(velocity after, 1 if it rests): restitution and Coulomb's friction on the velocity w against the surface.
 
     w_n' = -e w_n, and 0 where gravity undoes the bounce within the step, e abs(w_n) <= pull h, with pull the acceleration
@@ -90,12 +90,12 @@ def reflected(numbers, w, n, pull, h):
 
 
 @ti.func
-def settled(surface: ti.template(), walls: ti.template(), Q: ti.template(), rests, x, v, time):
+def resting_velocity(surface: ti.template(), walls: ti.template(), Q: ti.template(), rests, x, v, time):
     """The velocity v without what leads into the surfaces of the mask `rests`, at place x."""
     for sweep in range(_SWEEPS):
         for s in range(count(walls)):
             if (rests >> s) & 1 == 1:
-                _, U = common(walls, Q, s, x, time)
+                _, U = surface_properties(walls, Q, s, x, time)
                 on = surface(Q, s, x, time, 1)
                 n = ti.Vector([on[0], on[1], on[2]])
                 v -= n * ti.min((v - U).dot(n), 0.0)
@@ -111,7 +111,7 @@ def support(surface: ti.template(), walls: ti.template(), Q: ti.template(), rest
     for sweep in range(_SWEEPS):
         for s in range(count(walls)):
             if (rests >> s) & 1 == 1:
-                numbers, _ = common(walls, Q, s, x, now)
+                numbers, _ = surface_properties(walls, Q, s, x, now)
                 on = surface(Q, s, x, now, 1)
                 n = ti.Vector([on[0], on[1], on[2]])
                 d = ti.max(radius - surface(Q, s, free + way, now + left, 0)[3], 0.0)

@@ -5,12 +5,20 @@ a surface is a side of one, numbered through all of them.
 """
 
 from gen_art.backend.kernel_views import parameters, traced
-from gen_art.backend.runtime import ti
+from gen_art.backend.runtime import STOCK_TAICHI, ti
 from gen_art.maths.elementary import cos, sin
 
-__all__ = ["carried", "clear", "common", "count", "make_surface", "owner", "turning"]
+__all__ = [
+    "carried_along",
+    "nearest_distance",
+    "surface_properties",
+    "count",
+    "make_surface",
+    "collider_of",
+    "turning_speed",
+]
 
-COMMON = (
+PROPERTIES = (
     12  # restitution, kinetic and static friction, velocity, angular velocity, pivot: the last parameters of a collider
 )
 
@@ -22,7 +30,7 @@ def count(walls) -> int:
 
 
 @ti.func
-def owner(walls: ti.template(), s):
+def collider_of(walls: ti.template(), s):
     """Which collider surface s belongs to."""
     which = 0
     for c, wall in ti.static(enumerate(walls)):
@@ -32,14 +40,14 @@ def owner(walls: ti.template(), s):
 
 
 @ti.func
-def turned(v, axis, angle):
+def rotated_about(v, axis, angle):
     """v turned about the unit axis (Rodrigues' formula)."""
     c, s = cos(angle), sin(angle)
     return v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1.0 - c))
 
 
 @ti.func
-def _into(one: ti.template(), q: ti.template(), x, t):
+def _to_start_frame(one: ti.template(), q: ti.template(), x, t):
     """The place x at time t as the collider stood at time 0, and the axis and angle it has turned by since."""
     y = x - q.velocity * t
     axis, angle = x * 0.0, t * 0.0
@@ -47,46 +55,59 @@ def _into(one: ti.template(), q: ti.template(), x, t):
         rate = q.angular_velocity.norm()
         axis = q.angular_velocity / ti.max(rate, 1e-30)
         angle = rate * t
-        y = q.pivot + turned(y - q.pivot, axis, -angle)
+        y = q.pivot + rotated_about(y - q.pivot, axis, -angle)
     return y, axis, angle
+
+
+@ti.func
+def _distance_and_normal(walls: ti.template(), Q: ti.template(), s, x, t, wanted):
+    result = ti.Vector([x[0], x[1], x[2], t])
+    for wall in ti.static(walls):
+        if wall[2] <= s and s < wall[2] + wall[0].sides:
+            q = parameters(Q, wall[0], wall[1])
+            y, axis, angle = _to_start_frame(wall[0], q, x, t)
+            result[3] = wall[0].distance(y, q, s - wall[2])
+            if wanted == 1:
+                n = wall[0].gradient(y, q, s - wall[2])
+                if ti.static(wall[0].turns):
+                    n = rotated_about(n, axis, angle)
+                result[0], result[1], result[2] = n[0], n[1], n[2]
+    return result
 
 
 def make_surface(walls, real):
     """surface(Q, s, x, t, wanted): the distance of the place x (m) at time t (s) from surface s, and, where `wanted` is 1,
     its unit normal there, as (normal, distance).
 
-    A real function, called rather than laid out: kernels with colliders compile in a fraction of the time. One for each
-    kernel: Taichi 1.7.4 finds a kernel with several of them again in its cache only by chance.
+    A real function, called instead of inlined: kernels with colliders compile in a fraction of the time. It needs
+    backend/real_function_patch.py; without the patch the function is inlined. Each kernel gets a function of its own:
+    Taichi 1.7.4 finds a kernel that shares one with others in its cache only by chance.
     """
+    if STOCK_TAICHI:
+
+        @ti.func
+        def inlined(Q: ti.template(), s, x, t, wanted):
+            return _distance_and_normal(walls, Q, s, x, t, wanted)
+
+        return inlined
     vector, numbers = ti.types.vector(3, real), ti.types.ndarray(real, 1)
 
     @ti.real_func
     def surface(Q: numbers, s: ti.i32, x: vector, t: real, wanted: ti.i32) -> ti.types.vector(4, real):
-        result = ti.Vector([x[0], x[1], x[2], t])
-        for wall in ti.static(walls):
-            if wall[2] <= s and s < wall[2] + wall[0].sides:
-                q = parameters(Q, wall[0], wall[1])
-                y, axis, angle = _into(wall[0], q, x, t)
-                result[3] = wall[0].distance(y, q, s - wall[2])
-                if wanted == 1:
-                    n = wall[0].gradient(y, q, s - wall[2])
-                    if ti.static(wall[0].turns):
-                        n = turned(n, axis, angle)
-                    result[0], result[1], result[2] = n[0], n[1], n[2]
-        return result
+        return _distance_and_normal(walls, Q, s, x, t, wanted)
 
     return surface
 
 
 @ti.func
-def clear(one: ti.template(), q: ti.template(), x, t):
+def nearest_distance(one: ti.template(), q: ti.template(), x, t):
     """The distance of the place x at time t from the nearest side of a collider."""
-    y, _, _ = _into(one, q, x, t)
+    y, _, _ = _to_start_frame(one, q, x, t)
     return one.nearest(y, q)
 
 
 @ti.func
-def turning(one: ti.template(), q: ti.template(), x, t):
+def turning_speed(one: ti.template(), q: ti.template(), x, t):
     """How fast the collider's turning moves what is at the place x at time t, m/s."""
     speed = t * 0.0
     if ti.static(one.turns):
@@ -95,8 +116,8 @@ def turning(one: ti.template(), q: ti.template(), x, t):
 
 
 @traced
-def _first_common(wall) -> int:
-    return wall[1] + sum(size for _, _, size in wall[0].layout()) - COMMON
+def _first_property(wall) -> int:
+    return wall[1] + sum(size for _, _, size in wall[0].layout()) - PROPERTIES
 
 
 @traced
@@ -105,12 +126,12 @@ def _any_turns(walls) -> bool:
 
 
 @ti.func
-def common(walls: ti.template(), Q: ti.template(), s, x, t):
+def surface_properties(walls: ti.template(), Q: ti.template(), s, x, t):
     """((restitution, kinetic, static friction), velocity at the place x and time t) of surface s."""
     k = 0
     for wall in ti.static(walls):
         if s >= wall[2]:
-            k = _first_common(wall)
+            k = _first_property(wall)
     U = ti.Vector([Q[k + 3], Q[k + 4], Q[k + 5]])
     if ti.static(_any_turns(walls)):
         rate, pivot = ti.Vector([Q[k + 6], Q[k + 7], Q[k + 8]]), ti.Vector([Q[k + 9], Q[k + 10], Q[k + 11]])
@@ -119,19 +140,19 @@ def common(walls: ti.template(), Q: ti.template(), s, x, t):
 
 
 @ti.func
-def carried(walls: ti.template(), Q: ti.template(), s, x, t, h):
+def carried_along(walls: ti.template(), Q: ti.template(), s, x, t, h):
     """Where what rides on surface s from the place x at time t is after h, and its velocity there."""
-    _, U = common(walls, Q, s, x, t)
+    _, U = surface_properties(walls, Q, s, x, t)
     y = x + U * h
     if ti.static(_any_turns(walls)):
         k = 0
         for wall in ti.static(walls):
             if s >= wall[2]:
-                k = _first_common(wall)
+                k = _first_property(wall)
         velocity = ti.Vector([Q[k + 3], Q[k + 4], Q[k + 5]])
         spin, pivot = ti.Vector([Q[k + 6], Q[k + 7], Q[k + 8]]), ti.Vector([Q[k + 9], Q[k + 10], Q[k + 11]])
         rate = spin.norm()
-        arm = turned(x - pivot - velocity * t, spin / ti.max(rate, 1e-30), rate * h)
+        arm = rotated_about(x - pivot - velocity * t, spin / ti.max(rate, 1e-30), rate * h)
         y = pivot + velocity * (t + h) + arm
         U = velocity + spin.cross(arm)
     return y, U

@@ -16,11 +16,20 @@ from gen_art.errors import UsageError
 from gen_art.maths.random import channel_of, derive, uniform
 from gen_art.particles.storage import Particles
 
-__all__ = ["Batch", "Draws", "Emission", "Event", "Kind", "Motion", "give_birth", "scheduled"]
+__all__ = [
+    "BirthBatch",
+    "BatchStreams",
+    "ActiveEmitter",
+    "BirthEvent",
+    "BirthKind",
+    "EmitterMotion",
+    "give_birth",
+    "scheduled",
+]
 
 
 @dataclass(eq=False)
-class Kind:
+class BirthKind:
     """One kind of particle an emitter makes: where, how fast, with what. `attributes` maps names to (low, high)."""
 
     name: str = ""
@@ -41,7 +50,7 @@ class Kind:
         return hash(self._signature())
 
     def __eq__(self, other):
-        return isinstance(other, Kind) and self._signature() == other._signature()
+        return isinstance(other, BirthKind) and self._signature() == other._signature()
 
     def numbers(self, dtype) -> np.ndarray:
         """The run-time numbers of the birth kernel."""
@@ -51,7 +60,7 @@ class Kind:
 
 
 @dataclass(frozen=True)
-class Event:
+class BirthEvent:
     """Births fed by another system: `kind` is birth, death, impact or path; only parents of these tags, if any are named."""
 
     system: str
@@ -63,7 +72,7 @@ class Event:
 
 
 @dataclass(frozen=True)
-class Motion:
+class EmitterMotion:
     """A moving emitter: origin(t) = velocity t + radius (cos, sin)(2 pi t / period + phase) across an axis."""
 
     velocity: tuple = (0.0, 0.0, 0.0)
@@ -84,11 +93,16 @@ class Motion:
         return np.outer(np.asarray(self.velocity, float), t) + circle
 
 
-class Emission:
+class ActiveEmitter:
     """One emitter of one system, ready to give births: a schedule or an event, and the kinds to choose from."""
 
     def __init__(
-        self, name: str, kinds: list[Kind], schedule: Schedule | None = None, event: Event | None = None, motion=None
+        self,
+        name: str,
+        kinds: list[BirthKind],
+        schedule: Schedule | None = None,
+        event: BirthEvent | None = None,
+        motion=None,
     ):
         if (schedule is None) == (event is None):
             raise UsageError(f"emitter '{name}' needs either times of births or an event")
@@ -106,10 +120,10 @@ class Emission:
 
 
 @dataclass
-class Batch:
+class BirthBatch:
     """Births of one kind to be made together: one entry per particle."""
 
-    kind: Kind
+    kind: BirthKind
     source: int
     when: np.ndarray
     keys: np.ndarray
@@ -121,7 +135,7 @@ class Batch:
     rank: np.ndarray  # ties in time go by rank (uint64), then by ordinal
 
 
-class Draws:
+class BatchStreams:
     """The streams of many particles in NumPy, for `Emitter.sample`: each call gives one value per particle."""
 
     def __init__(self, keys: np.ndarray):
@@ -140,7 +154,7 @@ class Draws:
         return np.stack([s * np.cos(a), s * np.sin(a), z])
 
 
-def scheduled(emission: Emission, t1: float) -> list[Batch]:
+def scheduled(emission: ActiveEmitter, t1: float) -> list[BirthBatch]:
     """The births of a scheduled emission up to and including t1 that have not been made yet."""
     if emission.schedule is None:
         return []
@@ -160,7 +174,7 @@ def scheduled(emission: Emission, t1: float) -> list[Batch]:
         of = choice == c
         one = np.ones(int(of.sum()))
         batches.append(
-            Batch(
+            BirthBatch(
                 emission.kinds[c], emission.first_source + int(c), when[of], keys[of], keys[of], keys[of],
                 serial[of], one, origin[:, of], np.full(len(one), emission.key, np.uint64),
             )
@@ -168,7 +182,7 @@ def scheduled(emission: Emission, t1: float) -> list[Batch]:
     return batches
 
 
-def give_birth(particles: Particles, batches: list[Batch], precision: str) -> slice:
+def give_birth(particles: Particles, batches: list[BirthBatch], precision: str) -> slice:
     """Append the particles of all batches in order of (time, rank, ordinal) and draw their attributes."""
     if not batches:
         return slice(particles.count, particles.count)
@@ -200,9 +214,9 @@ def _words(keys: np.ndarray) -> np.ndarray:
     return np.stack([(keys >> np.uint64(32)).astype(np.uint32), (keys & np.uint64(0xFFFFFFFF)).astype(np.uint32)])
 
 
-def _sample(particles: Particles, batch: Batch, sample: Callable, slots: np.ndarray) -> None:
+def _sample(particles: Particles, batch: BirthBatch, sample: Callable, slots: np.ndarray) -> None:
     """Births by an emitter written in NumPy; what it does not set, or sets to NaN, comes from the kind's attributes."""
-    draws = Draws(batch.keys)
+    draws = BatchStreams(batch.keys)
     rows = particles.channels
     for name, (low, high) in batch.kind.attributes.items():
         if name != "density":

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen_art.emitters.births import Batch, Emission
+from gen_art.emitters.births import ActiveEmitter, BirthBatch
 from gen_art.maths.random import channel_of, derive, uniform
 from gen_art.particles.storage import Particles
 
-__all__ = ["Window", "children"]
+__all__ = ["EventWindow", "children"]
 
 _PAIR = np.uint64(1 << 40)  # keys of balanced pairs lie beyond every ordinal
 
 
 @dataclass
-class Window:
+class EventWindow:
     """What a step did to a system of parents: its time span, the state before it, and whose events were not seen before."""
 
     t0: float
@@ -29,7 +29,7 @@ class Window:
         return (ids >= self.behind[0]) & (ids < self.behind[1])
 
 
-def children(emission: Emission, system: str, parents: Particles, window: Window) -> list[Batch]:
+def children(emission: ActiveEmitter, system: str, parents: Particles, window: EventWindow) -> list[BirthBatch]:
     """The births that `emission` (of the system of that name) owes to its parents in this window."""
     event = emission.event
     assert event is not None, "scheduled births have no parents"
@@ -88,12 +88,12 @@ def children(emission: Emission, system: str, parents: Particles, window: Window
         paired = derive(keys, _PAIR + (ordinal // 2).astype(np.uint64))
         alone = np.repeat(counts, counts) - 1 == ordinal
         sign = np.where(ordinal % 2 == 1, -1.0, np.where(alone, 0.0, 1.0))
-    rank = _joined(parents.key[:, parent])
+    rank = _key_from_words(parents.key[:, parent])
     batches = []
     for c in np.unique(choice):
         of = choice == c
         batches.append(
-            Batch(
+            BirthBatch(
                 emission.kinds[c], emission.first_source + int(c), when[of], own[of], paired[of], keys[of],
                 ordinal[of], sign[of], origin[:, of], rank[of],
             )
@@ -101,12 +101,12 @@ def children(emission: Emission, system: str, parents: Particles, window: Window
     return batches
 
 
-def _joined(words: np.ndarray) -> np.ndarray:
+def _key_from_words(words: np.ndarray) -> np.ndarray:
     return (words[0].astype(np.uint64) << np.uint64(32)) | words[1].astype(np.uint64)
 
 
-def _event_keys(emission: Emission, system: str, parents: Particles, slots: np.ndarray) -> np.ndarray:
-    return derive(_joined(parents.key[:, slots]), channel_of(f"{system}.{emission.name}"))
+def _event_keys(emission: ActiveEmitter, system: str, parents: Particles, slots: np.ndarray) -> np.ndarray:
+    return derive(_key_from_words(parents.key[:, slots]), channel_of(f"{system}.{emission.name}"))
 
 
 def _count_up(counts: np.ndarray) -> np.ndarray:
@@ -115,7 +115,9 @@ def _count_up(counts: np.ndarray) -> np.ndarray:
     return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - counts, counts)
 
 
-def _along(parents: Particles, parent: np.ndarray, when: np.ndarray, window: Window, before: np.ndarray) -> np.ndarray:
+def _along(
+    parents: Particles, parent: np.ndarray, when: np.ndarray, window: EventWindow, before: np.ndarray
+) -> np.ndarray:
     """Position and velocity (6, m) on the cubic through both ends of each parent's step."""
     t0 = np.maximum(parents.birth[parent], window.t0)
     t0 = np.where(window.fresh(parents.id[parent]), window.t0, t0)

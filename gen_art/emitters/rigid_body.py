@@ -54,7 +54,7 @@ class RigidBody(Emitter):
 
     def prepare(self):
         from gen_art.interactions.rigid.body import body
-        from gen_art.interactions.rigid.group import bodies
+        from gen_art.interactions.rigid.group import Group
 
         v = dict(self.values)
         low, high = v.pop("tint")
@@ -65,7 +65,7 @@ class RigidBody(Emitter):
         places = [(i, j, k) for j in range(grid[1]) for k in range(grid[2]) for i in range(grid[0])]
         if v["pivot"] is not None and count > 1:
             raise UsageError("a pivot is for one body: leave out grid, or the pivot")
-        self.group = bodies(
+        self.group = Group(
             body(position=start + pitch * place, tint=low + (high - low) * (n * _GOLDEN % 1.0), **v)
             for n, place in enumerate(places)
         )

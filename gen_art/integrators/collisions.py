@@ -12,15 +12,22 @@ its bits. Source: Andersen (1983), J. Comput. Phys. 52, 24, for RATTLE; Coulomb'
 from gen_art.backend.kernel_views import parameters, traced
 from gen_art.backend.runtime import is_f64, real, ti
 from gen_art.colliders.base import ACTIONS
-from gen_art.colliders.impact import meeting, reflected, settled, support
-from gen_art.colliders.surface import carried, clear, common, count, owner, turning
-from gen_art.integrators.ledger_rows import note
+from gen_art.colliders.impact import bounce, resting_velocity, support, time_of_impact
+from gen_art.colliders.surface import (
+    carried_along,
+    collider_of,
+    count,
+    nearest_distance,
+    surface_properties,
+    turning_speed,
+)
+from gen_art.integrators.ledger_rows import add_entry
 from gen_art.integrators.tile import WIDTH
 from gen_art.maths.elementary import phi
 
-__all__ = ["collide"]
+__all__ = ["resolve_collisions"]
 
-_EVENTS = 16  # impacts in a step; after that a particle waits for the next one
+MAX_IMPACTS = 16  # impacts in a step; after that a particle waits for the next one
 
 
 @traced
@@ -30,7 +37,7 @@ def number_of_action(one) -> int:
 
 
 @ti.func
-def response(terms: ti.template(), L: ti.template(), S: ti.template(), i, j, before, after, left):
+def change_of_acceleration(terms: ti.template(), L: ti.template(), S: ti.template(), i, j, before, after, left):
     """How drag and magnetic force answer a sudden change of velocity: the change of acceleration for the time left."""
     r = before * 0.0
     for d in ti.static(range(len(terms.dampings))):
@@ -45,7 +52,7 @@ def response(terms: ti.template(), L: ti.template(), S: ti.template(), i, j, bef
 
 
 @ti.func
-def collide(
+def resolve_collisions(
     terms: ti.template(), L: ti.template(), G: ti.template(), X: ti.template(), S: ti.template(), Q: ti.template(),
     i, n, B: ti.template(), b, C: ti.template(), books: ti.template(),
 ):  # fmt: skip
@@ -67,11 +74,11 @@ def collide(
             for wall in ti.static(terms.walls):
                 q = parameters(Q, wall[0], wall[1])
                 pace = (v + drift - q.velocity).norm() + a.norm() * h
-                swung = turning(wall[0], q, x, L.t[j])
+                swung = turning_speed(wall[0], q, x, L.t[j])
                 if ti.static(wall[0].turns):
                     swung += pace * h * q.angular_velocity.norm()
                 swing = ti.max(swing, swung)
-                if clear(wall[0], q, x, L.t[j]) - radius <= (pace + swung) * h + reach:
+                if nearest_distance(wall[0], q, x, L.t[j]) - radius <= (pace + swung) * h + reach:
                     near = 1
             pushed = x * 0.0  # out of walls
             U = x * 0.0  # velocity of the surface touched last
@@ -82,16 +89,16 @@ def collide(
                 if ti.static(wall[0].values["action"] == "stick"):
                     q = parameters(Q, wall[0], wall[1])
                     for side in range(wall[0].sides):
-                        _, W = common(terms.walls, Q, wall[2] + side, x, now)
+                        _, W = surface_properties(terms.walls, Q, wall[2] + side, x, now)
                         if left > 0.0 and (v - W).norm() <= ti.static(1e-12 if is_f64() else 1e-5) * W.norm():
                             if ti.abs(terms.surface(Q, wall[2] + side, x, now, 0)[3] - radius) <= reach:
                                 last, U, left = c, W, 0.0
-                                x, v = carried(terms.walls, Q, wall[2] + side, x, now, h)
+                                x, v = carried_along(terms.walls, Q, wall[2] + side, x, now, h)
                                 if ti.static(books):
                                     work += m * (v - v1).dot(U)
-                                    note(B, b, wall[3], 0.0, 0.0, m * (v - v1))
+                                    add_entry(B, b, wall[3], 0.0, 0.0, m * (v - v1))
             event = 0
-            while left > 0.0 and event < _EVENTS:
+            while left > 0.0 and event < MAX_IMPACTS:
                 event += 1
                 if left > 0.0:
                     path, hold, rub, along = a, x * 0.0, x * 0.0, x * 0.0
@@ -104,7 +111,7 @@ def collide(
                             terms.surface, terms.walls, Q, rests, x, free, now, left, radius
                         )
                         w = v - U
-                        ridden, _ = carried(terms.walls, Q, touched, x, now, left)
+                        ridden, _ = carried_along(terms.walls, Q, touched, x, now, left)
                         slide = free + hold - ridden
                         slow = w.norm() <= ti.static(1e-9 if is_f64() else 1e-4) * a.norm() * h
                         if slow and static > 0.0 and slide.norm() <= static:
@@ -120,8 +127,8 @@ def collide(
                     if sticks == 0:
                         for k in range(count(terms.walls)):
                             if (rests >> k) & 1 == 0:
-                                _, W = common(terms.walls, Q, k, x, now)
-                                t = meeting(terms.surface, Q, k, x, v + drift, W, swing, path, now, left, radius)
+                                _, W = surface_properties(terms.walls, Q, k, x, now)
+                                t = time_of_impact(terms.surface, Q, k, x, v + drift, W, swing, path, now, left, radius)
                                 if t <= left and t < first:
                                     first, which = t, k
                     if stop < first and stop < left:
@@ -131,7 +138,7 @@ def collide(
                     whole = left
                     if last >= 0 or which >= 0:  # else nothing has happened, and the scheme's end stands
                         if sticks == 1:
-                            x, v = carried(terms.walls, Q, touched, x, now, t)
+                            x, v = carried_along(terms.walls, Q, touched, x, now, t)
                         elif t == left and which < 0:
                             x = free + hold + rub
                             v = fall + (hold + 2.0 * rub) / left
@@ -143,20 +150,20 @@ def collide(
                             if which < 0 and t < left:
                                 v -= along * (v - U).dot(along)
                             if sticks == 0:
-                                v = settled(terms.surface, terms.walls, Q, rests, x, v, now)
+                                v = resting_velocity(terms.surface, terms.walls, Q, rests, x, v, now)
                             if ti.static(books):
                                 gained = m * (v - fall)
                                 work += gained.dot(U)
                                 dissipated -= m * (2.0 / (whole * whole)) * rub.dot(x - before - U * t)
                                 for c, wall in ti.static(enumerate(terms.walls)):
                                     if last == c:
-                                        note(B, b, wall[3], 0.0, 0.0, gained)
+                                        add_entry(B, b, wall[3], 0.0, 0.0, gained)
                         drift *= 0.0
                     left -= t
                     if which >= 0:
-                        numbers, W = common(terms.walls, Q, which, x, now)
+                        numbers, W = surface_properties(terms.walls, Q, which, x, now)
                         U = W
-                        last, touched = owner(terms.walls, which), which
+                        last, touched = collider_of(terms.walls, which), which
                         on = terms.surface(Q, which, x, now, 1)
                         normal = ti.Vector([on[0], on[1], on[2]])
                         inside = ti.max(radius - on[3], 0.0)
@@ -169,7 +176,7 @@ def collide(
                             if last == c:
                                 action = number_of_action(wall[0])
                         if action == 1:
-                            place, v = carried(terms.walls, Q, which, x, now, left)
+                            place, v = carried_along(terms.walls, Q, which, x, now, left)
                         elif action != 2:
                             if action == 3:
                                 if (U - v).dot(normal) > ti.max(
@@ -177,10 +184,10 @@ def collide(
                                 ) * h:  # it arrives, and does not lie there
                                     if ti.static(not books and "impact" in terms.rows):
                                         S[ti.static(terms.rows["impact"]), i + j] = L.age[j] + h - left
-                            w, stays = reflected(numbers, v - U, normal, -a.dot(normal), h)
+                            w, stays = bounce(numbers, v - U, normal, -a.dot(normal), h)
                             v = U + w
                             rests = ti.select(stays == 1, rests | (1 << which), 0)
-                        answer = response(terms, L, S, i, j, old, v, left)
+                        answer = change_of_acceleration(terms, L, S, i, j, old, v, left)
                         if ti.static(books):
                             change = v - old
                             work += m * change.dot(U)
@@ -193,7 +200,7 @@ def collide(
                                 spent = a * -left
                             for c, wall in ti.static(enumerate(terms.walls)):
                                 if last == c:
-                                    note(B, b, wall[3], 0.0, 0.0, m * spent)
+                                    add_entry(B, b, wall[3], 0.0, 0.0, m * spent)
                         a += answer
                         if action == 1:
                             x = place
@@ -210,6 +217,6 @@ def collide(
                         extra = 0.5 * m * (v.dot(v) - v1.dot(v1)) + dissipated - work - kept
                     for c, wall in ti.static(enumerate(terms.walls)):
                         if last == c:
-                            note(B, b, wall[3], work + extra, dissipated, x * 0.0)
+                            add_entry(B, b, wall[3], work + extra, dissipated, x * 0.0)
                 X.x0[j], X.x1[j], X.x2[j] = x[0], x[1], x[2]
                 X.v0[j], X.v1[j], X.v2[j] = v[0], v[1], v[2]

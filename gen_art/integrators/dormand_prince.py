@@ -11,10 +11,10 @@ import numpy as np
 
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
-from gen_art.integrators.kernel_terms import Composition
-from gen_art.integrators.mass_loss import burn, lighten
+from gen_art.integrators.kernel_terms import KernelTerms
+from gen_art.integrators.mass_loss import apply_mass_loss, find_mass_loss
 from gen_art.integrators.step_kernels import BLOCK, advance_stage
-from gen_art.integrators.tile import WIDTH, Terms, accumulate, lifespan, load, tile
+from gen_art.integrators.tile import WIDTH, TileTerms, accumulate, lifespan, load, tile
 
 __all__ = ["ERROR", "STAGES", "TIMES", "first_step", "make_slopes", "next_step"]
 
@@ -50,7 +50,7 @@ def first_step(slope: float, change: float, guess: float) -> float:
 
 
 @cache
-def make_slopes(composition: Composition, pairs: int, channels: tuple, precision: str):
+def make_slopes(composition: KernelTerms, pairs: int, channels: tuple, precision: str):
     """slopes(S, birth, K, A, Y, Q, out, n, first, dt, tau, last): d(x, v) / d tau of each lane, tau its own step from 0 to 1.
 
     As make_step's kernel: S is the state at the start of the step, Y (6, capacity) the state at tau, out (6, capacity).
@@ -58,7 +58,7 @@ def make_slopes(composition: Composition, pairs: int, channels: tuple, precision
     """
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = Terms(composition, channels, pairs)
+    terms = TileTerms(composition, channels, pairs)
     names = terms.vectors
 
     @ti.kernel
@@ -76,16 +76,16 @@ def make_slopes(composition: Composition, pairs: int, channels: tuple, precision
                     L = tile(names)
                     load(X, S, i)
                     lifespan(L, S, birth, i, first * dt, dt, 0.0, real)
-                    if ti.static(len(terms.burners) > 0):
-                        burn(terms, L, X, S, K, Q, i)
+                    if ti.static(len(terms.mass_loss_terms) > 0):
+                        find_mass_loss(terms, L, X, S, K, Q, i)
                     load(X, Y, i)
                     accumulate(terms, L, X, S, K, A, Q, i, tau)
                     advance_stage(terms, L, X, X, Z, S, i, 1.0, 0.0)
                     for j in range(WIDTH):
                         out[0, i + j], out[1, i + j], out[2, i + j] = Z.x0[j], Z.x1[j], Z.x2[j]
                         out[3, i + j], out[4, i + j], out[5, i + j] = Z.v0[j], Z.v1[j], Z.v2[j]
-                    if ti.static(len(terms.burners) > 0):
+                    if ti.static(len(terms.mass_loss_terms) > 0):
                         if last != 0:
-                            lighten(L, S, i, n)
+                            apply_mass_loss(L, S, i, n)
 
     return runtime.kernel(slopes, precision)

@@ -10,7 +10,7 @@ from gen_art.errors import UsageError
 from gen_art.forces.base import Force, burns, pushes
 from gen_art.forces.medium import Medium
 
-__all__ = ["Composition", "Term"]
+__all__ = ["KernelTerms", "Term"]
 
 _SURFACES = 31  # bits of a mask
 
@@ -29,7 +29,7 @@ class Term:
         return self.offset + next(o for k, o, _ in self.force.layout() if k == self.repeat)
 
 
-class Composition:
+class KernelTerms:
     """Forces, media and colliders with their offsets in one run-time parameter array."""
 
     def __init__(self, forces=(), medium: Medium | None = None, colliders=()):
@@ -101,7 +101,7 @@ class Composition:
         return [t for t in self.terms if t.force.provides("damping")]
 
     @property
-    def burners(self) -> list[Term]:
+    def mass_loss_terms(self) -> list[Term]:
         return [t for t in self.terms if burns(t.force)]
 
     @property
@@ -112,4 +112,4 @@ class Composition:
         return hash(self.signature)
 
     def __eq__(self, other):
-        return isinstance(other, Composition) and self.signature == other.signature
+        return isinstance(other, KernelTerms) and self.signature == other.signature

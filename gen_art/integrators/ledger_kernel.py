@@ -12,15 +12,15 @@ from gen_art.backend import runtime
 from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
 from gen_art.forces.base import term_acceleration
-from gen_art.integrators.collisions import collide
-from gen_art.integrators.kernel_terms import Composition
-from gen_art.integrators.ledger_rows import BOOKS, note
-from gen_art.integrators.mass_loss import book_exhaust, burn
+from gen_art.integrators.collisions import resolve_collisions
+from gen_art.integrators.kernel_terms import KernelTerms
+from gen_art.integrators.ledger_rows import LEDGER_COLUMNS, add_entry
+from gen_art.integrators.mass_loss import add_exhaust_entries, find_mass_loss
 from gen_art.integrators.pushers import gamma_at
-from gen_art.integrators.step_kernels import BLOCK, advance_stage, drift, recall
+from gen_art.integrators.step_kernels import BLOCK, advance_stage, drift, load_stage
 from gen_art.integrators.tile import (
     WIDTH,
-    Terms,
+    TileTerms,
     accumulate,
     copy,
     flow,
@@ -34,11 +34,11 @@ from gen_art.integrators.tile import (
     weight,
 )
 
-__all__ = ["BOOKS", "make_booking"]
+__all__ = ["LEDGER_COLUMNS", "make_ledger_kernel"]
 
 
 @ti.func
-def _book(
+def _add_kick_entries(
     terms: ti.template(), B: ti.template(), b, L: ti.template(), X: ti.template(), O: ti.template(),
     S: ti.template(), K: ti.template(), A: ti.template(), Q: ti.template(), i, n, tau, fraction, kicked: ti.template(),
     C: ti.template(), light,
@@ -47,7 +47,7 @@ def _book(
     for j in range(WIDTH):
         if i + j < n and L.h[j] > 0.0:
             m = S[6, i + j]
-            if ti.static(len(terms.burners) > 0):
+            if ti.static(len(terms.mass_loss_terms) > 0):
                 m = L.m[j]
             h = fraction * L.h[j]
             x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
@@ -69,7 +69,7 @@ def _book(
                 a = ti.Vector([A[3 * k, i + j], A[3 * k + 1, i + j], A[3 * k + 2, i + j]])
                 impulse = a * (m * h)
                 rest -= impulse
-                note(B, b, terms.count + k, impulse.dot(mean), 0.0, impulse)
+                add_entry(B, b, terms.count + k, impulse.dot(mean), 0.0, impulse)
                 if ti.static(len(terms.walls) > 0 and terms.mutual[k]):
                     C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
             for force, offset, count, row, medium in ti.static(terms.pushes):
@@ -81,7 +81,7 @@ def _book(
                     a = term_acceleration(force, seen, t, parameters(Q, force, offset, repeat))
                     impulse = a * (m * h)
                     rest -= impulse
-                    note(B, b, row, impulse.dot(mean), 0.0, impulse)
+                    add_entry(B, b, row, impulse.dot(mean), 0.0, impulse)
                     if ti.static(len(terms.walls) > 0 and force.conservative):
                         C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
             for force, offset, count, row in ti.static(terms.magnetics):
@@ -89,9 +89,9 @@ def _book(
                     field = force.magnetic(p, t, parameters(Q, force, offset, repeat))
                     impulse = mean.cross(field) * (S[7, i + j] * h)
                     rest -= impulse
-                    note(B, b, row, 0.0, 0.0, impulse)
+                    add_entry(B, b, row, 0.0, 0.0, impulse)
             if ti.static(terms.turns_alone and kicked):  # what the pusher turns otherwise than each field by itself
-                note(B, b, terms.magnetics[0][3], 0.0, 0.0, rest)
+                add_entry(B, b, terms.magnetics[0][3], 0.0, 0.0, rest)
             if ti.static(len(terms.dampings) > 0):
                 total = h * 0.0
                 pull = ti.Vector([0.0, 0.0, 0.0])
@@ -109,20 +109,20 @@ def _book(
                     k = L.at("k", d)[j] + L.at("q", d)[j] * (mean - u).norm()
                     impulse = (u - met) * (k * m * h)
                     work = impulse.dot(u)
-                    note(B, b, ti.static(terms.dampings[d][3]), work, work - impulse.dot(mean), impulse)
+                    add_entry(B, b, ti.static(terms.dampings[d][3]), work, work - impulse.dot(mean), impulse)
 
 
 @ti.func
-def flight(
+def drift_with_exhaust(
     terms: ti.template(), B: ti.template(), b, L: ti.template(), X: ti.template(),
     S: ti.template(), K: ti.template(), Q: ti.template(), i, n, tau, fraction,
 ):  # fmt: skip
     """A drift; what burns meanwhile leaves in halves, before and after it."""
-    if ti.static(len(terms.burners) > 0):
-        book_exhaust(terms, B, b, L, X, S, K, Q, i, n, tau, 0.5 * fraction)
+    if ti.static(len(terms.mass_loss_terms) > 0):
+        add_exhaust_entries(terms, B, b, L, X, S, K, Q, i, n, tau, 0.5 * fraction)
     drift(L, X, fraction)
-    if ti.static(len(terms.burners) > 0):
-        book_exhaust(terms, B, b, L, X, S, K, Q, i, n, tau + fraction, 0.5 * fraction)
+    if ti.static(len(terms.mass_loss_terms) > 0):
+        add_exhaust_entries(terms, B, b, L, X, S, K, Q, i, n, tau + fraction, 0.5 * fraction)
 
 
 @ti.func
@@ -132,8 +132,8 @@ def medium_velocity(terms: ti.template(), L: ti.template(), d: ti.template(), j)
 
 
 @cache
-def make_booking(
-    composition: Composition, kind: str, rotates: tuple, mutual: tuple, staged: bool, channels: tuple, precision: str
+def make_ledger_kernel(
+    composition: KernelTerms, kind: str, rotates: tuple, mutual: tuple, staged: bool, channels: tuple, precision: str
 ):
     """The booking kernel of one system: as make_step's kernel, for one step, with B (blocks, rows x 5) f64 at the end.
 
@@ -142,13 +142,13 @@ def make_booking(
     """
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = Terms(composition, channels, len(mutual), rotates, real)
+    terms = TileTerms(composition, channels, len(mutual), rotates, real)
     terms.mutual = mutual
     names = terms.vectors
     splitting = kind == "splitting"
 
     @ti.kernel
-    def booking(
+    def ledger_kernel(
         S: matrix, birth: ti.types.ndarray(ti.f64, 1), K: ti.types.ndarray(ti.u32, 2), A: matrix, R: matrix, Q: vector,
         P: vector, begin: ti.i32, n: ti.i32, first: ti.f64, dt: ti.f64, earliest: ti.f64, stage0: ti.i32, stage1: ti.i32,
         B: ti.types.ndarray(ti.f64, 2), M: matrix,
@@ -173,8 +173,8 @@ def make_booking(
                         for j in range(WIDTH):
                             C.c0[j], C.c1[j], C.c2[j] = M[0, i + j], M[1, i + j], M[2, i + j]
                     lifespan(L, S, birth, i, first * dt, dt, earliest, real)
-                    if ti.static(len(terms.burners) > 0):
-                        burn(terms, L, X, S, K, Q, i)
+                    if ti.static(len(terms.mass_loss_terms) > 0):
+                        find_mass_loss(terms, L, X, S, K, Q, i)
                     if ti.static(splitting):
                         if ti.static(len(terms.walls) > 0):
                             copy(G, X)
@@ -182,13 +182,13 @@ def make_booking(
                                 if stage0 > 0 or (stage0 == 0 and P[0] != 0.0):
                                     load(G, R, i)
                         if stage0 < 0:
-                            flight(terms, B, b, L, X, S, K, Q, i, n, 0.0, P[0])
+                            drift_with_exhaust(terms, B, b, L, X, S, K, Q, i, n, 0.0, P[0])
                         for g in range(ti.max(stage0, 0), stage1):
                             for j in range(WIDTH):
                                 Y.v0[j], Y.v1[j], Y.v2[j] = X.v0[j], X.v1[j], X.v2[j]
                             accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
                             kick(terms, L, X, S, i, P[1 + 3 * g], P[P.shape[0] - 1])
-                            _book(
+                            _add_kick_entries(
                                 terms,
                                 B,
                                 b,
@@ -207,15 +207,17 @@ def make_booking(
                                 C,
                                 P[P.shape[0] - 1],
                             )
-                            flight(terms, B, b, L, X, S, K, Q, i, n, P[2 + 3 * g], P[3 + 3 * g])
+                            drift_with_exhaust(terms, B, b, L, X, S, K, Q, i, n, P[2 + 3 * g], P[3 + 3 * g])
                     else:
                         if stage0 > 0:
-                            recall(Y, Z, R, i)
+                            load_stage(Y, Z, R, i)
                         for g in range(ti.max(stage0, 0), stage1):
                             accumulate(terms, L, Y, S, K, A, Q, i, P[2 + 3 * g])
-                            _book(terms, B, b, L, Y, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], False, C, 0.0)
-                            if ti.static(len(terms.burners) > 0):
-                                book_exhaust(terms, B, b, L, Y, S, K, Q, i, n, P[2 + 3 * g], P[1 + 3 * g])
+                            _add_kick_entries(
+                                terms, B, b, L, Y, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], False, C, 0.0
+                            )
+                            if ti.static(len(terms.mass_loss_terms) > 0):
+                                add_exhaust_entries(terms, B, b, L, Y, S, K, Q, i, n, P[2 + 3 * g], P[1 + 3 * g])
                             advance_stage(terms, L, X, Y, Z, S, i, P[1 + 3 * g], P[3 + 3 * g])
                     if ti.static(len(terms.walls) > 0):
                         for j in range(WIDTH):
@@ -226,6 +228,6 @@ def make_booking(
                                 for j in range(WIDTH):
                                     X.x0[j], X.x1[j], X.x2[j] = X.x0[j] + Z.x0[j], X.x1[j] + Z.x1[j], X.x2[j] + Z.x2[j]
                                     X.v0[j], X.v1[j], X.v2[j] = X.v0[j] + Z.v0[j], X.v1[j] + Z.v1[j], X.v2[j] + Z.v2[j]
-                            collide(terms, L, G, X, S, Q, i, n, B, b, C, True)
+                            resolve_collisions(terms, L, G, X, S, Q, i, n, B, b, C, True)
 
-    return runtime.kernel(booking, precision)
+    return runtime.kernel(ledger_kernel, precision)

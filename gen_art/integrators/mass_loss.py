@@ -3,14 +3,14 @@
 from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
 from gen_art.forces.base import term_acceleration, term_mass_rate
-from gen_art.integrators.ledger_rows import note
+from gen_art.integrators.ledger_rows import add_entry
 from gen_art.integrators.tile import WIDTH, repeats, view
 
-__all__ = ["book_exhaust", "burn", "lighten"]
+__all__ = ["add_exhaust_entries", "find_mass_loss", "apply_mass_loss"]
 
 
 @ti.func
-def burn(
+def find_mass_loss(
     terms: ti.template(), L: ti.template(), X: ti.template(), S: ti.template(), K: ti.template(), Q: ti.template(), i
 ):
     """Each lane's loss of mass in kg/s over its own step, into L.w."""
@@ -19,12 +19,12 @@ def burn(
         x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
         v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
         p = view(terms, S, K, i + j, x, v, L.age[j], None, S[6, i + j], (L.age[j], L.h[j]))
-        for burner in ti.static(terms.burners):
+        for burner in ti.static(terms.mass_loss_terms):
             L.w[j] += term_mass_rate(burner[0], p, L.t[j], parameters(Q, burner[0], burner[1]))
 
 
 @ti.func
-def lighten(L: ti.template(), S: ti.template(), i, n):
+def apply_mass_loss(L: ti.template(), S: ti.template(), i, n):
     """Take what burnt in the step off the particles' mass."""
     for j in range(WIDTH):
         if i + j < n:
@@ -32,7 +32,7 @@ def lighten(L: ti.template(), S: ti.template(), i, n):
 
 
 @ti.func
-def book_exhaust(
+def add_exhaust_entries(
     terms: ti.template(), B: ti.template(), b, L: ti.template(), X: ti.template(),
     S: ti.template(), K: ti.template(), Q: ti.template(), i, n, tau, share,
 ):  # fmt: skip
@@ -48,7 +48,7 @@ def book_exhaust(
             m = S[6, i + j] - tau * L.h[j] * L.w[j]
             age, t = L.age[j] + tau * L.h[j], L.t[j] + tau * L.h[j]
             p = view(terms, S, K, i + j, x, v, age, None, m, (L.age[j], L.h[j]))
-            for k, burner in ti.static(enumerate(terms.burners)):
+            for k, burner in ti.static(enumerate(terms.mass_loss_terms)):
                 q = parameters(Q, burner[0], burner[1])
                 rate = term_mass_rate(burner[0], p, t, q)
                 if rate > 0.0:
@@ -56,7 +56,7 @@ def book_exhaust(
                     dm = rate * share * L.h[j]
                     gone = v + u
                     extra = dm * (0.5 * u.dot(u) + u.dot(v))
-                    note(B, b, burner[3], extra, 0.0, u * dm)
+                    add_entry(B, b, burner[3], extra, 0.0, u * dm)
                     row = ti.static(terms.exhaust + 2 * k)
                     energy = 0.5 * dm * gone.dot(gone)
                     for force, offset, count, _ in ti.static(terms.potentials):
@@ -64,5 +64,5 @@ def book_exhaust(
                         for repeat in range(repeats(Q, count)):
                             at = parameters(Q, force, offset, repeat)
                             energy += force.potential(p, t, at) - force.potential(lighter, t, at)
-                    note(B, b, row, energy, dm, gone * dm)
-                    note(B, b, row + 1, 0.0, 0.0, x.cross(gone) * dm)
+                    add_entry(B, b, row, energy, dm, gone * dm)
+                    add_entry(B, b, row + 1, 0.0, 0.0, x.cross(gone) * dm)

@@ -14,7 +14,7 @@ Langdon, Plasma Physics via Computer Simulation, section 4.3.
 from gen_art.backend.runtime import is_f64, ti
 from gen_art.maths.elementary import cos, sin
 
-__all__ = ["corrected", "gamma_at", "relativistic"]
+__all__ = ["phase_corrected", "gamma_at", "relativistic"]
 
 
 @ti.func
@@ -29,7 +29,7 @@ def gamma_at(v, light):
 
 
 @ti.func
-def corrected(a, omega, h, gamma, share):
+def phase_corrected(a, omega, h, gamma, share):
     """(a, omega) with the correction of the phase, for steps below 3 rad. share : the pusher's gamma over gamma."""
     strength = omega.norm()
     z = ti.min(0.5 * h * strength / gamma, 1.5)
@@ -47,7 +47,7 @@ def turned(u, t):
 
 
 @ti.func
-def after(u, tau, light):
+def pusher_gamma(u, tau, light):
     """The gamma that Vay's and Higuera and Cary's schemes turn with, of u before the turn."""
     g2 = 1.0 + u.dot(u) / (light * light)
     tau2 = tau.dot(tau)
@@ -67,16 +67,16 @@ def relativistic(terms: ti.template(), v, a, omega, h, light):
             across = u.cross(omega).norm() / ti.max(omega.norm(), ti.static(1e-290 if is_f64() else 1e-30)) / light
             lost = across * sin(ti.min(0.5 * h * omega.norm() / g, 1.5))
             share = ti.sqrt(1.0 - lost * lost / (g * g))
-        a, omega = corrected(a, omega, h, g, share)
+        a, omega = phase_corrected(a, omega, h, g, share)
     half, tau = a * (0.5 * h), omega * (0.5 * h)
     if ti.static(terms.pusher == "vay"):
         u += 2.0 * half + v.cross(tau)
-        t = tau / after(u, tau, light)
+        t = tau / pusher_gamma(u, tau, light)
         u = (u + t * u.dot(t) + u.cross(t)) / (1.0 + t.dot(t))
     else:
         u += half
         gamma = gamma_of(u, light)
         if ti.static(terms.pusher == "higuera_cary"):
-            gamma = after(u, tau, light)
+            gamma = pusher_gamma(u, tau, light)
         u = turned(u, tau / gamma) + half
     return u / gamma_of(u, light)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from gen_art.errors import UsageError
 from gen_art.registry import suggest
 
-__all__ = ["INTEGRATORS", "Scheme", "charged", "reach", "scheme"]
+__all__ = ["INTEGRATORS", "Scheme", "charged", "stability_limit", "scheme"]
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def charged(used: Scheme, forces, light: float | None, exact: bool, interactions
     return replace(used, light=float(light or 0.0), exact=bool(exact))
 
 
-def reach(used: Scheme) -> float:
+def stability_limit(used: Scheme) -> float:
     """The largest w dt at which an oscillator's energy stays bounded; 0 where it grows at any step.
 
     rk2's growth, (w dt)^4 / 8 a step, is counted as bounded up to 0.5.

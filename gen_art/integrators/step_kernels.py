@@ -9,19 +9,30 @@ from functools import cache
 
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
-from gen_art.integrators.collisions import collide
-from gen_art.integrators.kernel_terms import Composition
-from gen_art.integrators.mass_loss import burn, lighten
-from gen_art.integrators.tile import WIDTH, Terms, accumulate, copy, kick, lifespan, load, specific_charge, store, tile
+from gen_art.integrators.collisions import resolve_collisions
+from gen_art.integrators.kernel_terms import KernelTerms
+from gen_art.integrators.mass_loss import apply_mass_loss, find_mass_loss
+from gen_art.integrators.tile import (
+    WIDTH,
+    TileTerms,
+    accumulate,
+    copy,
+    kick,
+    lifespan,
+    load,
+    specific_charge,
+    store,
+    tile,
+)
 
-__all__ = ["BLOCK", "advance_stage", "drift", "make_step", "recall"]
+__all__ = ["BLOCK", "advance_stage", "drift", "make_step", "load_stage"]
 
 BLOCK = 1024
 
 
 @cache
 def make_step(
-    composition: Composition, kind: str, rotates: tuple, pairs: int, staged: bool, channels: tuple, precision: str
+    composition: KernelTerms, kind: str, rotates: tuple, pairs: int, staged: bool, channels: tuple, precision: str
 ):
     """The step kernel of one system; `channels` names the declared attributes. Numbers are never in the key.
 
@@ -35,7 +46,7 @@ def make_step(
     `staged`: launches may hold a part of the stages; Runge-Kutta then keeps its stage states in R.
     """
     real = runtime.DTYPES[precision]
-    terms = Terms(composition, channels, pairs, rotates, real)
+    terms = TileTerms(composition, channels, pairs, rotates, real)
     if kind == "splitting":
         return runtime.kernel(_splitting(terms, staged, real), precision)
     return runtime.kernel(_runge_kutta(terms, staged, real), precision)
@@ -50,7 +61,7 @@ def drift(L: ti.template(), X: ti.template(), fraction):
         X.x2[j] += h * X.v2[j]
 
 
-def _splitting(terms: Terms, resumes: bool, real):
+def _splitting(terms: TileTerms, resumes: bool, real):
     matrix = ti.types.ndarray(real, 2)
     vector = ti.types.ndarray(real, 1)
     names = terms.vectors
@@ -86,8 +97,8 @@ def _splitting(terms: Terms, resumes: bool, real):
                     still = P[0] == 0.0 and P[P.shape[0] - 2] == 0.0
                     for step in range(steps):
                         lifespan(L, S, birth, i, (first + ti.cast(step, ti.f64)) * dt, dt, earliest, real)
-                        if ti.static(len(terms.burners) > 0):
-                            burn(terms, L, X, S, K, Q, i)
+                        if ti.static(len(terms.mass_loss_terms) > 0):
+                            find_mass_loss(terms, L, X, S, K, Q, i)
                         if ti.static(len(terms.walls) > 0):
                             begin_step(resumes, G, X, R, P, i, stage0)
                         if stage0 < 0:
@@ -103,10 +114,10 @@ def _splitting(terms: Terms, resumes: bool, real):
                             drift(L, X, P[3 + 3 * g])
                         if ti.static(len(terms.walls) > 0):
                             if stage1 == (P.shape[0] - 1) // 3:
-                                collide(terms, L, G, X, S, Q, i, n, 0, 0, 0, False)
-                        if ti.static(len(terms.burners) > 0):
+                                resolve_collisions(terms, L, G, X, S, Q, i, n, 0, 0, 0, False)
+                        if ti.static(len(terms.mass_loss_terms) > 0):
                             if stage1 == (P.shape[0] - 1) // 3:
-                                lighten(L, S, i, n)
+                                apply_mass_loss(L, S, i, n)
                     store(X, S, i)
 
     return splitting
@@ -125,7 +136,7 @@ def begin_step(
         copy(G, X)
 
 
-def _runge_kutta(terms: Terms, resumes: bool, real):
+def _runge_kutta(terms: TileTerms, resumes: bool, real):
     matrix = ti.types.ndarray(real, 2)
     vector = ti.types.ndarray(real, 1)
     names = terms.vectors
@@ -160,20 +171,20 @@ def _runge_kutta(terms: Terms, resumes: bool, real):
                     load(X, S, i)
                     for step in range(steps):
                         lifespan(L, S, birth, i, (first + ti.cast(step, ti.f64)) * dt, dt, earliest, real)
-                        if ti.static(len(terms.burners) > 0):
-                            burn(terms, L, X, S, K, Q, i)
+                        if ti.static(len(terms.mass_loss_terms) > 0):
+                            find_mass_loss(terms, L, X, S, K, Q, i)
                         for j in range(WIDTH):
                             Y.x0[j], Y.x1[j], Y.x2[j] = X.x0[j], X.x1[j], X.x2[j]
                             Y.v0[j], Y.v1[j], Y.v2[j] = X.v0[j], X.v1[j], X.v2[j]
                             Z.x0[j], Z.x1[j], Z.x2[j], Z.v0[j], Z.v1[j], Z.v2[j] = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
                         if ti.static(resumes):
                             if stage0 > 0:
-                                recall(Y, Z, R, i)
+                                load_stage(Y, Z, R, i)
                         for g in range(ti.max(stage0, 0), stage1):
                             accumulate(terms, L, Y, S, K, A, Q, i, P[2 + 3 * g])
                             advance_stage(terms, L, X, Y, Z, S, i, P[1 + 3 * g], P[3 + 3 * g])
                         if ti.static(resumes):
-                            remember(Y, Z, R, i)
+                            save_stage(Y, Z, R, i)
                         if stage1 == (P.shape[0] - 1) // 3:
                             if ti.static(len(terms.walls) > 0):
                                 copy(Y, X)
@@ -185,10 +196,10 @@ def _runge_kutta(terms: Terms, resumes: bool, real):
                                 X.v1[j] += Z.v1[j]
                                 X.v2[j] += Z.v2[j]
                             if ti.static(len(terms.walls) > 0):
-                                collide(terms, L, Y, X, S, Q, i, n, 0, 0, 0, False)
-                        if ti.static(len(terms.burners) > 0):
+                                resolve_collisions(terms, L, Y, X, S, Q, i, n, 0, 0, 0, False)
+                        if ti.static(len(terms.mass_loss_terms) > 0):
                             if stage1 == (P.shape[0] - 1) // 3:
-                                lighten(L, S, i, n)
+                                apply_mass_loss(L, S, i, n)
                     store(X, S, i)
 
     return runge_kutta
@@ -228,7 +239,7 @@ def advance_stage(
 
 
 @ti.func
-def recall(Y: ti.template(), Z: ti.template(), R: ti.template(), i):
+def load_stage(Y: ti.template(), Z: ti.template(), R: ti.template(), i):
     for j in range(WIDTH):
         Y.x0[j], Y.x1[j], Y.x2[j], Y.v0[j], Y.v1[j], Y.v2[j] = (
             R[0, i + j],
@@ -249,7 +260,7 @@ def recall(Y: ti.template(), Z: ti.template(), R: ti.template(), i):
 
 
 @ti.func
-def remember(Y: ti.template(), Z: ti.template(), R: ti.template(), i):
+def save_stage(Y: ti.template(), Z: ti.template(), R: ti.template(), i):
     for j in range(WIDTH):
         R[0, i + j], R[1, i + j], R[2, i + j], R[3, i + j], R[4, i + j], R[5, i + j] = (
             Y.x0[j],

@@ -8,15 +8,28 @@ from gen_art.backend.kernel_views import parameters, particle, traced
 from gen_art.backend.runtime import impl, make_matrix, ti
 from gen_art.colliders.surface import make_surface
 from gen_art.forces.base import is_steady, term_acceleration
-from gen_art.integrators.kernel_terms import Composition
-from gen_art.integrators.pushers import corrected, relativistic
+from gen_art.integrators.kernel_terms import KernelTerms
+from gen_art.integrators.pushers import phase_corrected, relativistic
 from gen_art.maths.elementary import phi
 from gen_art.particles.fixed import is_fixed
 
 __all__ = [
-    "WIDTH", "Terms", "accumulate", "copy", "flow", "kick", "lifespan", "load", "repeats", "specific_charge", "step_of", "store",
-    "tile", "view", "weight",
-]  # fmt: skip
+    "WIDTH",
+    "TileTerms",
+    "accumulate",
+    "copy",
+    "flow",
+    "kick",
+    "lifespan",
+    "load",
+    "repeats",
+    "specific_charge",
+    "step_of",
+    "store",
+    "tile",
+    "view",
+    "weight",
+]
 
 WIDTH = 16
 
@@ -41,13 +54,13 @@ def tile(names: str) -> Tile:
     return Tile(names)
 
 
-class Terms:
+class TileTerms:
     """A composition as the kernels walk it. Each entry is (force, offset of its numbers, offset of its repeat count, index)."""
 
     _data_oriented = True
 
     def __init__(
-        self, composition: Composition, channels: tuple, pairs: int, rotates: tuple = ("", False, False), real=None
+        self, composition: KernelTerms, channels: tuple, pairs: int, rotates: tuple = ("", False, False), real=None
     ):
         self.pusher, self.relativistic, self.exact = rotates
         index = {id(t): k for k, t in enumerate(composition.terms)}
@@ -64,7 +77,7 @@ class Terms:
             self.walls.append((t.force, t.offset, bit, len(composition.terms) + pairs + k))
             bit += t.force.sides
         self.surface = make_surface(self.walls, real) if self.walls else None
-        self.burners = [entry(t) for t in composition.burners]
+        self.mass_loss_terms = [entry(t) for t in composition.mass_loss_terms]
         self.potentials = [entry(t) for t in composition.potentials]
         self.exhaust = (
             len(composition.terms) + pairs + len(self.walls)
@@ -78,12 +91,12 @@ class Terms:
             is_steady(t.force) for t in (*composition.terms, *(t for terms in composition.media for t in terms))
         )
         # what `accumulate` leaves in the tile holds for the next step too, where no position changes in between
-        self.kept = steady and not (self.magnetics or self.walls or self.burners)
+        self.kept = steady and not (self.magnetics or self.walls or self.mass_loss_terms)
         self.turns_alone = bool(self.magnetics) and not self.dampings
         names = ["a0 a1 a2 g0 g1 g2 h age t"]
         names += [f"k{d} q{d}" for d in range(len(self.dampings))]
         names += [f"u{m}0 u{m}1 u{m}2" for m in range(len(self.media))]
-        if self.burners:
+        if self.mass_loss_terms:
             names.append("m w")  # mass at the stage, and its loss in kg/s
         if self.magnetics:
             names.append("b0 b1 b2")
@@ -91,7 +104,7 @@ class Terms:
 
 
 @traced
-def view(terms: Terms, S, K, i, x, v, age, flow=None, mass=None, step=None):
+def view(terms: TileTerms, S, K, i, x, v, age, flow=None, mass=None, step=None):
     """The particle `p` in slot i as forces see it, moved to position x, velocity v, age.
 
     flow is its medium's velocity; mass what it weighs where it burns, with the age at the start of its step and the step.
@@ -125,22 +138,22 @@ def flow(L, medium: int, j):
 
 
 @traced
-def weight(terms: Terms, L, j):
+def weight(terms: TileTerms, L, j):
     """A lane's mass at the stage, where it burns; else None: the stored one."""
-    return impl.subscript(None, L.m, j) if terms.burners else None
+    return impl.subscript(None, L.m, j) if terms.mass_loss_terms else None
 
 
 @traced
-def step_of(terms: Terms, L, j):
+def step_of(terms: TileTerms, L, j):
     """The age at the start of a lane's own step and the step's length, where it burns; else None."""
-    return (impl.subscript(None, L.age, j), impl.subscript(None, L.h, j)) if terms.burners else None
+    return (impl.subscript(None, L.age, j), impl.subscript(None, L.h, j)) if terms.mass_loss_terms else None
 
 
 @ti.func
 def specific_charge(terms: ti.template(), L: ti.template(), S: ti.template(), i, j):
     """Charge over mass."""
     ratio = S[7, i + j] / S[6, i + j]
-    if ti.static(len(terms.burners) > 0):
+    if ti.static(len(terms.mass_loss_terms) > 0):
         ratio = S[7, i + j] / L.m[j]
     return ratio
 
@@ -201,7 +214,7 @@ def accumulate(
     tau,
 ):
     """Sum every term at the state X of the tile and the fraction tau of each lane's step, into L."""
-    if ti.static(len(terms.burners) > 0):
+    if ti.static(len(terms.mass_loss_terms) > 0):
         for j in range(WIDTH):
             L.m[j] = S[6, i + j] - tau * L.h[j] * L.w[j]
     for j in range(WIDTH):
@@ -341,7 +354,7 @@ def kick(terms: ti.template(), L: ti.template(), X: ti.template(), S: ti.templat
             omega = ti.Vector([L.b0[j], L.b1[j], L.b2[j]]) * specific_charge(terms, L, S, i, j)
             if ti.static(terms.pusher != ""):
                 if ti.static(terms.exact):
-                    a, turn = corrected(ti.Vector([L.a0[j], L.a1[j], L.a2[j]]), omega, h, 1.0, 1.0)
+                    a, turn = phase_corrected(ti.Vector([L.a0[j], L.a1[j], L.a2[j]]), omega, h, 1.0, 1.0)
                     L.a0[j], L.a1[j], L.a2[j] = a[0], a[1], a[2]
                     omega = turn
                 v = push(terms, L, j, v, 0.5 * h)

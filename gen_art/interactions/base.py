@@ -8,14 +8,14 @@ import numpy as np
 from gen_art.particles.storage import Particles
 from gen_art.registry import Parametric, Registry
 
-__all__ = ["INTERACTIONS", "Interaction", "Pull", "Turn", "interaction"]
+__all__ = ["INTERACTIONS", "Interaction", "ForceRequest", "ImplicitStage", "interaction"]
 
 INTERACTIONS = Registry("interaction")
 interaction = INTERACTIONS
 
 
 @dataclass
-class Pull:
+class ForceRequest:
     """What an interaction is asked for at one stage of a step.
 
     rows : (6 or more, capacity): position and velocity at this stage     state : the particles acted on, for the rest
@@ -35,7 +35,7 @@ class Pull:
 
 
 @dataclass
-class Turn:
+class ImplicitStage:
     """The part of a step that an implicit interaction takes: what stands around its change of the velocities.
 
     old : (3, n) velocities before the forces' kick     kick, drift : s, how long the forces kicked, and the drift that follows
@@ -60,8 +60,9 @@ class Interaction(Parametric):
     Where `implicit`, `solve(state, turn)` changes velocities instead, between each kick of a step and the drift after it.
     Where it `carries` the particles, `drift(state, turn)` moves them too, in the place of the kernel's drift; the system's
     colliders are then its own, by `take_colliders`, and the ledger asks for their `impulses` and for its `shifts`.
-    Where it `tears`, `let_go(state, precision)` is called at the end of each step.
-    `memory` is what it knows beyond the particles and its parameters, arrays by name; `remember(memory, time)` takes it back.
+    Where it `breaks`, `break_bonds(state, precision)` is called at the end of each step.
+    `saved_arrays` is what a snapshot must keep beside the particles and the parameters, arrays by name;
+    `restore_arrays(saved_arrays, time)` restores it.
     """
 
     parts: ClassVar[tuple[str, ...]] = ("",)
@@ -69,7 +70,7 @@ class Interaction(Parametric):
     conservative: ClassVar[bool] = True
     reciprocal: ClassVar[bool] = True
     implicit: bool = False
-    tears: bool = False
+    breaks: bool = False
     carries: ClassVar[bool] = False
 
     @property
@@ -77,16 +78,16 @@ class Interaction(Parametric):
         """The other system whose particles act, or None: the particles of the system act on each other."""
         return self.values.get("sources")
 
-    def join(self, system, dt: float) -> None:
+    def attach(self, system, dt: float) -> None:
         """Called when the particles of the start have been born: learn who they are, refuse by UsageError, or warn."""
 
-    def accelerate(self, pull: Pull, out: np.ndarray) -> None:
+    def accelerate(self, request: ForceRequest, out: np.ndarray) -> None:
         raise NotImplementedError
 
-    def solve(self, state: Particles, turn: Turn) -> None:
+    def solve(self, state: Particles, turn: ImplicitStage) -> None:
         raise NotImplementedError
 
-    def drift(self, state: Particles, turn: Turn) -> None:
+    def drift(self, state: Particles, turn: ImplicitStage) -> None:
         raise NotImplementedError
 
     def take_colliders(self, colliders) -> None:
@@ -101,13 +102,13 @@ class Interaction(Parametric):
         raise NotImplementedError
 
     @property
-    def memory(self) -> dict[str, np.ndarray]:
+    def saved_arrays(self) -> dict[str, np.ndarray]:
         return {}
 
-    def remember(self, memory: dict[str, np.ndarray], time: float) -> None:
+    def restore_arrays(self, saved_arrays: dict[str, np.ndarray], time: float) -> None:
         raise NotImplementedError
 
-    def let_go(self, state: Particles, precision: str) -> float | None:
+    def break_bonds(self, state: Particles, precision: str) -> float | None:
         """Let go of what breaks at these positions: the energy it held, J, or None when nothing broke."""
         raise NotImplementedError
 

@@ -13,7 +13,7 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
-from gen_art.interactions.base import Interaction, Pull
+from gen_art.interactions.base import ForceRequest, Interaction
 from gen_art.maths.elementary import log, power
 
 __all__ = ["DirectSum"]
@@ -50,34 +50,39 @@ class DirectSum(Interaction):
         method = self.values.get("method", "direct")
         return method == "tree" or (method == "auto" and pairs > _MANY)
 
-    def accelerate(self, pull: Pull, out: np.ndarray) -> None:
+    def accelerate(self, request: ForceRequest, out: np.ndarray) -> None:
         k, n, softening = self.law
-        amounts = pull.sources.floats[pull.sources.channels[self.amount], : pull.m]
-        if self.by_tree(pull.n * pull.m):
-            sources = None if self.source_system is None else pull.source_rows[:3, : pull.m]
-            out[:, : pull.n] = k * self._tree(pull.rows[:3, : pull.n], sources, amounts, pull.precision)[:3]
-            self._weigh(pull, out)
+        amounts = request.sources.floats[request.sources.channels[self.amount], : request.m]
+        if self.by_tree(request.n * request.m):
+            sources = None if self.source_system is None else request.source_rows[:3, : request.m]
+            out[:, : request.n] = k * self._tree(request.rows[:3, : request.n], sources, amounts, request.precision)[:3]
+            self._weigh(request, out)
             return
-        sources = np.ascontiguousarray(np.concatenate([pull.source_rows[:3, : pull.m], amounts[None]]))
+        sources = np.ascontiguousarray(np.concatenate([request.source_rows[:3, : request.m], amounts[None]]))
         numbers = np.array([k, softening**2, n], out.dtype)
-        _accelerator("square" if n == -2 else "power", pull.precision)(pull.rows, sources, out, pull.n, numbers)
-        self._weigh(pull, out)
+        _accelerator("square" if n == -2 else "power", request.precision)(
+            request.rows, sources, out, request.n, numbers
+        )
+        self._weigh(request, out)
 
     def _tree(self, targets, sources, amounts, precision, valued=False):
-        from gen_art.interactions.tree_sum import pull as by_tree
+        from gen_art.interactions.tree_sum import sum_by_tree
 
         softening, theta = self.values["softening"], self.values["theta"]
-        return by_tree(np.ascontiguousarray(targets), sources, amounts, softening, theta, precision, valued)
+        return sum_by_tree(np.ascontiguousarray(targets), sources, amounts, softening, theta, precision, valued)
 
-    def _weigh(self, pull: Pull, out: np.ndarray) -> None:
+    def _weigh(self, request: ForceRequest, out: np.ndarray) -> None:
         """From the field to accelerations, where it does not act on mass."""
         if self.amount != "mass":
-            mass, own = pull.state.floats[6, : pull.n], pull.state.floats[pull.state.channels[self.amount], : pull.n]
+            mass, own = (
+                request.state.floats[6, : request.n],
+                request.state.floats[request.state.channels[self.amount], : request.n],
+            )
             if ((mass == 0) & (own != 0)).any():
                 raise UsageError(
                     f"{self.name}: a particle with a charge and no mass has no acceleration; give it a mass"
                 )
-            out[:, : pull.n] *= np.divide(own, mass, out=np.zeros_like(own), where=mass > 0)
+            out[:, : request.n] *= np.divide(own, mass, out=np.zeros_like(own), where=mass > 0)
 
     def energy(self, state, slots, precision):
         count = len(slots)

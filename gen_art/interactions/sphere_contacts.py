@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 
 from gen_art.errors import UsageError
-from gen_art.interactions.base import Interaction, Pull, interaction
+from gen_art.interactions.base import ForceRequest, Interaction, interaction
 from gen_art.interactions.neighbour_grid import Grid, sort_into_grid
 from gen_art.interactions.sphere_contact_kernels import BLOCK, deepest, pushes
 from gen_art.registry import param
@@ -57,7 +57,7 @@ class Contacts(Interaction):
     def attributes(self):
         return ("spin_x", "spin_y", "spin_z") if self.spins else ()
 
-    def join(self, system, dt):
+    def attach(self, system, dt):
         if self.spins and system.scheme.name not in ("semi_implicit_euler", "position_verlet"):
             raise UsageError(
                 f"contacts: spin is turned once a step; give '{system.name}' semi_implicit_euler or position_verlet, "
@@ -109,18 +109,18 @@ class Contacts(Interaction):
             return None
         return sort_into_grid(rows, floats, n, 2 * radius * (1 + 1e-6), precision)
 
-    def accelerate(self, pull: Pull, out):
-        state, n = pull.state, pull.n
+    def accelerate(self, request: ForceRequest, out):
+        state, n = request.state, request.n
         if (state.floats[6, :n] <= 0).any():
             raise UsageError("contacts: a particle has no mass; give it one, or fix it")
-        grid = self._grid(pull.rows, state.floats, n, pull.precision)
+        grid = self._grid(request.rows, state.floats, n, request.precision)
         if grid is None:
             out[:, :n] = 0.0
             return
-        numbers = self._numbers(pull.span, pull.dt, out.dtype)
+        numbers = self._numbers(request.span, request.dt, out.dtype)
         turn = np.zeros((3, n if self.spins else 1), out.dtype)
         first = state.channels["spin_x"] if self.spins else 0
-        accelerate, hand_back, _ = pushes(pull.precision, self.spins)
+        accelerate, hand_back, _ = pushes(request.precision, self.spins)
         found = np.empty(6 * n, out.dtype)
         accelerate(
             grid.sorted, grid.slots, grid.first, grid.low, grid.shape, numbers, grid.size, state.floats, first, found, turn,
@@ -128,7 +128,7 @@ class Contacts(Interaction):
         )  # fmt: skip
         hand_back(found, grid.rank, out, 3 * len(self.parts))
         if self.spins:
-            state.floats[first : first + 3, :n] += pull.span * turn
+            state.floats[first : first + 3, :n] += request.span * turn
 
     def energy(self, state, slots, precision):
         if not len(slots):

@@ -7,7 +7,7 @@ import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.interactions.adjacency import Adjacency
-from gen_art.interactions.base import Interaction, Pull, interaction
+from gen_art.interactions.base import ForceRequest, Interaction, interaction
 from gen_art.interactions.implicit_springs import solve
 from gen_art.interactions.spring_kernels import spring_kernels
 from gen_art.particles.fixed import fixed_lifetimes
@@ -89,14 +89,14 @@ class Springs(Interaction):
         return self.values["method"] != "explicit"
 
     @property
-    def tears(self) -> bool:
+    def breaks(self) -> bool:
         return self.values["tear"] is not None
 
     @property
     def parts(self):
         return () if self.implicit else ("", "damping") if self.values["damping"] > 0 else ("",)
 
-    def join(self, system, dt):
+    def attach(self, system, dt):
         state = system.state
         n = state.count
         pairs, rest, share = self._laid(system) if self.values["pairs"] is None else (
@@ -115,7 +115,7 @@ class Springs(Interaction):
         share = np.ones(len(pairs)) if share is None else share
         k, c = self.values["stiffness"] * share, self.values["damping"] * share
         self._ids, self._numbers, self._key = pairs, np.stack([k, rest, c], 1), (-1, -1)
-        self._torn = np.zeros(len(pairs) if self.tears else 0, bool)
+        self._torn = np.zeros(len(pairs) if self.breaks else 0, bool)
         if n == 0:  # a snapshot is being restored: the particles come later
             return
         mass = state.floats[6, :n].astype(np.float64)
@@ -173,7 +173,7 @@ class Springs(Interaction):
             ids = state.id[: state.count]
             slots = np.minimum(np.searchsorted(ids, self._ids), state.count - 1)
             whole = (ids[slots] == self._ids).all(1)
-            if self.tears:
+            if self.breaks:
                 whole &= ~self._torn
             self._left = np.flatnonzero(whole)
             numbers, dtype = self._numbers[whole], state.floats.dtype
@@ -181,15 +181,22 @@ class Springs(Interaction):
             if self.values["method"] == "xpbd":
                 from gen_art.interactions import strands, tethers
 
-                self._threads = strands.Threads(slots[whole], numbers, state.count, dtype)
+                self._strands = strands.Strands(slots[whole], numbers, state.count, dtype)
                 held = fixed_lifetimes(state.floats[9, : state.count])
                 self._tethers = [] if self.values["tether"] is None else tethers.ways(self._springs, held, dtype)
         return self._springs
 
-    def accelerate(self, pull: Pull, out):
-        springs = self._adjacency(pull.state)
-        spring_kernels(pull.precision)[0](
-            pull.rows, pull.state.floats, springs.first, springs.other, springs.of, out, pull.n, len(self.parts)
+    def accelerate(self, request: ForceRequest, out):
+        springs = self._adjacency(request.state)
+        spring_kernels(request.precision)[0](
+            request.rows,
+            request.state.floats,
+            springs.first,
+            springs.other,
+            springs.of,
+            out,
+            request.n,
+            len(self.parts),
         )
 
     def solve(self, state, turn) -> None:
@@ -202,11 +209,11 @@ class Springs(Interaction):
             return
         from gen_art.interactions import tethers, xpbd
 
-        xpbd.sweep(state.floats, state.count, self._threads, turn.dt, turn.precision, self.values["sweeps"])
+        xpbd.sweep(state.floats, state.count, self._strands, turn.dt, turn.precision, self.values["sweeps"])
         if self._tethers:
             tethers.hold(state.floats, state.count, self._tethers, self.values["tether"], turn.dt, turn.precision)
 
-    def let_go(self, state, precision: str) -> float | None:
+    def break_bonds(self, state, precision: str) -> float | None:
         """Break the springs that are stretched by more than `tear`; the energy they held, J."""
         from gen_art.interactions.tearing import stretched
 
@@ -223,15 +230,15 @@ class Springs(Interaction):
         springs.numbers[broken] = 0  # what has no stiffness and no damping is gone
         springs.of[:, springs.halves[broken]] = 0
         if self.values["method"] == "xpbd":
-            self._threads.numbers.reshape(-1)[self._threads.at[broken]] = 0
+            self._strands.numbers.reshape(-1)[self._strands.at[broken]] = 0
         return energy
 
     @property
-    def memory(self):
-        return {"torn": self._torn} if self.tears else {}
+    def saved_arrays(self):
+        return {"torn": self._torn} if self.breaks else {}
 
-    def remember(self, memory, time):
-        self._torn, self._key = memory.get("torn", self._torn), (-1, -1)
+    def restore_arrays(self, saved_arrays, time):
+        self._torn, self._key = saved_arrays.get("torn", self._torn), (-1, -1)
 
     def dissipated(self, state, before: np.ndarray, dt: float) -> float:
         """J that an implicit step takes, from velocities `before` (3, n) to those at its end, before its drift of dt.

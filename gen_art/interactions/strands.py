@@ -12,7 +12,7 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 
-__all__ = ["LANES", "Threads"]
+__all__ = ["LANES", "Strands"]
 
 LANES = 16
 _COLOURS = (
@@ -22,7 +22,7 @@ _TASKS = 16  # of a colour, at most: each has scratch of its own, which stays in
 _BATCH = 256  # slots a task, at least
 
 
-class Threads:
+class Strands:
     """The springs between `pairs` ((m, 2) slots) of `count` particles, with `numbers` (m, 3): stiffness, rest length, damping.
 
     Slots lie in rows of LANES: nodes (slots,): the particle at each slot     numbers (3 rows, LANES): of the springs ending there

@@ -16,7 +16,7 @@ import numpy as np
 from gen_art.interactions.octree import Octree, grow
 from gen_art.interactions.tree_kernels import COEFFICIENTS, MOMENTS, tree_kernels
 
-__all__ = ["pull"]
+__all__ = ["sum_by_tree"]
 
 _STACK = 1 << 14  # pairs of cells that wait: 64 for each of 2 x 20 levels is the most there can be
 
@@ -34,7 +34,7 @@ class _Cells:
         tree_kernels(precision).gather(self.sorted, self.tree.begin, self.tree.end, self.moments)
 
 
-def pull(
+def sum_by_tree(
     targets: np.ndarray, sources, amounts: np.ndarray, softening: float, theta: float, precision: str, valued=False
 ):
     """(4, n): at `targets` (3, n) the gradient of ψ in the first three rows, or, where `valued`, ψ in the last.

@@ -17,7 +17,7 @@ import numpy as np
 
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
-from gen_art.interactions.strands import LANES, Threads
+from gen_art.interactions.strands import LANES, Strands
 from gen_art.particles.fixed import is_fixed
 
 __all__ = ["sweep"]
@@ -25,20 +25,20 @@ __all__ = ["sweep"]
 _BLOCK = 1024
 
 
-def sweep(floats: np.ndarray, n: int, threads: Threads, h: float, precision: str, sweeps: int = 1) -> None:
+def sweep(floats: np.ndarray, n: int, strands: Strands, h: float, precision: str, sweeps: int = 1) -> None:
     """Change the velocities (rows 3-5) of the first n particles by the impulses of the springs over a step h.
 
     sweeps : rounds of Newton's method; a spring's impulses add up, so that its stiffness is the same after any number
     """
     load, project, store = _kernels(precision)
-    load(floats, n, threads.particles)
+    load(floats, n, strands.particles)
     for k in range(sweeps):
-        for begin, end in threads.colours:
+        for begin, end in strands.colours:
             project(
-                threads.particles, threads.index, threads.numbers, threads.scratch, threads.total, begin, end, *threads.parts,
-                threads.room, h, min(k, 1), sweeps - 1 - k,
+                strands.particles, strands.index, strands.numbers, strands.scratch, strands.total, begin, end, *strands.parts,
+                strands.room, h, min(k, 1), sweeps - 1 - k,
             )  # fmt: skip
-    store(floats, n, threads.particles)
+    store(floats, n, strands.particles)
 
 
 @cache

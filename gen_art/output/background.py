@@ -5,13 +5,13 @@ import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 
-__all__ = ["behind"]
+__all__ = ["background"]
 
 _MOST = 8
 
 
 @contextlib.contextmanager
-def behind() -> Iterator[Callable]:
+def background() -> Iterator[Callable]:
     """Run calls on as many threads as there are processors (2 to 8), with as many more waiting; order does not matter.
 
     The first error is raised where a later call is made, or at the end.

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from gen_art.errors import EncoderError, OutputError, UsageError
-from gen_art.output.background import behind
-from gen_art.output.playback import Run
+from gen_art.output.background import background
+from gen_art.output.playback import Playback
 from gen_art.output.read_recipe import read_recipe
 from gen_art.output.recipe import make_recipe, verify
 from gen_art.output.report import Report
@@ -79,13 +79,13 @@ def check_target(
     return target, shape
 
 
-def _step(run: Run, k: int) -> int:
+def _step(run: Playback, k: int) -> int:
     clock = run.preset.clock
     return clock.preroll_steps + k * clock.steps_per_frame
 
 
 def _write_picture(
-    submit, run: Run, film: np.ndarray, exposure: float, k: int, target: Target, path: Path, recipe: dict
+    submit, run: Playback, film: np.ndarray, exposure: float, k: int, target: Target, path: Path, recipe: dict
 ) -> None:
     """Write the film's light at frame k through `submit`: developed, or as EXR as it is."""
     spec = run.preset.develop
@@ -168,10 +168,10 @@ def render(
         )  # fmt: skip
         _render_film(target, size, preset, recipe, precision, threads, frames, report)
         return [target.path]
-    run = Run(preset, size, precision, threads)
+    run = Playback(preset, size, precision, threads)
     paths = [target.frame(k) if target.pattern else target.path for k in frames]
     recipes = [make_recipe(preset, plugins=plugins, kind="still", time=k / preset.clock.fps, **job) for k in frames]
-    with behind() as submit:
+    with background() as submit:
         films = run.films([_step(run, k) for k in frames])
         for k, path, recipe, (light, exposure) in zip(frames, paths, recipes, films):
             _write_picture(submit, run, light, exposure, k, target, path, recipe)
@@ -186,7 +186,7 @@ def _render_film(target: Target, size, preset, recipe: dict, precision: str, thr
     assert film is not None
     writer = film_writer(target.path, size, preset.clock.fps, recipe, film, recipe["max_rate"])
     try:
-        run = Run(preset, size, precision, threads)
+        run = Playback(preset, size, precision, threads)
         for k, (light, exposure) in zip(frames, run.films([_step(run, k) for k in frames])):
             picture = develop(
                 light, preset.develop, frame=k, transparent=film.transparent, bits=film.depth, exposure=exposure
@@ -219,7 +219,7 @@ def still(
         preset, out, size=size, scale=scale, quality=quality, overwrite=overwrite, moving=False, transparent=transparent,
         bits=bits,
     )  # fmt: skip
-    run = Run(preset, size, precision, threads)
+    run = Playback(preset, size, precision, threads)
     film, exposure = next(run.films([run.step_of(float(time))]))
     frame = round(float(time) * preset.clock.fps)
     recipe = make_recipe(

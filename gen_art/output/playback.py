@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from gen_art.errors import UsageError
-from gen_art.renderer.aovs import draw_layers
+from gen_art.renderer.aovs import render_aovs
 from gen_art.renderer.auto_exposure import ages, meter, smooth
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.painter import Painter
 
-__all__ = ["Run"]
+__all__ = ["Playback"]
 
 _HALF_LIVES = 16  # of a trail, that it begins before frame 0: what lies further back has faded
 
@@ -24,7 +24,7 @@ def _largest_divisor(of: int, wanted: int) -> int:
     return max(n for n in range(1, max(1, min(wanted, of)) + 1) if of % n == 0)
 
 
-class Run:
+class Playback:
     """A simulation of a preset and its painter, from the start to any later film time."""
 
     def __init__(self, preset, size, precision: str, threads: int | None):
@@ -135,7 +135,7 @@ class Run:
     def layers(self) -> dict[str, np.ndarray]:
         """Depth and motion of the picture made last: see gen_art.renderer.aovs."""
         clock = self.preset.clock
-        return draw_layers(self.painter, self.sim, self._film_time(), 1.0 / clock.fps, clock.speed / clock.fps)
+        return render_aovs(self.painter, self.sim, self._film_time(), 1.0 / clock.fps, clock.speed / clock.fps)
 
     def _between(self, step: int) -> Iterator[tuple[int, Callable]]:
         """What is to be done after the steps that were seen and up to this one, kind by kind."""

@@ -8,7 +8,7 @@ from gen_art.errors import UsageError
 from gen_art.preset.fields import ColourValue, Number, Vector
 from gen_art.preset.types import Model, about
 
-__all__ = ["CameraKey", "CameraSpec", "Easing", "Fog", "Lens", "Orbit", "Shake"]
+__all__ = ["CameraKey", "CameraSpec", "Easing", "Fog", "Lens", "CameraOrbit", "Shake"]
 
 Easing = Literal["linear", "smooth", "spline", "accelerate", "brake", "hold"]
 
@@ -31,7 +31,7 @@ class CameraKey(Model):
     )
 
 
-class Orbit(Model):
+class CameraOrbit(Model):
     """The camera turns about the axis through its target; a number is its `rate`."""
 
     rate: Number = about(10.0, "turn a film second, right-handed about the axis", unit="degrees/s")
@@ -42,7 +42,7 @@ class Orbit(Model):
 
     @classmethod
     def from_short(cls, value):
-        return value if isinstance(value, (Orbit, dict)) else {"rate": value}
+        return value if isinstance(value, (CameraOrbit, dict)) else {"rate": value}
 
     @model_validator(mode="after")
     def _turning(self):
@@ -124,7 +124,7 @@ class CameraSpec(Model):
         180.0, "the part of a frame the shutter is open: 180 is half", unit="degrees"
     )
     fog: Fog | None = about(None, "haze that grows with distance")
-    orbit: Orbit | None = about(None, "a steady turn about the target")
+    orbit: CameraOrbit | None = about(None, "a steady turn about the target")
     path: tuple[CameraKey, ...] = about((), "stops in film time; fov and height change by equal factors in equal times")
     easing: Easing = about(
         "spline",

@@ -28,12 +28,12 @@ __all__ = [
     "EVENTS",
     "Attributes",
     "Choice",
-    "Emitter",
+    "EmitterSpec",
     "FromEvent",
-    "Motion",
-    "Orbit",
-    "Particle",
-    "Pulse",
+    "MotionSpec",
+    "EmitterOrbit",
+    "ParticleSpec",
+    "PulseSpec",
     "Shape",
     "Velocity",
 ]
@@ -83,11 +83,11 @@ class Attributes(Model):
         return self
 
 
-class Particle(Attributes):
+class ParticleSpec(Attributes):
     """The particle of a system; its emitters may say otherwise for theirs."""
 
 
-class Orbit(Model):
+class EmitterOrbit(Model):
     """A circle that carries an emitter: radius (cos, sin)(2 pi t / period + phase) about its place, across `axis`."""
 
     radius: NotNegative = about(..., "radius of the circle", unit="m")
@@ -96,14 +96,14 @@ class Orbit(Model):
     phase: Number = about(0.0, "where on the circle it starts", unit="degrees")
 
 
-class Motion(Model):
+class MotionSpec(Model):
     """A moving emitter: its place shifts by velocity t, and round an orbit."""
 
     velocity: Vector = about((0.0, 0.0, 0.0), "steady velocity of the emitter", unit="m/s")
-    orbit: Orbit | None = about(None, "a circle on top of it")
+    orbit: EmitterOrbit | None = about(None, "a circle on top of it")
 
 
-class Pulse(Model):
+class PulseSpec(Model):
     """Births come in puffs: those of each period gather about its beginning, the mean rate kept."""
 
     period: Positive = about(..., "simulated time from puff to puff", unit="s")
@@ -161,7 +161,7 @@ class Choice(Attributes):
     tag: str | None = about(None, "a name that looks and other emitters refer to")
 
 
-class Emitter(Attributes):
+class EmitterSpec(Attributes):
     """Births: at a `rate`, `at` given times, a `count` at the start, or `from` events of another system.
 
     A scripted emitter stands here under its registered name: `spiral: {turns: 3}`.
@@ -170,7 +170,7 @@ class Emitter(Attributes):
     rate: Rate | None = about(
         None, "births a simulated second, or a curve over time; `from: path`: for each parent", unit="1/s"
     )
-    pulse: Pulse | None = about(None, "puffs of a rate")
+    pulse: PulseSpec | None = about(None, "puffs of a rate")
     at: Times | None = about(None, "times of births", unit="s")
     count: CountRange | None = about(None, "births for each time or event; alone: all at `start`")
     start: NotNegative | None = about(None, "simulated time of the first births", unit="s")
@@ -178,7 +178,7 @@ class Emitter(Attributes):
     source: FromEvent | None = Field(None, alias="from", description="events of another system that feed it")
     shape: Shape = about(None, "where they are born; a point at the origin when left out", unit="m")
     velocity: Velocity = about(None, "at rest when left out", unit="m/s")
-    motion: Motion | None = about(None, "a moving emitter")
+    motion: MotionSpec | None = about(None, "a moving emitter")
     tag: str | None = about(None, "a name that looks and other emitters refer to")
     choose: dict[str, Choice] = about({}, "kinds of burst, one of which each event takes")
     scripted: Any = Field(None, exclude=True, description="a registered emitter of a plugin")
@@ -224,7 +224,7 @@ class Emitter(Attributes):
         properties |= {name: class_schema(registry("emitters")[name]) for name in registry("emitters")}
 
 
-def _ways(emitter: Emitter) -> str:
+def _ways(emitter: EmitterSpec) -> str:
     """What is wrong with the combination of rate, at, count, from, start and stop; empty when nothing is."""
     rate, at, count, source = emitter.rate, emitter.at, emitter.count, emitter.source
     choices = emitter.choose.values()

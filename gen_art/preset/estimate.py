@@ -13,7 +13,7 @@ import numpy as np
 from gen_art.errors import MemoryRefused
 from gen_art.preset.camera import CameraSpec
 from gen_art.preset.look import Look
-from gen_art.preset.schema import Preset, System
+from gen_art.preset.schema import Preset, SystemSpec
 from gen_art.preset.values import Curve, Range
 
 __all__ = ["Estimate", "available_memory", "estimate", "megabytes", "refuse_if_too_large"]
@@ -67,12 +67,12 @@ class Estimate:
         return f"at most about {self.particles:,.0f} particles at once, {megabytes(self.memory)} of state"
 
 
-def bytes_per_particle(system: System, precision: str = "f32") -> int:
+def bytes_per_particle(system: SystemSpec, precision: str = "f32") -> int:
     """Bytes of state a particle takes in a system's storage."""
     return (FLOAT_CHANNELS + _attributes(system)) * (8 if precision == "f64" else 4) + BOOKKEEPING
 
 
-def _attributes(system: System) -> int:
+def _attributes(system: SystemSpec) -> int:
     """How many attributes a system's particles have: what it declares, and what its emitters' classes do."""
     names = set(system.particle.attributes)
     for emitter in system.emitters.values():

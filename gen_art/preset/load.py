@@ -13,7 +13,7 @@ from gen_art.errors import UsageError
 from gen_art.preset.files import FOLDER
 from gen_art.preset.overrides import apply, fill_knobs, plain
 from gen_art.preset.problems import Problem, dotted, preset_error
-from gen_art.preset.reader import Node, Source, read_bytes, read_file
+from gen_art.preset.reader import Node, SourceText, read_bytes, read_file
 from gen_art.preset.shipped import find, presets_folder
 from gen_art.preset.values import number
 
@@ -22,7 +22,7 @@ __all__ = ["load_preset", "open_source", "validate"]
 _ABOUT_KEYS = ("unknown", "is neither a key", "a name may not", "particle.attributes declares")  # shown at the key
 
 
-def open_source(preset: str | Path) -> tuple[Source, str]:
+def open_source(preset: str | Path) -> tuple[SourceText, str]:
     """Read a preset's text with positions; also its name."""
     if str(preset) == "-":
         return read_bytes(sys.stdin.buffer.read(1_000_000), "<stdin>"), "stdin"
@@ -69,7 +69,7 @@ def load_preset(
         FOLDER.reset(token)
 
 
-def validate(data: dict, name: str, source: Source, set_paths: list[tuple]):
+def validate(data: dict, name: str, source: SourceText, set_paths: list[tuple]):
     """The Preset of plain data; PresetError with every problem, each where it stands in `source` or at its `--set`."""
     from gen_art.preset.checks import references, unbound
     from gen_art.preset.registered import GRAVITATION
@@ -104,11 +104,11 @@ def _gravitation(data: dict) -> float | None:
     return None
 
 
-def _nowhere(name: str) -> Source:
-    return Source(name, [], Node(0, 0))
+def _nowhere(name: str) -> SourceText:
+    return SourceText(name, [], Node(0, 0))
 
 
-def _located(data: dict, source: Source, set_paths: list[tuple], path: tuple, text: str) -> Problem:
+def _located(data: dict, source: SourceText, set_paths: list[tuple], path: tuple, text: str) -> Problem:
     """A Problem at the parts of `path` that exist: short forms leave out names that the schema's path has."""
     node: Any = data
     real: list = []

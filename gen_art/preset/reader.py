@@ -17,7 +17,7 @@ from ruamel.yaml.scanner import Scanner, ScannerError
 from gen_art.errors import GenArtError, OutputError
 from gen_art.preset.problems import Problem, preset_error
 
-__all__ = ["Source", "read_bytes", "read_file", "read_text", "read_value", "MAX_BYTES", "MAX_DEPTH", "MAX_VALUES"]
+__all__ = ["SourceText", "read_bytes", "read_file", "read_text", "read_value", "MAX_BYTES", "MAX_DEPTH", "MAX_VALUES"]
 
 MAX_BYTES = 500_000
 MAX_DEPTH = 40
@@ -50,7 +50,7 @@ class Node:
 
 
 @dataclass(slots=True)
-class Source:
+class SourceText:
     """A read preset: plain data, and where each part of it stands."""
 
     name: str
@@ -109,7 +109,7 @@ class _BoundedScanner(Scanner):
         return super().add_indent(column)
 
 
-def read_file(path: Path, name: str | None = None) -> Source:
+def read_file(path: Path, name: str | None = None) -> SourceText:
     """Read a preset file. OutputError when it cannot be read, PresetError when it is no text."""
     try:
         if path.is_dir():
@@ -125,7 +125,7 @@ def read_file(path: Path, name: str | None = None) -> Source:
     return read_bytes(data, name or str(path))
 
 
-def read_bytes(data: bytes, name: str) -> Source:
+def read_bytes(data: bytes, name: str) -> SourceText:
     """Decode and read; PresetError for what is too large or no UTF-8 text."""
     if len(data) > MAX_BYTES:
         raise preset_error([Problem((), f"is larger than {MAX_BYTES // 1000} KB: not a preset", name)])
@@ -138,7 +138,7 @@ def read_bytes(data: bytes, name: str) -> Source:
     return read_text(text, name)
 
 
-def read_text(text: str, name: str) -> Source:
+def read_text(text: str, name: str) -> SourceText:
     """Compose YAML text. Syntax errors raise PresetError; what can be collected stands in `.problems`."""
     source = _compose(text, name)
     if source.root.value is None and not source.problems:
@@ -161,8 +161,8 @@ def read_value(text: str, name: str):
     return source.plain()
 
 
-def _compose(text: str, name: str) -> Source:
-    source = Source(name, _LINE_BREAK.split(text), Node(0, 0))
+def _compose(text: str, name: str) -> SourceText:
+    source = SourceText(name, _LINE_BREAK.split(text), Node(0, 0))
     composer = _Composer(source)
     yaml = YAML(typ="safe", pure=True)
     yaml.Scanner = _BoundedScanner
@@ -193,7 +193,7 @@ def _syntax(error: MarkedYAMLError) -> str:
 class _Composer:
     """Takes parser events one by one and builds nodes on an explicit stack, never by recursion."""
 
-    def __init__(self, source: Source):
+    def __init__(self, source: SourceText):
         self.source = source
         self.stack: list[tuple[Node, str | None]] = []  # open collections, with the key a mapping waits to fill
         self.anchors: dict[str, Node] = {}

@@ -10,7 +10,7 @@ from gen_art.errors import UsageError
 from gen_art.preset.camera import CameraSpec
 from gen_art.preset.clock import Clock
 from gen_art.preset.develop import DevelopSpec
-from gen_art.preset.emitter import Emitter, Particle
+from gen_art.preset.emitter import EmitterSpec, ParticleSpec
 from gen_art.preset.files import FOLDER, PresetFile
 from gen_art.preset.look import Look
 from gen_art.preset.registered import Many, class_schema, is_field, registry
@@ -18,7 +18,7 @@ from gen_art.preset.types import Model, NotNegative, NotNegativeRange, Number, P
 from gen_art.preset.values import shown
 from gen_art.registry import suggest
 
-__all__ = ["VERSION", "Medium", "Preset", "System", "Units", "json_schema"]
+__all__ = ["VERSION", "MediumSpec", "Preset", "SystemSpec", "Units", "json_schema"]
 
 VERSION = 1
 
@@ -57,7 +57,7 @@ class Units(Model):
     G: Number = about(6.67430e-11, "constant of gravitation in these units")
 
 
-class Medium(Model):
+class MediumSpec(Model):
     """What the particles move in: a fluid's density, and a velocity field: the sum of wind, curl_noise and others."""
 
     density: NotNegative = about(0.0, "density of the fluid", unit="kg/m^3")
@@ -82,10 +82,10 @@ class Medium(Model):
         properties |= Many("forces", is_field).__get_pydantic_json_schema__(None, None)["properties"]
 
 
-class System(Model):
+class SystemSpec(Model):
     """A named group of particles with its own forces and look."""
 
-    particle: Particle = about(Particle(), "what each particle is born with")
+    particle: ParticleSpec = about(ParticleSpec(), "what each particle is born with")
     integrator: Annotated[str, parsed(_integrator, {"type": "string"})] = about(
         "velocity_verlet", "the scheme of a time step"
     )
@@ -95,11 +95,11 @@ class System(Model):
     exact_gyration: bool = about(False, "charges turn by the exact angle in uniform fields, up to 3 rad a step")
     forces: Annotated[Any, Many("forces")] = about((), "forces on this system alone")
     inherit_forces: bool = about(True, "whether the preset's shared forces act on it too")
-    medium: Medium | None = about(None, "its own medium; the preset's when left out")
+    medium: MediumSpec | None = about(None, "its own medium; the preset's when left out")
     interactions: Annotated[Any, Many("interactions")] = about((), "forces between particles")
     colliders: Annotated[Any, Many("colliders")] = about((), "surfaces for this system alone")
     inherit_colliders: bool = about(True, "whether the preset's shared colliders are there for it too")
-    emitters: dict[str, Emitter] = about({}, "where its particles come from")
+    emitters: dict[str, EmitterSpec] = about({}, "where its particles come from")
     look: Look | None = about(None, "how it is drawn; not at all when null")
 
     @model_validator(mode="after")
@@ -133,10 +133,10 @@ class Preset(Model):
     )
     units: Units = about(Units(), "units of the numbers")
     clock: Clock = about(..., "duration, frames and time steps")
-    medium: Medium = about(Medium(), "what the particles move in")
+    medium: MediumSpec = about(MediumSpec(), "what the particles move in")
     forces: Annotated[Any, Many("forces")] = about((), "forces that act on every system")
     colliders: Annotated[Any, Many("colliders")] = about((), "surfaces for every system")
-    systems: dict[str, System] = about(..., "the particles", min_length=1)
+    systems: dict[str, SystemSpec] = about(..., "the particles", min_length=1)
     camera: CameraSpec | None = about(
         None, "where the picture is taken from; one that frames the particles when left out"
     )

@@ -8,16 +8,16 @@ Trails and ribbons have none.
 import numpy as np
 
 from gen_art.renderer.colour import LUMINANCE
-from gen_art.renderer.framebuffer import Film
+from gen_art.renderer.framebuffer import FrameBuffer
 from gen_art.renderer.sprite import ALPHA, BLUE, DEPTH, RED
-from gen_art.renderer.supersample import reduced
+from gen_art.renderer.supersample import box_averaged
 
-__all__ = ["LAYERS", "draw_layers"]
+__all__ = ["LAYERS", "render_aovs"]
 
 LAYERS = ("Z", "velocity.x", "velocity.y")
 
 
-def draw_layers(painter, sim, film_time: float, frame: float, seconds: float) -> dict[str, np.ndarray]:
+def render_aovs(painter, sim, film_time: float, frame: float, seconds: float) -> dict[str, np.ndarray]:
     """Z, velocity.x and velocity.y, each (height, width) float32.
 
     frame : film seconds of a frame      seconds : simulated seconds of it
@@ -39,9 +39,9 @@ def draw_layers(painter, sim, film_time: float, frame: float, seconds: float) ->
                 columns[RED] = shown * columns[DEPTH]
                 columns[RED + 1], columns[BLUE] = shown * moved[:, 0], shown * moved[:, 1]
 
-        film = Film(painter.size)
+        film = FrameBuffer(painter.size)
         painter.draw(sim, film_time, film, recolour)
-        sums.append(film.pixels if painter.times == 1 else reduced(film, painter.times))
+        sums.append(film.pixels if painter.times == 1 else box_averaged(film, painter.times))
     weight = sums[1][..., 0]
     drawn = weight > 1e-6 * max(float(weight.max()), 1e-30)
     mean = np.where(drawn[..., None], sums[0][..., :3] / np.where(drawn, weight, 1.0)[..., None], 0.0).astype(

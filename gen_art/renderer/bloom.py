@@ -50,7 +50,7 @@ def levels(height: int, radius: float) -> np.ndarray:
     return weights.astype(np.float32)
 
 
-class _Picture:
+class _ChainLevel:
     """A picture of the chain with PAD pixels around it: its size, its floats and, of these, the pixels and the vectors.
 
     Rows begin where whole vectors can be loaded: the stride, in pixels, is a multiple of sixteen.
@@ -70,8 +70,8 @@ class Halo:
     def __init__(self, width: int, height: int):
         self.size, self.scales = (width, height), _scales(height)[0]
         across, down = steps(width, self.scales), steps(height, self.scales)
-        self.pictures = [_Picture(m, n) for (m, *_), (n, *_) in zip(across, down, strict=True)]
-        self._full = None if self.scales[0] == 4 else _Picture(width, height)
+        self.pictures = [_ChainLevel(m, n) for (m, *_), (n, *_) in zip(across, down, strict=True)]
+        self._full = None if self.scales[0] == 4 else _ChainLevel(width, height)
         self._down = [(down[k][1].bordered(), across[k][1].bordered()) for k in range(len(down))]
         self._up = [(down[k][2].bordered(), across[k][2].bordered()) for k in range(len(down))]
         first = self.pictures[0]
@@ -80,7 +80,7 @@ class Halo:
         self._memory = ring(self._down[0][0].weights.shape[1], first.stride // 4, width * height + len(first.pixels))
         self._rest: tuple[float, list] = (-1.0, [])
 
-    def _from(self, k: int, goal: _Picture, rows: Taps, along: Taps, own: float):
+    def _from(self, k: int, goal: _ChainLevel, rows: Taps, along: Taps, own: float):
         """A function that makes `goal` from picture k."""
         source, across = self.pictures[k], goal.stride // 4
         room = source.stride // 4
@@ -97,7 +97,7 @@ class Halo:
         ways.append(lambda: np.multiply(coarsest, weights[-1], out=coarsest))
         return ways + [self._from(k, self.pictures[k - 1], *self._up[k], float(weights[k])) for k in range(last, 0, -1)]
 
-    def spread(self, film: np.ndarray, stride: int, radius: float) -> tuple[float, _Picture]:
+    def spread(self, film: np.ndarray, stride: int, radius: float) -> tuple[float, _ChainLevel]:
         """The film's stray light: the share that stays where it is, and the first picture.
 
         film : RGBA in whole vectors, `stride` a row. The picture holds the rest, as bright as it is to be seen.

@@ -14,11 +14,11 @@ from gen_art.preset.camera import CameraSpec
 from gen_art.renderer.camera_shake import shake_noise
 from gen_art.renderer.colour import linear
 
-__all__ = ["Camera", "View"]
+__all__ = ["Camera", "CameraView"]
 
 
 @dataclass(frozen=True)
-class View:
+class CameraView:
     """A camera at one moment: `position` (3,), rows of `axes` right, up, forward; lengths in world units.
 
     fov in degrees from bottom to top, or `height` in world units (orthographic) when that is not None. lens is its
@@ -115,7 +115,7 @@ class Camera:
         distance = 1.25 * radius / math.tan(math.radians(20.0)) + half[2]
         return cls(position=tuple(centre + (0.0, 0.0, distance)), target=tuple(centre))
 
-    def at(self, time: float = 0.0) -> View:
+    def at(self, time: float = 0.0) -> CameraView:
         """The camera at film time `time` (seconds)."""
         state = self._on_path(time)
         position, target, up = state["position"], state["target"], state["up"]
@@ -140,7 +140,7 @@ class Camera:
         if near is None:
             near = 1e-3 * distance if state["height"] is None else -math.inf
         focus = state["focus"] if state["focus"] is not None else distance
-        return View(
+        return CameraView(
             position=position,
             axes=axes,
             distance=distance,

@@ -12,8 +12,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from gen_art.backend.intrinsics import PACKS, pack, prefetch
-from gen_art.backend.runtime import NO_SIGN, aligned, kernel, threads, ti
+from gen_art.backend.intrinsics import HAS_PACK, pack, prefetch
+from gen_art.backend.runtime import INDEX_MASK, aligned, kernel, threads, ti
 from gen_art.renderer.shading import LANES
 from gen_art.renderer.sprite import BLUE, GREEN, REACH, RED, X, Y, profile
 from gen_art.renderer.vector_maths import ROUND, above, within
@@ -70,7 +70,7 @@ def _place(F: ti.template(), I: ti.template(), v, column, row, stride):
 def _listed(own: ti.template(), scratch, m):
     """List where the tile's points that are the band's stand in its memory, by no branch; how many they are."""
     count = 0
-    if ti.static(PACKS):
+    if ti.static(HAS_PACK):
         for part in range(PARTS):
             at = scratch + ti.cast(m + part * WIDE, ti.i64) * 4
             pack(at + 4 * _MINE, at + 4 * _SELF, scratch + ti.cast(m + _LIST, ti.i64) * 4, count)
@@ -97,13 +97,13 @@ def _address(memory, place):
 
 @ti.func
 def _light(red: ti.template(), green: ti.template(), blue: ti.template(), place):
-    i = place & NO_SIGN
+    i = place & INDEX_MASK
     return ti.Vector([red[i], green[i], blue[i], 0.0])
 
 
 @ti.func
 def _add(film: ti.template(), place, light):
-    o = place & NO_SIGN
+    o = place & INDEX_MASK
     film[o] = film[o] + light
 
 
@@ -123,9 +123,9 @@ def _pixels(
         low, high = _all(cuts[band], ti.f32), _all(cuts[band + 1], ti.f32)
         order, none, one, down = ti.Vector(_ORDER), _all(0, ti.i32), _all(1, ti.i32), _all(stride, ti.i32)
         home = _all(cuts[band] * stride, ti.i32)
-        m = (band * MEMORY) & NO_SIGN
+        m = (band * MEMORY) & INDEX_MASK
         for tile in range((n + POINTS - 1) // POINTS):
-            t = (tile * POINTS) & NO_SIGN
+            t = (tile * POINTS) & INDEX_MASK
             for part in range(PARTS):
                 _ask(columns, pitch, t + POINTS + part * WIDE)
                 a, b, at = x[t // WIDE + part], y[t // WIDE + part], m // WIDE + part
@@ -134,11 +134,11 @@ def _pixels(
                 I[at + _PLACE // WIDE] = ti.select(here, _place(F, I, at, _floor(a), _floor(b), down), home)
             count = _listed(own, scratch, m)
             for k in range(count):
-                prefetch(_address(memory, own[(own[m + _LIST + k] & NO_SIGN) + _PLACE]))
+                prefetch(_address(memory, own[(own[m + _LIST + k] & INDEX_MASK) + _PLACE]))
             for k in range(count // 4):
-                q = (m + 4 * k) & NO_SIGN
-                i, j = own[q + _LIST] & NO_SIGN, own[q + _LIST + 1] & NO_SIGN
-                o, p = own[q + _LIST + 2] & NO_SIGN, own[q + _LIST + 3] & NO_SIGN
+                q = (m + 4 * k) & INDEX_MASK
+                i, j = own[q + _LIST] & INDEX_MASK, own[q + _LIST + 1] & INDEX_MASK
+                o, p = own[q + _LIST + 2] & INDEX_MASK, own[q + _LIST + 3] & INDEX_MASK
                 light_i, light_j = _light(red, green, blue, t - m + i), _light(red, green, blue, t - m + j)
                 light_o, light_p = _light(red, green, blue, t - m + o), _light(red, green, blue, t - m + p)
                 _add(film, own[i + _PLACE], light_i)
@@ -146,7 +146,7 @@ def _pixels(
                 _add(film, own[o + _PLACE], light_o)
                 _add(film, own[p + _PLACE], light_p)
             for k in range(count // 4 * 4, count):
-                i = own[m + _LIST + k] & NO_SIGN
+                i = own[m + _LIST + k] & INDEX_MASK
                 _add(film, own[i + _PLACE], _light(red, green, blue, t - m + i))
 
 
@@ -167,9 +167,9 @@ def _points(
         low, high = _all(cuts[band], ti.f32), _all(cuts[band + 1], ti.f32)
         order, none, one, down = ti.Vector(_ORDER), _all(0, ti.i32), _all(1, ti.i32), _all(stride, ti.i32)
         home = _all(cuts[band] * stride, ti.i32)
-        m = (band * MEMORY) & NO_SIGN
+        m = (band * MEMORY) & INDEX_MASK
         for tile in range((n + POINTS - 1) // POINTS):
-            t = (tile * POINTS) & NO_SIGN
+            t = (tile * POINTS) & INDEX_MASK
             for part in range(PARTS):
                 _ask(columns, pitch, t + POINTS + part * WIDE)
                 u, v, at = x[t // WIDE + part] - half, y[t // WIDE + part] - half, m // WIDE + part
@@ -190,15 +190,15 @@ def _points(
                 I[at + _LOWER // WIDE] = ti.select(here, place + ti.select(second, down, none), home)
             count = _listed(own, scratch, m)
             for k in range(count):
-                j = own[m + _LIST + k] & NO_SIGN
+                j = own[m + _LIST + k] & INDEX_MASK
                 o, p = _address(memory, own[j + _PLACE]), _address(memory, own[j + _LOWER])
                 prefetch(o)
                 prefetch(o + 16)  # which may lie in the next 64 bytes
                 prefetch(p)
                 prefetch(p + 16)
             for k in range(count):
-                j = own[m + _LIST + k] & NO_SIGN
-                o, p = own[j + _PLACE] & NO_SIGN, own[j + _LOWER] & NO_SIGN
+                j = own[m + _LIST + k] & INDEX_MASK
+                o, p = own[j + _PLACE] & INDEX_MASK, own[j + _LOWER] & INDEX_MASK
                 light = _light(red, green, blue, t - m + j)
                 _add(film, o, light * shares[j + _A])
                 _add(film, o + 1, light * shares[j + _B])

@@ -20,7 +20,7 @@ from gen_art.maths.elementary import exp
 from gen_art.preset.look import KeyLight
 from gen_art.renderer.smoke_density import Smoke
 
-__all__ = ["Glow", "gathered", "glow_on"]
+__all__ = ["EmittedLight", "gathered", "glow_on"]
 
 CELLS = 8  # cells of light along the longest side of what gives it off
 STEPS = 10
@@ -29,7 +29,7 @@ F1, F2, F64 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2), ti.types
 
 
 @dataclass(frozen=True)
-class Glow:
+class EmittedLight:
     """Light of others: positions (m, 3), power (m, 3) linear radiance times area."""
 
     positions: np.ndarray
@@ -105,7 +105,9 @@ def _glow(
 glow = kernel(_glow)
 
 
-def glow_on(few: Smoke, smoke: Smoke, source: Glow, light: KeyLight, weights, eye, parallel: bool) -> np.ndarray:
+def glow_on(
+    few: Smoke, smoke: Smoke, source: EmittedLight, light: KeyLight, weights, eye, parallel: bool
+) -> np.ndarray:
     """(a, b, c, 3) light that each node of `smoke` scatters towards the camera at `eye` (its direction if `parallel`),
     found on the nodes of `few`, the same or a coarser grid, and linear between them.
     """

@@ -10,7 +10,7 @@ from gen_art.renderer.sprite import FIRST, KIND, LAST, LEVEL, MARKS, ROW, finish
 from gen_art.renderer.sprite_image import NO_TEXELS, finish_pictures, texels
 from gen_art.renderer.tiled_splat import BIN, CHUNKS, SLICES, count, drawing, lay, list_bins
 
-__all__ = ["Film", "Sprites", "splat"]
+__all__ = ["FrameBuffer", "Sprites", "splat"]
 
 
 LARGE = 2**24  # bytes of a film that threads are woken to clear
@@ -59,7 +59,7 @@ class Sprites:
         self.count += n
         return base
 
-    def add(self, columns, kind: int, film: "Film", tail: float, taper: float, least: float) -> None:
+    def add(self, columns, kind: int, film: "FrameBuffer", tail: float, taper: float, least: float) -> None:
         """Append a system's columns but for what has a reach of `least` pixels or less."""
         n, base = columns.count, self._reserve(columns.count)
         if n:
@@ -68,7 +68,7 @@ class Sprites:
                 least,
             )  # fmt: skip
 
-    def add_pictures(self, columns, picture, film: "Film") -> None:
+    def add_pictures(self, columns, picture, film: "FrameBuffer") -> None:
         """Append a system's columns as images; `picture` as a look has it."""
         image, _ = texels(picture.image.place)
         first = len(self.texels)
@@ -103,7 +103,7 @@ class Sprites:
         return seen[order[np.argsort((far_first >> 16).astype(np.uint16)[order], kind="stable")]]
 
 
-class Film:
+class FrameBuffer:
     """A float32 buffer of linear premultiplied RGBA, (height, width, 4), padded to whole bins at the right and below."""
 
     def __init__(self, size: tuple[int, int]):
@@ -112,7 +112,7 @@ class Film:
         self.stride = 4 * BIN * self.across
         self.buffer = aligned(self.down * BIN * self.stride, np.float32)
         self._listed, self._touched = np.zeros(0, np.int32), np.zeros(0, np.int32)
-        self._half: Film | None = None
+        self._half: FrameBuffer | None = None
 
     @property
     def pixels(self) -> np.ndarray:
@@ -120,10 +120,10 @@ class Film:
         return self.buffer.reshape(-1, self.stride // 4, 4)[: self.height, : self.width]
 
     @property
-    def half(self) -> "Film":
+    def half(self) -> "FrameBuffer":
         """The film of half the size, for large discs."""
         if self._half is None:
-            self._half = Film(((self.width + 1) // 2, (self.height + 1) // 2))
+            self._half = FrameBuffer(((self.width + 1) // 2, (self.height + 1) // 2))
         return self._half
 
     def clear(self) -> None:
@@ -159,7 +159,7 @@ class Film:
         )  # fmt: skip
         return touched
 
-    def lay(self, coarse: "Film", touched: np.ndarray, over: bool) -> np.ndarray:
+    def lay(self, coarse: "FrameBuffer", touched: np.ndarray, over: bool) -> np.ndarray:
         """Lay a film of half the size over or under this one, where it was touched; gives this film's bins it changed."""
         wide = np.zeros((coarse.down + 2, coarse.across + 2), bool)
         for dy in range(3):  # bilinear weights reach one pixel into the next bin
@@ -175,7 +175,7 @@ class Film:
         return mine
 
 
-def splat(sprites: Sprites, film: Film) -> None:
+def splat(sprites: Sprites, film: FrameBuffer) -> None:
     """Draw the sprites into the film, over what it holds."""
     kinds = sprites.kinds
     if not kinds:
@@ -189,7 +189,7 @@ def splat(sprites: Sprites, film: Film) -> None:
         film.draw(sprites, part, 0, kinds)
 
 
-def _draw_coarse(sprites: Sprites, order: np.ndarray, film: Film, coarsest: int, kinds: frozenset) -> None:
+def _draw_coarse(sprites: Sprites, order: np.ndarray, film: FrameBuffer, coarsest: int, kinds: frozenset) -> None:
     """Levels 1 to `coarsest` of these sprites, each laid under the next finer one, and all over the film."""
     films = [film]
     for _ in range(coarsest):

@@ -12,12 +12,12 @@ from gen_art.preset.colour_names import Gradient
 from gen_art.preset.look import BY, Color, Look, Ramp
 from gen_art.preset.values import Curve
 from gen_art.registry import suggest
-from gen_art.renderer.camera import View
+from gen_art.renderer.camera import CameraView
 from gen_art.renderer.colour import TABLE, blackbody, gradient_table, planck_luminance
 from gen_art.renderer.sprite import AREA, KINDS
 from gen_art.renderer.sprite_image import texels
 
-__all__ = ["QUANTITIES", "RAMPS", "RANDOM", "SOFT", "Shading", "numbers"]
+__all__ = ["QUANTITIES", "RAMPS", "RANDOM", "SOFT", "LookTables", "numbers"]
 
 QUANTITIES = len(BY)  # what a ramp may go by, in the order of BY; attributes follow, a place for each ramp
 RANDOM = BY.index("random")
@@ -63,7 +63,7 @@ def _ramp(k: int, by: str, low: float, high: float, channels: dict[str, int]) ->
 
 
 @dataclass(frozen=True)
-class Shading:
+class LookTables:
     """A look as tables: ramps (6, 4) as `_ramp` gives them; curves (6, 256); colours (rows, 256, 4): row 0 is the black
     body, then albedo and emission by tag. All float32.
     """
@@ -75,7 +75,7 @@ class Shading:
     tags: tuple[str, ...]
 
     @classmethod
-    def of(cls, look: Look, channels: dict[str, int]) -> "Shading":
+    def of(cls, look: Look, channels: dict[str, int]) -> "LookTables":
         """The tables of a look for a system with these attribute rows. UsageError for a quantity it does not have."""
         emission = look.emission
         plain = Ramp()
@@ -110,8 +110,8 @@ class Shading:
 
 
 def numbers(
-    shading: Shading,
-    view: View,
+    shading: LookTables,
+    view: CameraView,
     size,
     time: float,
     film_time: float,

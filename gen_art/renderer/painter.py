@@ -7,13 +7,13 @@ from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.direct_splat import FEW, discs, pixels, points
 from gen_art.renderer.direct_splat import LARGEST as SCATTERED
-from gen_art.renderer.framebuffer import Film, Sprites, splat
-from gen_art.renderer.look_tables import Shading, numbers
-from gen_art.renderer.ribbons import History
+from gen_art.renderer.framebuffer import FrameBuffer, Sprites, splat
+from gen_art.renderer.look_tables import LookTables, numbers
+from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import Columns, shade
 from gen_art.renderer.smoke_lighting import add_light
 from gen_art.renderer.sprite import DISC, HIDDEN, KINDS, POINT, REACH, STREAK
-from gen_art.renderer.supersample import reduced
+from gen_art.renderer.supersample import box_averaged
 
 __all__ = ["LARGEST", "Painter", "check_size", "living", "render_frame"]
 
@@ -58,14 +58,16 @@ class Painter:
         self.times = supersample
         self.size = check_size(tuple(side * supersample for side in check_size(size)), supersample)
         self.camera, self.looks, self.shutter = camera, looks or {}, shutter
-        self.film = Film(self.size)
+        self.film = FrameBuffer(self.size)
         self._sprites = Sprites()
         self._columns: dict[str, Columns] = {}
-        self._trails: dict[str, Film] = {}
-        self._shadings: dict[str, Shading] = {}
+        self._trails: dict[str, FrameBuffer] = {}
+        self._shadings: dict[str, LookTables] = {}
         self._plain = Look()
         self._before: dict[str, tuple] = {}
-        self.histories = {n: History(k.ribbon) for n, k in self.looks.items() if k is not None and k.ribbon is not None}
+        self.histories = {
+            n: RibbonHistory(k.ribbon) for n, k in self.looks.items() if k is not None and k.ribbon is not None
+        }
 
     @property
     def trails(self) -> dict[str, Look]:
@@ -80,9 +82,9 @@ class Painter:
         for trail in self._trails.values():
             self.film.buffer += trail.buffer
         self.draw(sim, film_time, self.film)
-        return self.film.pixels if self.times == 1 else reduced(self.film, self.times)
+        return self.film.pixels if self.times == 1 else box_averaged(self.film, self.times)
 
-    def draw(self, sim, film_time: float, film: Film, recolour=None) -> None:
+    def draw(self, sim, film_time: float, film: FrameBuffer, recolour=None) -> None:
         """Draw all systems into a film of this painter's size; `recolour`(system, columns) may change what they show."""
         self._draw(sim, list(sim.systems), self.view(sim, film_time), film_time, self.shutter, 1.0, film, recolour)
 
@@ -99,7 +101,7 @@ class Painter:
         for name, look in self.trails.items():
             trail = self._trails.get(name)
             if trail is None:
-                trail = self._trails[name] = Film(self.size)
+                trail = self._trails[name] = FrameBuffer(self.size)
             fade = 0.5 ** (exposure / look.trail.half_life)
             trail.buffer *= np.float32(fade)
             strength = (1.0 - fade) * look.trail.strength
@@ -109,13 +111,13 @@ class Painter:
         points = [s.floats[:3, living(s, sim.time)].T for s in sim.systems.values()]
         return Camera.framing(np.concatenate(points) if points else np.zeros((0, 3)), self.size[0] / self.size[1])
 
-    def _shading(self, name: str, system) -> tuple[Shading, bool]:
+    def _shading(self, name: str, system) -> tuple[LookTables, bool]:
         raw = name not in self.looks
         if name not in self._shadings:
-            self._shadings[name] = Shading.of(self._plain if raw else self.looks[name], dict(system.channels))
+            self._shadings[name] = LookTables.of(self._plain if raw else self.looks[name], dict(system.channels))
         return self._shadings[name], raw
 
-    def _draw(self, sim, names, view, film_time, shutter, weight, film: Film, recolour=None) -> None:
+    def _draw(self, sim, names, view, film_time, shutter, weight, film: FrameBuffer, recolour=None) -> None:
         drawn: dict[str, tuple] = {}
         lit: dict[str, tuple] = {}
         sprites, looks = self._sprites, {}
@@ -144,7 +146,7 @@ class Painter:
                 self._add(look, self._columns[name], film)
         splat(sprites, film)
 
-    def _add_ribbons(self, sim, name: str, view, film_time: float, weight: float, film: Film) -> None:
+    def _add_ribbons(self, sim, name: str, view, film_time: float, weight: float, film: FrameBuffer) -> None:
         """List every segment of a system's ribbons; without a past there is none."""
         shading, columns = self._shadings[name], self._columns[name]
         for segment in self.histories[name].segments(sim.systems[name], sim.time):
@@ -180,7 +182,7 @@ class Painter:
         change = system.floats[3:6, : len(own)] - velocities[:, slot]
         return np.where(ids[slot] == own, np.linalg.norm(change, axis=0) / abs(time - then), 0.0).astype(np.float32)
 
-    def _add(self, look: Look, columns: Columns, film: Film) -> None:
+    def _add(self, look: Look, columns: Columns, film: FrameBuffer) -> None:
         """Draw a system's small sprites, where they only add light; list the others."""
         sprites, kind, least = self._sprites, KINDS[look.draw], HIDDEN
         if look.picture is not None:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gen_art.backend.runtime import NO_SIGN, aligned, kernel, threads, ti
+from gen_art.backend.runtime import INDEX_MASK, aligned, kernel, threads, ti
 
 __all__ = ["PAD", "WIDE", "Taps", "blend_weights", "mirrored", "columns", "resample", "ring", "steps", "variance"]
 
@@ -190,7 +190,7 @@ def _taken(total, v, weights: ti.template(), w, k: ti.template(), count: ti.temp
 
 @ti.func
 def _along(source: ti.template(), at, weights: ti.template(), place, count: ti.template()):
-    o, w = at & NO_SIGN, place & NO_SIGN
+    o, w = at & INDEX_MASK, place & INDEX_MASK
     v = source[o] * weights[w]
     for k in ti.static(range(1, count)):
         v += source[o + k] * weights[w + k]
@@ -221,8 +221,8 @@ def _resampling(taps: int, left: int, alone: bool):
                     for q in range(across):
                         w = place[q]
                         if w >= 0:
-                            w &= NO_SIGN
-                            f = (o + first[4 * q]) & NO_SIGN
+                            w &= INDEX_MASK
+                            f = (o + first[4 * q]) & INDEX_MASK
                             v0, v1, v2, v3 = zero, zero, zero, zero
                             for k in ti.static(range(loads)):
                                 v = source[f + k]
@@ -242,7 +242,7 @@ def _resampling(taps: int, left: int, alone: bool):
                 # row n of the ring has the weight of the row that stands in it
                 weights = ti.Vector([wy[r, (n - begin) & (taps - 1)] for n in ti.static(range(taps))])
                 for q in range(across):
-                    o = (base + q) & NO_SIGN
+                    o = (base + q) & INDEX_MASK
                     v = ring[o] * weights[0]
                     for n in ti.static(range(1, taps)):
                         v += ring[o + n * across] * weights[n]

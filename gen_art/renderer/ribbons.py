@@ -12,7 +12,7 @@ import numpy as np
 
 from gen_art.preset.look import Ribbon
 
-__all__ = ["History", "Segment"]
+__all__ = ["RibbonHistory", "Segment"]
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Segment:
     tail: float
 
 
-class History:
+class RibbonHistory:
     """The last positions of one system's particles."""
 
     def __init__(self, ribbon: Ribbon):

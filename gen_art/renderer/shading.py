@@ -53,7 +53,7 @@ from gen_art.renderer.look_tables import (
     TIME,
     WEIGHT,
     WIDTH,
-    Shading,
+    LookTables,
 )
 from gen_art.renderer.sprite import (
     ALPHA,
@@ -371,7 +371,7 @@ class Columns:
         return self.rows[:, : self.count]
 
 
-def shade(columns: Columns, system, shading: Shading, q: np.ndarray, acceleration=None) -> None:
+def shade(columns: Columns, system, shading: LookTables, q: np.ndarray, acceleration=None) -> None:
     """Fill the columns from a system. For a lit look `columns.lit` (n, 8) holds position, extinction cross section,
     albedo times cover, whose light is still to be added, and radius. acceleration : (n,) m/s^2, 0 unless given
     """

@@ -19,11 +19,11 @@ from gen_art.backend.runtime import kernel, ti
 from gen_art.maths.elementary import exp
 from gen_art.preset.look import KeyLight
 from gen_art.renderer.colour import linear
-from gen_art.renderer.emissive_lighting import Glow, glow_on
+from gen_art.renderer.emissive_lighting import EmittedLight, glow_on
 from gen_art.renderer.smoke_density import DIRECTIONS, WEIGHTS, Smoke
 from gen_art.renderer.sprite import BLUE, DEPTH, RED
 
-__all__ = ["Lit", "OCTAVES", "add_light", "incoming_light", "octaves", "phase_function", "shine"]
+__all__ = ["LitParticles", "OCTAVES", "add_light", "incoming_light", "octaves", "phase_function", "shine"]
 
 OCTAVES = 4
 SKY = 48  # cells along the longest side of the grid on which the sky's light is summed
@@ -33,7 +33,7 @@ F1, F2, F64 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2), ti.types
 
 
 @dataclass(frozen=True)
-class Lit:
+class LitParticles:
     """Particles that scatter light: positions (n, 3), extinction cross sections (n,), radii of the sprites (n,)."""
 
     light: KeyLight
@@ -149,7 +149,7 @@ def _lamp(light: KeyLight, eye, parallel: bool) -> np.ndarray:
     return q
 
 
-def shine(systems: list[Lit], eye, parallel: bool = False, glows: list[Glow] = ()) -> list[np.ndarray]:
+def shine(systems: list[LitParticles], eye, parallel: bool = False, glows: list[EmittedLight] = ()) -> list[np.ndarray]:
     """For each system (n, 3) float32 linear light that its particles scatter towards the camera at `eye` (3,), before
     their albedo. All systems stand in each other's light.
 
@@ -189,7 +189,7 @@ def shine(systems: list[Lit], eye, parallel: bool = False, glows: list[Glow] = (
 def incoming_light(light: KeyLight, positions, sections, eye, parallel: bool = False, radii=None) -> np.ndarray:
     """`shine` for one system whose sprites are points unless `radii` (n,) are given."""
     radii = np.zeros(len(positions), np.float32) if radii is None else radii
-    return shine([Lit(light, positions, sections, radii)], eye, parallel)[0]
+    return shine([LitParticles(light, positions, sections, radii)], eye, parallel)[0]
 
 
 def add_light(lit: dict, drawn: dict, view, scale: float) -> None:
@@ -201,12 +201,12 @@ def add_light(lit: dict, drawn: dict, view, scale: float) -> None:
     parallel = view.height is not None
     eye = view.axes[2] if parallel else view.position
     glows = [_glow_of(light, drawn, parallel, scale) for light, _, _ in lit.values()]
-    systems = [Lit(light, a[:, :3], a[:, 3], a[:, 7]) for light, _, a in lit.values()]
+    systems = [LitParticles(light, a[:, :3], a[:, 3], a[:, 7]) for light, _, a in lit.values()]
     for (_, columns, a), light in zip(lit.values(), shine(systems, eye, parallel, glows)):
         columns[RED : BLUE + 1] += (a[:, 4:7] * light).T
 
 
-def _glow_of(light: KeyLight, drawn: dict, parallel: bool, scale: float) -> Glow | None:
+def _glow_of(light: KeyLight, drawn: dict, parallel: bool, scale: float) -> EmittedLight | None:
     """What the systems named by `glow` give off, as their sprites show it: light over pixels turned into world units."""
     positions, power = [], []
     for name in light.glow:
@@ -216,4 +216,4 @@ def _glow_of(light: KeyLight, drawn: dict, parallel: bool, scale: float) -> Glow
             given = columns[RED : BLUE + 1] * (unit * unit)
             positions.append(system.floats[:3, : columns.shape[1]].T)
             power.append(np.where(np.isfinite(given), given, 0.0).T)
-    return Glow(np.concatenate(positions), np.concatenate(power)) if positions else None
+    return EmittedLight(np.concatenate(positions), np.concatenate(power)) if positions else None

@@ -4,7 +4,7 @@ import numpy as np
 
 from gen_art.backend.runtime import kernel, ti
 
-__all__ = ["reduced"]
+__all__ = ["box_averaged"]
 
 PIXEL = ti.types.vector(4, ti.f32)
 FILM = ti.types.ndarray(PIXEL, 1)
@@ -26,7 +26,7 @@ def _reduce(large: FILM, stride: ti.i32, times: ti.i32, width: ti.i32, height: t
 reduce_kernel = kernel(_reduce)
 
 
-def reduced(film, times: int) -> np.ndarray:
+def box_averaged(film, times: int) -> np.ndarray:
     """(height, width, 4) float32: the film's pixels, `times` x `times` of them in one."""
     height, width = film.height // times, film.width // times
     small = np.empty((height * width, 4), np.float32)

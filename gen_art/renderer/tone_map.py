@@ -86,7 +86,7 @@ def develop(
         picture = aligned((height, wide, channels), depth)
     sky, lit = _sky(spec.background, height)
     np.multiply(before, share * 2.0 ** (spec.exposure + (exposure or 0.0)), out=q[kernel.BEFORE : kernel.BEFORE + 9])
-    steps = kernel.Steps(
+    steps = kernel.ToneMapSteps(
         strays=halo is not None, vignette=spec.vignette > 0.0, background=lit and not transparent,
         contrast=spec.contrast != 1.0, tone=spec.tone if spec.tone in ("neutral", "log") else "", transparent=transparent,
         grain=spec.grain > 0.0, deep=bits == 16,

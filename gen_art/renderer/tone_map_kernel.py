@@ -3,7 +3,7 @@
 from functools import cache
 from typing import NamedTuple
 
-from gen_art.backend.runtime import NO_SIGN, kernel, ti
+from gen_art.backend.runtime import INDEX_MASK, kernel, ti
 from gen_art.renderer.resample import blend_weights
 from gen_art.renderer.tone_curves import GREY
 from gen_art.renderer.vector_maths import (
@@ -23,7 +23,7 @@ from gen_art.renderer.vector_maths import (
     within,
 )
 
-__all__ = ["NUMBERS", "SCRATCH", "TASKS", "WIDE", "Steps", "compiled"]
+__all__ = ["NUMBERS", "SCRATCH", "TASKS", "WIDE", "ToneMapSteps", "compiled"]
 
 TASKS = 64  # runs of rows: each has memory of its own, which stays in the cache
 SCRATCH = 64  # vectors of memory for a task: twice the places below
@@ -46,7 +46,7 @@ LIGHT = ti.types.ndarray(ti.types.vector(16, ti.f32), 1)
 FOURS = ti.types.ndarray(ti.types.vector(4, ti.u32), 1)
 
 
-class Steps(NamedTuple):
+class ToneMapSteps(NamedTuple):
     """What a picture is developed with: only that is compiled, and loaded. Numbers are never in it."""
 
     strays: bool
@@ -117,7 +117,7 @@ def _next(words):
 
 
 @cache
-def compiled(steps: Steps):
+def compiled(steps: ToneMapSteps):
     """The kernel of these steps."""
 
     @ti.kernel
@@ -141,8 +141,8 @@ def compiled(steps: Steps):
                 for t in range(width // WIDE):
                     at = t * WIDE
                     # by turns, lest Taichi takes them for constants of the loop
-                    o = (task * SCRATCH + (t & 1) * (SCRATCH // 2)) & NO_SIGN
-                    begin = (i * stride + 8 * t) & NO_SIGN
+                    o = (task * SCRATCH + (t & 1) * (SCRATCH // 2)) & INDEX_MASK
+                    begin = (i * stride + 8 * t) & INDEX_MASK
                     eight = (
                         film[begin], film[begin + 1], film[begin + 2], film[begin + 3],
                         film[begin + 4], film[begin + 5], film[begin + 6], film[begin + 7],
@@ -158,7 +158,7 @@ def compiled(steps: Steps):
                             ti.Vector([0.0] * 16),
                         )  # the coarse rows, blended
                         for e in ti.static(range(4)):
-                            row = (((i + 2 >> 2) + e) * across + 2 * t) & NO_SIGN
+                            row = (((i + 2 >> 2) + e) * across + 2 * t) & INDEX_MASK
                             weight = blend[4 * (i & 3) + e]
                             low += coarse[row] * weight
                             middle += coarse[row + 1] * weight
@@ -243,7 +243,7 @@ def compiled(steps: Steps):
                         if ti.static(steps.transparent):
                             x = x | (a << Z[w(24)])
                             for j in ti.static(range(WIDE // 4)):
-                                out[(((i * width + at) // 4) & NO_SIGN) + j] = ti.Vector(
+                                out[(((i * width + at) // 4) & INDEX_MASK) + j] = ti.Vector(
                                     [x[4 * j + c] for c in range(4)]
                                 )
                         else:  # the end of each word and the start of the next: three of four are used
@@ -251,7 +251,7 @@ def compiled(steps: Steps):
                                 _next(x) << ti.Vector([ti.u32(24 - 8 * (k % 4)) for k in range(WIDE)])
                             )
                             for j in ti.static(range(3 * WIDE // 16)):
-                                out[(((i * width + at) * 3 // 16) & NO_SIGN) + j] = ti.Vector(
+                                out[(((i * width + at) * 3 // 16) & INDEX_MASK) + j] = ti.Vector(
                                     [x[(4 * j + c) // 3 * 4 + (4 * j + c) % 3] for c in range(4)]
                                 )
                     else:
@@ -260,7 +260,7 @@ def compiled(steps: Steps):
                         if ti.static(steps.transparent):
                             z = z | (a << Z[w(16)])
                             for j in ti.static(range(WIDE // 2)):
-                                out[(((i * width + at) // 2) & NO_SIGN) + j] = ti.Vector(
+                                out[(((i * width + at) // 2) & INDEX_MASK) + j] = ti.Vector(
                                     [x[2 * j], z[2 * j], x[2 * j + 1], z[2 * j + 1]]
                                 )
                         else:  # three words for two pixels
@@ -277,6 +277,6 @@ def compiled(steps: Steps):
                                         words[c] = y[k]
                                     else:
                                         words[c] = z[k]
-                                out[(((i * width + at) * 3 // 8) & NO_SIGN) + j] = words
+                                out[(((i * width + at) * 3 // 8) & INDEX_MASK) + j] = words
 
     return kernel(develop_steps, vectors=True)

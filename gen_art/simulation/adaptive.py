@@ -7,7 +7,7 @@ import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.integrators.dormand_prince import ERROR, STAGES, TIMES, first_step, make_slopes, next_step
-from gen_art.interactions.base import Pull
+from gen_art.interactions.base import ForceRequest
 from gen_art.particles.storage import PADDING
 
 __all__ = ["Effort", "adaptive"]
@@ -47,15 +47,15 @@ def adaptive(sim, seconds: float, rtol: float | None = None, atol: float = 1e-12
     if not (math.isfinite(atol) and atol >= 0):
         raise UsageError(f"atol must be at least 0, not {atol}")
     control = _Control(sim, rtol, atol)
-    for _ in range(sim._steps_in(seconds)):
-        sim._advance(1, control.move)
+    for _ in range(sim.steps_in(seconds)):
+        sim.step_with(control.move)
     return control.effort()
 
 
 def _check(sim) -> None:
-    if sim._ledger is not None:
+    if sim.keeps_ledger:
         raise UsageError("adaptive steps keep no ledger: leave out ledger=True and compare diagnostics()")
-    for name, system in sim._members.items():
+    for name, system in sim.members.items():
         what = None
         if system.composition.colliders:
             what = "colliders, whose impacts are of order 2"
@@ -73,7 +73,7 @@ class _Part:
     """One system within a step of the clock: its state in float64, and the arrays its kernel works on."""
 
     def __init__(self, sim, name: str):
-        self.name, self.stepper, self.system = name, sim._stepped[name], sim._members[name]
+        self.name, self.stepper, self.system = name, sim.stepper(name), sim.members[name]
         self.state = self.system.state
         self.n = self.state.count
         self.stepper.begin()
@@ -112,9 +112,9 @@ class _Control:
 
     def __init__(self, sim, rtol: float, atol: float):
         self.sim, self.rtol, self.atol = sim, rtol, atol
-        joined = sim._joined.steppers
-        self.groups = [list(joined)] if joined else []
-        self.groups += [[name] for name in sim._members if name not in joined]
+        coupled = sim.coupled_names
+        self.groups = [coupled] if coupled else []
+        self.groups += [[name] for name in sim.members if name not in coupled]
         self.proposed: dict[int, float] = {}  # s, by group
         self.before = dict.fromkeys(range(len(self.groups)), 1e-4)
         self.evaluations = self.rejected = 0
@@ -131,7 +131,7 @@ class _Control:
             if any(part.n for part in group):
                 self._cross(k, group, first)
         for part in (part for group in parts for part in group):
-            if part.n and part.system.composition.burners:
+            if part.n and part.system.composition.mass_loss_terms:
                 self._launch(part, first, 1.0, 1)
             part.state.floats[:6, : part.n] = part.y
 
@@ -200,7 +200,7 @@ class _Control:
                 other = next((p for p in parts if p.name == (one.source_system or part.name)), part)
                 if part.n:
                     at = 3 * part.stepper.parts[k]
-                    pull = Pull(
+                    request = ForceRequest(
                         part.rows,
                         part.state,
                         part.n,
@@ -211,7 +211,7 @@ class _Control:
                         self.sim.dt,
                         self.sim.precision,
                     )
-                    one.accelerate(pull, part.stepper.pair[at : at + 3 * len(one.parts)])
+                    one.accelerate(request, part.stepper.pair[at : at + 3 * len(one.parts)])
             if part.n:
                 self._launch(part, first, tau, 0)
                 part.slopes[g] = part.out[:, : part.n]

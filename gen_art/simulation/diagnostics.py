@@ -8,8 +8,8 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
-from gen_art.integrators.kernel_terms import Composition
-from gen_art.integrators.tile import Terms, repeats, view
+from gen_art.integrators.kernel_terms import KernelTerms
+from gen_art.integrators.tile import TileTerms, repeats, view
 
 __all__ = ["Diagnostics", "diagnose", "energy_of_pairs", "sums"]
 
@@ -45,10 +45,10 @@ class Diagnostics:
 
 
 @cache
-def _kernel(composition: Composition, channels: tuple, precision: str):
+def _kernel(composition: KernelTerms, channels: tuple, precision: str):
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = Terms(composition, channels, 0, real=real)
+    terms = TileTerms(composition, channels, 0, real=real)
     potentials = [(t.force, t.offset, t.count_offset()) for t in composition.potentials]
 
     @ti.kernel
@@ -90,7 +90,7 @@ def _kernel(composition: Composition, channels: tuple, precision: str):
 
 def sums(sim, name: str, slots: np.ndarray) -> np.ndarray:
     """The basic sums and each potential's energy over some slots of one system: (13 + potentials,) float64."""
-    system = sim._members[name]
+    system = sim.members[name]
     state = system.state
     width = _BASIC + len(system.composition.potentials)
     if not len(slots):
@@ -98,7 +98,7 @@ def sums(sim, name: str, slots: np.ndarray) -> np.ndarray:
     out = np.zeros((-(-len(slots) // _BLOCK), width))
     kernel = _kernel(system.composition, state.attributes, sim.precision)
     kernel(
-        state.floats, state.birth, state.key, sim._stepped[name].numbers, sim.time, slots.astype(np.int32),
+        state.floats, state.birth, state.key, sim.stepper(name).numbers, sim.time, slots.astype(np.int32),
         system.scheme.light, out,
     )  # fmt: skip
     return out.sum(axis=0)
@@ -106,7 +106,7 @@ def sums(sim, name: str, slots: np.ndarray) -> np.ndarray:
 
 def energy_of_pairs(sim, name: str, slots: np.ndarray) -> float:
     """Potential energy of a system's mutual forces over some slots, J."""
-    system = sim._members[name]
+    system = sim.members[name]
     state, total = system.state, 0.0
     for one in system.interactions:
         if one.source_system is None:
@@ -114,15 +114,11 @@ def energy_of_pairs(sim, name: str, slots: np.ndarray) -> float:
     return total
 
 
-def living(sim, name: str) -> np.ndarray:
-    return np.flatnonzero(sim._members[name].state.alive(sim.time))
-
-
 def diagnose(sim) -> Diagnostics:
     """The sums over every living particle of every system, now."""
     basic, potential = np.zeros(_BASIC), 0.0
-    for name in sim._members:
-        slots = living(sim, name)
+    for name in sim.members:
+        slots = sim.living(name)
         part = sums(sim, name, slots)
         basic += part[:_BASIC]
         potential += float(part[_BASIC:].sum()) + energy_of_pairs(sim, name, slots)

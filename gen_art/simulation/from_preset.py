@@ -2,7 +2,7 @@
 
 import math
 
-from gen_art.emitters.births import Emission, Event, Kind, Motion
+from gen_art.emitters.births import ActiveEmitter, BirthEvent, BirthKind, EmitterMotion
 from gen_art.emitters.schedule import Burst, Pulse, Rate, Schedule
 from gen_art.forces.medium import Medium
 from gen_art.simulation.system import ParticleSystem
@@ -37,21 +37,21 @@ def _medium(spec) -> Medium:
     return Medium(density=spec.density, field=spec.terms)
 
 
-def _emission(name: str, spec, particle) -> Emission:
+def _emission(name: str, spec, particle) -> ActiveEmitter:
     source = spec.source
     if source is not None:
         rate = float(spec.rate) if source.kind == "path" else 0.0
-        event = Event(
+        event = BirthEvent(
             source.system, source.kind, tuple(source.tag), source.inherit == "velocity", source.balance == "pairs", rate
         )
-        return Emission(name, _kinds(name, spec, particle), event=event)
+        return ActiveEmitter(name, _kinds(name, spec, particle), event=event)
     motion = None
     if spec.motion is not None:
         orbit = spec.motion.orbit
         circle = {} if orbit is None else {
             "radius": orbit.radius, "period": orbit.period, "axis": orbit.axis, "phase": math.radians(orbit.phase),
         }  # fmt: skip
-        motion = Motion(velocity=spec.motion.velocity, **circle)
+        motion = EmitterMotion(velocity=spec.motion.velocity, **circle)
     start = spec.start or 0.0
     if spec.rate is not None:
         rate = spec.rate if isinstance(spec.rate, (int, float)) else spec.rate.points
@@ -60,16 +60,16 @@ def _emission(name: str, spec, particle) -> Emission:
     else:
         count = 1 if spec.count is None else round(spec.count.hi)
         schedule = Burst(spec.at if spec.at is not None else (start,), count)
-    return Emission(name, _kinds(name, spec, particle), schedule, motion=motion)
+    return ActiveEmitter(name, _kinds(name, spec, particle), schedule, motion=motion)
 
 
-def _kinds(name: str, spec, particle) -> list[Kind]:
+def _kinds(name: str, spec, particle) -> list[BirthKind]:
     if not spec.choose:
         return [_kind(name, spec, spec, particle)]
     return [_kind(f"{name}.{key}", choice, spec, particle) for key, choice in spec.choose.items()]
 
 
-def _kind(name: str, own, emitter, particle) -> Kind:
+def _kind(name: str, own, emitter, particle) -> BirthKind:
     """One kind of birth: what it says itself, else what its emitter says, else its system's particle, else the default."""
     levels = [own, emitter, particle] if own is not emitter else [own, particle]
 
@@ -92,7 +92,7 @@ def _kind(name: str, own, emitter, particle) -> Kind:
     for key in getattr(scripted, "declares", ()):
         attributes.setdefault(key, (0.0, 0.0))
     count = first("count")
-    return Kind(
+    return BirthKind(
         name=name,
         tag=first("tag"),
         shape=first("shape"),

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from gen_art.integrators.ledger_kernel import make_booking
-from gen_art.integrators.ledger_rows import BOOKS
-from gen_art.simulation.diagnostics import diagnose, energy_of_pairs, living, sums
+from gen_art.integrators.ledger_kernel import make_ledger_kernel
+from gen_art.integrators.ledger_rows import LEDGER_COLUMNS
+from gen_art.simulation.diagnostics import diagnose, energy_of_pairs, sums
 
-__all__ = ["Account", "Bookkeeper", "Ledger", "Passage"]
+__all__ = ["Account", "LedgerKeeper", "Ledger", "Transfer"]
 
 
 class Account(dict):
@@ -29,7 +29,7 @@ class Account(dict):
 
 
 @dataclass(frozen=True)
-class Passage:
+class Transfer:
     """What births brought or deaths took: number, mass (kg), charge (C), momentum (3,), angular momentum (3,), energy (J)."""
 
     count: int = 0
@@ -39,8 +39,8 @@ class Passage:
     angular_momentum: np.ndarray = field(default_factory=lambda: np.zeros(3))
     energy: float = 0.0
 
-    def __add__(self, other: "Passage") -> "Passage":
-        return Passage(*(getattr(self, k) + getattr(other, k) for k in self.__dataclass_fields__))
+    def __add__(self, other: "Transfer") -> "Transfer":
+        return Transfer(*(getattr(self, k) + getattr(other, k) for k in self.__dataclass_fields__))
 
 
 @dataclass(frozen=True)
@@ -68,41 +68,41 @@ class Ledger:
         def plain(x):
             if isinstance(x, dict):
                 return {k: plain(v) for k, v in x.items()}
-            if isinstance(x, Passage):
+            if isinstance(x, Transfer):
                 return {k: plain(getattr(x, k)) for k in x.__dataclass_fields__}
             return x.tolist() if isinstance(x, np.ndarray) else x
 
         return {k: plain(getattr(self, k)) for k in self.__dataclass_fields__}
 
 
-class _Passages(Account):
-    zero = Passage()
+class _Transfers(Account):
+    zero = Transfer()
 
 
 class _Vectors(Account):
     zero = np.zeros(3)
 
 
-class Bookkeeper:
+class LedgerKeeper:
     """Keeps the account of one simulation: called around each step and at each birth."""
 
     def __init__(self, sim):
         self.sim = sim
-        self.books_of = {}
-        for name, system in sim._members.items():
+        self._rows_of = {}
+        for name, system in sim.members.items():
             rows = len(system.composition.terms) + sum(len(one.parts) for one in system.interactions)
-            rows += len(system.composition.colliders) + 2 * len(system.composition.burners)
-            self.books_of[name] = np.zeros((rows, BOOKS))
+            rows += len(system.composition.colliders) + 2 * len(system.composition.mass_loss_terms)
+            self._rows_of[name] = np.zeros((rows, LEDGER_COLUMNS))
         self._kept: dict[str, np.ndarray] = {}
-        self._born, self._died = _Passages(), _Passages()
+        self._born, self._died = _Transfers(), _Transfers()
         self._solved: dict[str, np.ndarray] = {}  # of implicit and torn interactions: impulse, dissipated
         self._worked: dict[str, float] = {}  # by moving colliders that an interaction has taken
         self._start = diagnose(sim)
 
-    def step(self, name: str, stepper, begin, first, dt, earliest, stage0, stage1) -> None:
+    def record_step(self, name: str, stepper, begin, first, dt, earliest, stage0, stage1) -> None:
         """Book what the coming launch will do; the launch itself is not touched."""
         system, state = stepper.system, stepper.system.state
-        rows = len(self.books_of[name])
+        rows = len(self._rows_of[name])
         if rows == 0 or state.count <= begin:
             return
         mutual = tuple(
@@ -110,8 +110,8 @@ class Bookkeeper:
             for one in system.interactions
             for part in one.parts
         )
-        kernel = make_booking(
-            system.composition, system.scheme.kind, system.scheme.rotates, mutual, stepper.joined,
+        kernel = make_ledger_kernel(
+            system.composition, system.scheme.kind, system.scheme.rotates, mutual, stepper.coupled,
             state.attributes, self.sim.precision,
         )  # fmt: skip
         size = state.floats.shape[1] if system.composition.colliders else 1
@@ -119,14 +119,14 @@ class Bookkeeper:
         if kept is None or kept.shape[1] != size:
             kept = self._kept[name] = np.zeros((3, size), state.floats.dtype)
         blocks = -(-(state.count - begin) // 1024)
-        books = np.zeros((blocks, rows * BOOKS))
+        entries = np.zeros((blocks, rows * LEDGER_COLUMNS))
         kernel(
             state.floats, state.birth, state.key, stepper.pair, stepper.scratch, stepper.numbers, stepper.scheme_numbers,
-            begin, state.count, float(first), dt, earliest, stage0, stage1, books, kept,
+            begin, state.count, float(first), dt, earliest, stage0, stage1, entries, kept,
         )  # fmt: skip
-        self.books_of[name] += books.sum(axis=0).reshape(rows, BOOKS)
+        self._rows_of[name] += entries.sum(axis=0).reshape(rows, LEDGER_COLUMNS)
 
-    def solved(self, name: str, one, state, before: np.ndarray, turn) -> None:
+    def record_implicit(self, name: str, one, state, before: np.ndarray, turn) -> None:
         """Book an implicit interaction's change of the velocities, which were `before`."""
         mass = state.floats[6, : state.count].astype(np.float64)
         now = state.floats[3:6, : state.count].astype(np.float64)
@@ -158,48 +158,51 @@ class Bookkeeper:
         state.floats[:3, : state.count] = kept
         return energy[0] - energy[1]
 
-    def released(self, name: str, one, energy: float) -> None:
+    def record_broken_bonds(self, name: str, one, energy: float) -> None:
         """Book the energy, J, of what an interaction let go of."""
         self._solved.setdefault(f"{name}.{one.name}", np.zeros(4))[3] += energy
 
-    def born(self, name: str, new: slice) -> None:
+    def record_births(self, name: str, new: slice) -> None:
         """Book births, at their exact times and before they move."""
-        self._pass(self._born, name, np.arange(new.start, new.stop))
+        self._add_transfers(self._born, name, np.arange(new.start, new.stop))
 
-    def after_step(self, t0: float, t1: float) -> None:
-        """Book the deaths of the step; the dead stand where they died."""
-        for name, system in self.sim._members.items():
+    def record_deaths(self, t0: float, t1: float, unprocessed_ids: dict[str, tuple[int, int]]) -> None:
+        """Add the deaths of the step to the account; the dead stand where they died.
+
+        unprocessed_ids : by system, ids from..to of the particles that were born at the end of the step before
+        """
+        for name, system in self.sim.members.items():
             state = system.state
             death, ids = state.death(), state.id[: state.count]
-            behind = self.sim._was_behind[name]
-            unseen = (death > t0) | ((ids >= behind[0]) & (ids < behind[1]))
-            self._pass(self._died, name, np.flatnonzero((death <= t1) & unseen))
+            begin, end = unprocessed_ids[name]
+            unseen = (death > t0) | ((ids >= begin) & (ids < end))
+            self._add_transfers(self._died, name, np.flatnonzero((death <= t1) & unseen))
 
-    def _pass(self, account: Account, name: str, slots: np.ndarray) -> None:
+    def _add_transfers(self, account: Account, name: str, slots: np.ndarray) -> None:
         if not len(slots):
             return
-        state = self.sim._members[name].state
+        state = self.sim.members[name].state
         for source in np.unique(state.source[slots]):
             of = slots[state.source[slots] == source]
             part = sums(self.sim, name, of)
             energy = float(part[12:].sum()) + self._mutual(name, of)
             key = f"{name}.{state.sources[source].kind or state.sources[source].name}"
-            passage = Passage(len(of), float(part[1]), float(part[2]), part[3:6].copy(), part[6:9].copy(), energy)
-            account[key] = account.get(key, Passage()) + passage
+            passage = Transfer(len(of), float(part[1]), float(part[2]), part[3:6].copy(), part[6:9].copy(), energy)
+            account[key] = account.get(key, Transfer()) + passage
 
     def _mutual(self, name: str, slots: np.ndarray) -> float:
         """The potential energy these particles share with each other and with the rest of the living."""
-        if not any(one.source_system is None for one in self.sim._members[name].interactions):
+        if not any(one.source_system is None for one in self.sim.members[name].interactions):
             return 0.0
-        others = np.setdiff1d(living(self.sim, name), slots)
+        others = np.setdiff1d(self.sim.living(name), slots)
         everyone = np.union1d(others, slots)
         return energy_of_pairs(self.sim, name, everyone) - energy_of_pairs(self.sim, name, others)
 
     def report(self) -> Ledger:
         """The account so far."""
-        died = _Passages(self._died)
+        died = _Transfers(self._died)
         work, dissipated, impulse = Account(), Account(), _Vectors()
-        for name, system in self.sim._members.items():
+        for name, system in self.sim.members.items():
             labels = [(t.name, "") for t in system.composition.terms]
             labels += [(one.name, part) for one in system.interactions for part in one.parts]
             works = [not t.force.conservative for t in system.composition.terms]
@@ -208,7 +211,7 @@ class Bookkeeper:
             ]
             labels += [(t.name, "") for t in system.composition.colliders]
             works += [True] * len(system.composition.colliders)
-            for (label, part), does, row in zip(labels, works, self.books_of[name]):
+            for (label, part), does, row in zip(labels, works, self._rows_of[name]):
                 key = f"{name}.{label}"
                 if part:  # what a dissipative part of an interaction works, it takes
                     dissipated[key] = dissipated.get(key, 0.0) - float(row[0])
@@ -216,9 +219,9 @@ class Bookkeeper:
                     work[key] = work.get(key, 0.0) + float(row[0])
                     dissipated[key] = dissipated.get(key, 0.0) + float(row[1])
                 impulse[key] = impulse.get(key, np.zeros(3)) + row[2:5]
-            for k, burner in enumerate(system.composition.burners):
-                taken, turn = self.books_of[name][len(labels) + 2 * k :][:2]
-                died[f"{name}.{burner.name}"] = Passage(
+            for k, burner in enumerate(system.composition.mass_loss_terms):
+                taken, turn = self._rows_of[name][len(labels) + 2 * k :][:2]
+                died[f"{name}.{burner.name}"] = Transfer(
                     0, taken[1], 0.0, taken[2:].copy(), turn[2:].copy(), float(taken[0])
                 )
         for key, row in self._solved.items():
@@ -235,6 +238,6 @@ class Bookkeeper:
             abs(dissipated.total), abs(born.energy), abs(gone.energy), 1e-300,
         )  # fmt: skip
         return Ledger(
-            _Passages(self._born), died, work, dissipated, impulse,
+            _Transfers(self._born), died, work, dissipated, impulse,
             float(now.energy - expected), now.momentum - momentum, float(scale),
         )  # fmt: skip

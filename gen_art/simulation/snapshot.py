@@ -1,8 +1,9 @@
-"""Snapshots: the whole state of a simulation on disk, bit for bit, and the laws to go on with."""
+"""Snapshots: the whole state of a simulation in a file, bit for bit, with the laws it needs to continue."""
 
 import json
 import os
 import zipfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,26 +15,82 @@ from gen_art.forces.medium import Medium
 from gen_art.interactions import INTERACTIONS
 from gen_art.simulation.system import ParticleSystem
 
-__all__ = ["restore", "save"]
+__all__ = ["Snapshot", "read", "write"]
 
 _FORMAT = 1
+_UNPROCESSED, _SAVED = "behind", "memory"  # what format 1 calls these keys
 _COLUMNS = ("floats", "birth", "key", "id", "source")
 
 
-def save(sim, path) -> None:
-    """Write `sim` to `path` beside its final name, then rename. Raises OutputError when the disk says no."""
-    if sim._ledger is not None:
+@dataclass(frozen=True)
+class Snapshot:
+    """What a file holds: the clock, how to build the simulation, and by system its columns and saved arrays."""
+
+    head: dict
+    columns: dict[tuple[str, str], np.ndarray]
+    saved_arrays: dict[str, list[dict[str, np.ndarray]]]
+
+    @property
+    def dt(self) -> float:
+        return self.head["dt"]
+
+    @property
+    def seed(self) -> int:
+        return self.head["seed"]
+
+    @property
+    def precision(self) -> str:
+        return self.head["precision"]
+
+    @property
+    def steps_done(self) -> int:
+        return self.head["steps"]
+
+    @property
+    def unprocessed_ids(self) -> dict[str, tuple[int, int]]:
+        """By system, the ids from..to of the particles whose births no emitter has seen yet."""
+        return {name: tuple(entry[_UNPROCESSED]) for name, entry in self.head["systems"].items()}
+
+    @property
+    def definition(self):
+        """The Preset, or the ParticleSystems by name, that the simulation is built from."""
+        if self.head["preset"] is None:
+            return {name: _rebuilt(entry["definition"]) for name, entry in self.head["systems"].items()}
+        from gen_art.preset import load_preset
+
+        return load_preset(self.head["preset"])
+
+    def restore_systems(self, members, time: float) -> None:
+        """Put the saved particles into systems that were built from `definition`; time : s, at which they were saved."""
+        for name, entry in self.head["systems"].items():
+            system, state = members[name], members[name].state
+            state.count = 0
+            state.reserve(entry["count"])
+            for column in _COLUMNS:
+                getattr(state, column)[..., : entry["count"]] = self.columns[name, column]
+            state.count, state.next_id, state.may_die = entry["count"], entry["next_id"], entry["may_die"]
+            for emitter, done in zip(system.emitters, entry["done"]):
+                emitter.done = done
+        for name, known in self.saved_arrays.items():
+            for one, arrays in zip(members[name].interactions, known):
+                if arrays:
+                    one.restore_arrays(arrays, time)
+
+
+def write(sim, path, unprocessed_ids: dict[str, tuple[int, int]]) -> None:
+    """Write `sim` to `path` beside its final name, then rename. Raises OutputError when the disk refuses."""
+    if sim.keeps_ledger:
         raise UsageError("a simulation that keeps a ledger cannot be saved: the account is not part of the state")
     head = {
         "format": _FORMAT, "precision": sim.precision, "dt": sim.dt, "seed": sim.seed, "steps": sim.steps_done,
         "preset": None if sim.preset is None else {**sim.preset.resolved(), "name": sim.preset.name}, "systems": {},
     }  # fmt: skip
-    for name, system in sim._members.items():
+    for name, system in sim.members.items():
         state = system.state
         head["systems"][name] = {
             "count": state.count, "next_id": state.next_id, "may_die": state.may_die, "attributes": state.attributes,
-            "done": [e.done for e in system.emitters], "behind": sim._behind[name],
-            "memory": [list(one.memory) for one in system.interactions],
+            "done": [e.done for e in system.emitters], _UNPROCESSED: unprocessed_ids[name],
+            _SAVED: [list(one.saved_arrays) for one in system.interactions],
             "definition": None if sim.preset is not None else _definition(system),
         }  # fmt: skip
     path = Path(path)
@@ -41,48 +98,45 @@ def save(sim, path) -> None:
     try:
         with zipfile.ZipFile(temporary, "w") as archive:
             archive.writestr("head.json", json.dumps(head))
-            for name, system in sim._members.items():
+            for name, system in sim.members.items():
                 for column in _COLUMNS:
                     array = getattr(system.state, column)[..., : system.state.count]
-                    _write(archive, f"{name}/{column}.npy", array)
+                    _write_array(archive, f"{name}/{column}.npy", array)
                 for k, one in enumerate(system.interactions):
-                    for key, array in one.memory.items():
-                        _write(archive, f"{name}/{k}.{key}.npy", array)
+                    for key, array in one.saved_arrays.items():
+                        _write_array(archive, f"{name}/{k}.{key}.npy", array)
         os.replace(temporary, path)
     except OSError as error:
         temporary.unlink(missing_ok=True)
         raise OutputError(f"cannot write {path}: {error.strerror or error}") from None
 
 
-def _write(archive, name: str, array: np.ndarray) -> None:
+def _write_array(archive, name: str, array: np.ndarray) -> None:
     with archive.open(name, "w") as out:
         np.lib.format.write_array(out, np.ascontiguousarray(array), allow_pickle=False)
 
 
-def _read(archive, name: str) -> np.ndarray:
+def _read_array(archive, name: str) -> np.ndarray:
     return np.lib.format.read_array(archive.open(name), allow_pickle=False)
 
 
-def restore(path):
-    """The simulation saved at `path`. Raises OutputError if it cannot be read, UsageError if it is no snapshot."""
-    from gen_art.simulation.simulation import Simulation
-
+def read(path) -> Snapshot:
+    """The snapshot at `path`. Raises OutputError if it cannot be read, UsageError if it is no snapshot."""
     try:
         with zipfile.ZipFile(path) as archive:
             head = json.loads(archive.read("head.json"))
             if head["format"] != _FORMAT:
                 raise UsageError(f"{path} is a snapshot of format {head['format']}; this version reads {_FORMAT}")
+            systems = head["systems"]
             columns = {
-                (name, column): _read(archive, f"{name}/{column}.npy")
-                for name in head["systems"]
-                for column in _COLUMNS
+                (name, column): _read_array(archive, f"{name}/{column}.npy") for name in systems for column in _COLUMNS
             }
-            memories = {
+            saved = {
                 name: [
-                    {key: _read(archive, f"{name}/{k}.{key}.npy") for key in keys}
-                    for k, keys in enumerate(entry["memory"])
+                    {key: _read_array(archive, f"{name}/{k}.{key}.npy") for key in keys}
+                    for k, keys in enumerate(entry[_SAVED])
                 ]
-                for name, entry in head["systems"].items()
+                for name, entry in systems.items()
             }
     except OSError as error:
         raise OutputError(f"cannot read {path}: {error.strerror or error}") from None
@@ -90,29 +144,7 @@ def restore(path):
         if isinstance(error, UsageError):
             raise
         raise UsageError(f"{path} is not a snapshot of this program") from None
-    if head["preset"] is not None:
-        from gen_art.preset import load_preset
-
-        what = load_preset(head["preset"])
-    else:
-        what = {name: _rebuilt(entry["definition"]) for name, entry in head["systems"].items()}
-    sim = Simulation(what, dt=head["dt"], seed=head["seed"], precision=head["precision"])
-    for name, entry in head["systems"].items():
-        system, state = sim._members[name], sim._members[name].state
-        state.count = 0
-        state.reserve(entry["count"])
-        for column in _COLUMNS:
-            getattr(state, column)[..., : entry["count"]] = columns[name, column]
-        state.count, state.next_id, state.may_die = entry["count"], entry["next_id"], entry["may_die"]
-        for emission, done in zip(system.emitters, entry["done"]):
-            emission.done = done
-        sim._behind[name] = tuple(entry["behind"])
-    sim.steps_done = head["steps"]
-    for name, known in memories.items():
-        for one, memory in zip(sim._members[name].interactions, known):
-            if memory:
-                one.remember(memory, sim.time)
-    return sim
+    return Snapshot(head, columns, saved)
 
 
 def _law(one) -> dict:

@@ -9,7 +9,7 @@ from gen_art.particles.storage import PADDING
 from gen_art.simulation.system import ParticleSystem
 
 if TYPE_CHECKING:
-    from gen_art.simulation.ledger import Bookkeeper
+    from gen_art.simulation.ledger import LedgerKeeper
 
 __all__ = ["Stepper"]
 
@@ -17,10 +17,10 @@ __all__ = ["Stepper"]
 class Stepper:
     """One system's kernel and what it is launched with."""
 
-    def __init__(self, system: ParticleSystem, precision: str, joined: bool):
-        self.system, self.joined = system, joined
+    def __init__(self, system: ParticleSystem, precision: str, coupled: bool):
+        self.system, self.coupled = system, coupled
         dtype = system.state.floats.dtype
-        self.books: Bookkeeper | None = None
+        self.ledger: LedgerKeeper | None = None
         self.numbers = system.composition.numbers(dtype)
         self.scheme_numbers = np.array(system.scheme.numbers, dtype)
         self.pair = np.zeros((1, 1), dtype)
@@ -28,16 +28,15 @@ class Stepper:
         self.parts = np.cumsum([0, *(len(one.parts) for one in system.interactions)]).tolist()
         self.kernel = make_step(
             system.composition, system.scheme.kind, system.scheme.rotates, self.parts[-1],
-            joined, system.state.attributes, precision,
+            coupled, system.state.attributes, precision,
         )  # fmt: skip
 
     def run(self, first: int, steps: int, dt: float, begin: int = 0, earliest: float = 0.0) -> None:
         """Whole steps in one launch, for slots from `begin` on."""
-        if self.joined:
+        if self.coupled:
             self.begin()
-            self.pair[:, begin : self.system.state.count] = (
-                0.0  # children feel the others from their first whole step on
-            )
+            # children feel the other particles from their first whole step on
+            self.pair[:, begin : self.system.state.count] = 0.0
         self._launch(begin, first, steps, dt, earliest, -1, len(self.system.scheme.stages))
 
     def begin(self) -> None:
@@ -67,8 +66,8 @@ class Stepper:
     def _launch(self, begin, first, steps, dt, earliest, stage0, stage1) -> None:
         state = self.system.state
         if state.count > begin:
-            if self.books:
-                self.books.step(self.system.name, self, begin, first, dt, earliest, stage0, stage1)
+            if self.ledger:
+                self.ledger.record_step(self.system.name, self, begin, first, dt, earliest, stage0, stage1)
             self.kernel(
                 state.floats, state.birth, state.key, self.pair, self.scratch, self.numbers, self.scheme_numbers,
                 begin, state.count, float(first), steps, dt, earliest, stage0, stage1,

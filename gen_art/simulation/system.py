@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from gen_art.emitters.births import Emission
+from gen_art.emitters.births import ActiveEmitter
 from gen_art.errors import UsageError
 from gen_art.forces.base import burns
 from gen_art.forces.medium import Medium
 from gen_art.integrators import scheme
-from gen_art.integrators.kernel_terms import Composition
+from gen_art.integrators.kernel_terms import KernelTerms
 from gen_art.integrators.schemes import charged
 from gen_art.interactions import Interaction
 from gen_art.particles.fixed import FIXED
@@ -70,8 +70,8 @@ class ParticleSystem:
                     raise UsageError(
                         f"{force.name} takes mass, which a body of {one.name} keeps: push it with `propeller` instead"
                     )
-        self.composition = Composition(self.forces, self.medium, () if carriers else self.colliders)
-        self.emitters: list[Emission] = list(emitters)
+        self.composition = KernelTerms(self.forces, self.medium, () if carriers else self.colliders)
+        self.emitters: list[ActiveEmitter] = list(emitters)
         self.look = look
         lightest = min(self._least_masses(mass), default=None)
         for one in self.forces if lightest is not None else ():
@@ -143,7 +143,7 @@ class ParticleSystem:
         return chosen
 
     @property
-    def tells_impacts(self) -> bool:
+    def reports_impacts(self) -> bool:
         """Whether impacts on one of its colliders feed births; `impact` is then the age at a particle's last one, s."""
         return any(one.values["action"] == "emit" for one in self.colliders)
 
@@ -154,11 +154,11 @@ class ParticleSystem:
         for emission in self.emitters:
             for kind in emission.kinds:
                 names |= set(kind.attributes) - {"mass", "charge", "radius", "lifetime", "density"}
-        if self.tells_impacts:
+        if self.reports_impacts:
             names.add("impact")
         return tuple(sorted(names))
 
-    def _join(self, name: str, dtype, key: np.uint64, time) -> None:
+    def allocate(self, name: str, dtype, key: np.uint64, time) -> None:
         """Become part of a simulation: allocate the state and give the initial particles their keys."""
         from gen_art.maths.random import channel_of, derive
 
@@ -169,14 +169,14 @@ class ParticleSystem:
         names = self.attribute_names
         channels = {attribute: 10 + k for k, attribute in enumerate(names)}
         if self._initial:
-            sources.append(Source("initial"))
+            sources.append(ParticleOrigin("initial"))
         self.emitters.sort(key=lambda e: e.name)
         for emission in self.emitters:
             emission.key = np.uint64(derive(key, channel_of(emission.name)))
             emission.first_source = len(sources)
             for kind in emission.kinds:
                 kind.channels = channels
-                sources.append(Source(emission.name, kind.tag, kind.name))
+                sources.append(ParticleOrigin(emission.name, kind.tag, kind.name))
         count = len(self._initial["mass"]) if self._initial else 0
         self._state = state = Particles(dtype, names, tuple(sources), max(1024, count))
         if self._initial:
@@ -271,7 +271,7 @@ class ParticleSystem:
         return self._copy(self._time() - self.state.birth[self._living()])
 
 
-class Source:
+class ParticleOrigin:
     """Where particles came from: the emitter's name, the kind's name and tag."""
 
     def __init__(self, name: str, tag: str | None = None, kind: str = ""):

@@ -33,7 +33,7 @@ def test_the_wheel_holds_the_presets_and_the_command(installed):
     shipped = {path.name for path in (installed / "gen_art" / "presets").glob("*.yaml")}
     assert shipped == {path.name for path in (ROOT / "presets").glob("*.yaml")}
     assert shipped
-    assert (installed / "gen_art" / "instructions" / "prefetch.bc").is_file()
+    assert (installed / "gen_art" / "backend" / "intrinsics" / "prefetch.bc").is_file()
     entry = next(installed.glob("gen_art-*.dist-info")) / "entry_points.txt"
     assert "gen-art = gen_art.commands.main:main" in entry.read_text()
 

@@ -10,7 +10,7 @@ import pytest
 from gen_art.errors import OutputError, UsageError
 from gen_art.output import job
 from gen_art.output.exr import write_exr
-from gen_art.output.playback import Run
+from gen_art.output.playback import Playback
 from gen_art.output.read_recipe import read_recipe
 from tests.output.piece import piece
 
@@ -61,7 +61,7 @@ def test_a_still_is_the_film_s_linear_light(tmp_path):
     preset = piece(develop__exposure=2, develop__bloom=0.5)
     (path,) = job.still(preset, tmp_path / "a.exr", 0.3, bits=32)
     channels, header = read(path)
-    run = Run(preset, (96, 54), "f32", None)
+    run = Playback(preset, (96, 54), "f32", None)
     assert np.array_equal(channels["RGBA"], run.film(run.step_of(0.3)))
     assert channels["RGBA"][..., :3].max() > 0.1 and header["exposure"] == 2
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gen_art.errors import UsageError
-from gen_art.output.playback import Run
+from gen_art.output.playback import Playback
 from gen_art.preset.load import load_preset
 
 SIZE = (160, 90)
@@ -37,7 +37,7 @@ def orbits(look: dict, *, subframes=1, shutter=180.0, supersample=1, step="1/800
 
 def frame(preset, k: int = 3, size=SIZE) -> np.ndarray:
     clock = preset.clock
-    return np.array(Run(preset, size, "f32", None).film(clock.preroll_steps + k * clock.steps_per_frame))
+    return np.array(Playback(preset, size, "f32", None).film(clock.preroll_steps + k * clock.steps_per_frame))
 
 
 STREAK = {"draw": "streak", "width": 0.1, "emission": {"intensity": 1}}
@@ -86,7 +86,7 @@ def test_supersampling_does_not_move_the_picture():
 
 def test_too_large_a_drawing_is_refused():
     with pytest.raises(UsageError, match="16384"):
-        Run(orbits(DISC, supersample=8), (4096, 100), "f32", None)
+        Playback(orbits(DISC, supersample=8), (4096, 100), "f32", None)
 
 
 RIBBON = {"draw": "streak", "width": 0.1, "emission": {"intensity": 1}, "ribbon": {"length": 0.25, "points": 20}}
@@ -130,7 +130,7 @@ def test_a_ribbon_is_as_bright_as_the_look_says_at_any_speed():
 def test_a_frame_is_the_same_whichever_came_before(preset):
     clock = preset.clock
     step = lambda k: clock.preroll_steps + k * clock.steps_per_frame  # noqa: E731
-    film = Run(preset, SIZE, "f32", None)
+    film = Playback(preset, SIZE, "f32", None)
     pictures = [np.array(film.film(step(k))) for k in range(6)]
     for k in (0, 5):
         assert np.array_equal(pictures[k], frame(preset, k))
@@ -151,7 +151,7 @@ def test_layers_hold_depth_and_motion():
             "camera": {"position": [0, 0, 10], "target": [0, 0, 0], "fov": 40},
         }
     )  # fmt: skip
-    run = Run(preset, SIZE, "f32", None)
+    run = Playback(preset, SIZE, "f32", None)
     run.film(4)  # film time 0.2
     layers = run.layers()
     scale = 45 / np.tan(np.radians(20))
@@ -197,7 +197,7 @@ def test_automatic_exposure_follows_the_light_and_is_the_same_whichever_frames_a
     def stops(preset, frames):
         clock = preset.clock
         steps = [clock.preroll_steps + k * clock.steps_per_frame for k in frames]
-        return [exposure for _, exposure in Run(preset, SIZE, "f32", None).films(steps)]
+        return [exposure for _, exposure in Playback(preset, SIZE, "f32", None).films(steps)]
 
     everyone = stops(flash(0.1, 8.0, auto_exposure=auto), range(10))
     steady = stops(flash(0.1, 0.1, auto_exposure=auto), range(10))

@@ -144,7 +144,7 @@ def test_a_killed_render_leaves_a_film_that_plays(tmp_path):
 )
 def test_a_stopped_render_names_what_it_keeps(tmp_path, signal_, status, word):
     preset = tmp_path / "small.yaml"
-    preset.write_text(json.dumps(piece(clock__duration=20).resolved()))
+    preset.write_text(json.dumps(piece(clock__duration=2000).resolved()))
     command = [sys.executable, str(ROOT / "cli.py"), "render", str(preset), "-o", str(tmp_path / "a.mp4"), "--size", "32x18", "--progress", "json"]  # fmt: skip
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=ROOT) as process:
         for line in process.stderr:

@@ -10,8 +10,8 @@ from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
 from gen_art.forces.base import term_acceleration
 from gen_art.forces.medium import Medium
-from gen_art.integrators.kernel_terms import Composition
-from gen_art.integrators.tile import Terms, view
+from gen_art.integrators.kernel_terms import KernelTerms
+from gen_art.integrators.tile import TileTerms, view
 
 FLOW = (0.3, -0.2, 0.1)  # the velocity of the medium, for forces that look at it
 
@@ -30,7 +30,7 @@ def states(n: int = 64, seed: int = 1) -> SimpleNamespace:
 def probe(force, p, precision="f64", medium=None):
     """(acceleration (3, n), magnetic (3, n), damping (2, n), potential (n,)) of one force at the states p."""
     dtype = np.float64 if precision == "f64" else np.float32
-    composition = Composition([force], medium or Medium())
+    composition = KernelTerms([force], medium or Medium())
     n = p.position.shape[1]
     needs = sorted(force.needs)
     S = np.zeros((10 + len(needs), n), dtype)
@@ -48,7 +48,7 @@ def probe(force, p, precision="f64", medium=None):
 def _kernel(composition, precision):
     """One for each class and its choices: numbers are run-time data here as they are in the step."""
     real, force = runtime.DTYPES[precision], composition.terms[0].force
-    terms = Terms(composition, tuple(sorted(force.needs)), 0)
+    terms = TileTerms(composition, tuple(sorted(force.needs)), 0)
     kinds = {k: force.provides(k) for k in ("acceleration", "force", "electric", "magnetic", "damping", "potential")}
     pushes = kinds["acceleration"] or kinds["force"] or kinds["electric"]
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import gen_art as ga
-from gen_art.interactions.strands import LANES, Threads
+from gen_art.backend import runtime
+from gen_art.interactions.strands import LANES, Strands
 from gen_art.interactions.xpbd import sweep
 
 Springs = ga.interactions.Springs
@@ -43,9 +44,9 @@ def test_one_thread_is_solved_exactly(precision, tolerance, stiffness):
     k, c, h = stiffness * r.uniform(1, 2, n - 1), r.uniform(0, 0.5, n - 1), 0.01
     floats = np.zeros((10, n + 64), {"f64": np.float64, "f32": np.float32}[precision])
     floats[:3, :n], floats[3:6, :n], floats[6, :n], floats[9] = x.T, v.T, mass, np.inf
-    threads = Threads(pairs, np.stack([k, rest, c], 1), n, floats.dtype)
+    threads = Strands(pairs, np.stack([k, rest, c], 1), n, floats.dtype)
     assert len(threads.colours) == 1
-    ga.runtime.init()
+    runtime.init()
     sweep(floats, n, threads, h, precision)
     want = stepped(x, v, mass, rest, k, c, h)
     found = floats[3:6, :n].T.astype(float)
@@ -63,7 +64,7 @@ def test_threads_of_a_colour_share_no_particle():
     hub = np.stack([np.full(75, 63), np.arange(75) + 75], 1)
     pairs = np.concatenate([net.pairs, ring, hub])
     numbers = np.random.default_rng(0).uniform(1, 2, (len(pairs), 3))
-    threads = Threads(pairs, numbers, n, np.float64)
+    threads = Strands(pairs, numbers, n, np.float64)
     assert np.array_equal(threads.numbers.reshape(-1)[threads.at], numbers)
     seen = []
     for begin, end in threads.colours:
@@ -165,8 +166,8 @@ def test_a_spring_that_is_stretched_too_far_breaks_for_good(method):
     for sim in (whole, torn):
         sim.step(400)
     springs = torn["s"].interactions[0]
-    broken = springs.memory["torn"]
-    assert 0 < broken.sum() < 6 and not whole["s"].interactions[0].memory
+    broken = springs.saved_arrays["torn"]
+    assert 0 < broken.sum() < 6 and not whole["s"].interactions[0].saved_arrays
     gap = np.linalg.norm(np.diff(torn["s"].position, axis=0), axis=1)
     assert gap[broken].min() > 0.12 and gap[~broken].max() < 0.12  # none that holds is beyond the strain
     y = torn["s"].position[:, 1]
@@ -174,7 +175,7 @@ def test_a_spring_that_is_stretched_too_far_breaks_for_good(method):
     assert y[below] < whole["s"].position[below, 1] - 0.2  # what came off falls
     before, torn_before = torn["s"].velocity[below:].mean(0), broken.sum()
     torn.step(50)
-    assert springs.memory["torn"].sum() == torn_before
+    assert springs.saved_arrays["torn"].sum() == torn_before
     assert torn["s"].velocity[below:].mean(0) == pytest.approx(before + [0, -9.81 * 0.05, 0], abs=1e-9)
 
 
@@ -186,7 +187,7 @@ def test_the_energy_of_torn_springs_is_booked():
         start = sim.diagnostics().energy
         sim.step(round(0.3 / dt))
         account = sim.ledger()
-        assert sim["s"].interactions[0].memory["torn"].any()
+        assert sim["s"].interactions[0].saved_arrays["torn"].any()
         residuals.append(abs(account.residual))
         booked.append(account.dissipated["s.springs"])
         assert start - sim.diagnostics().energy == pytest.approx(booked[-1], rel=0.05)
@@ -199,7 +200,7 @@ def test_the_energy_of_torn_springs_is_booked():
 def test_snapshots_and_digests_know_what_is_torn(tmp_path, method):
     sim = chain(0.2, method, "f32")
     sim.step(200)
-    torn = sim["s"].interactions[0].memory["torn"].copy()
+    torn = sim["s"].interactions[0].saved_arrays["torn"].copy()
     assert torn.any()
     sim.save(tmp_path / "torn.gas")
     again = ga.Simulation.restore(tmp_path / "torn.gas")
@@ -208,7 +209,7 @@ def test_snapshots_and_digests_know_what_is_torn(tmp_path, method):
     again.step(100)
     assert again.digest() == sim.digest()
     other = ga.Simulation.restore(tmp_path / "torn.gas")
-    other["s"].interactions[0].remember({"torn": np.zeros_like(torn)}, 0.0)
+    other["s"].interactions[0].restore_arrays({"torn": np.zeros_like(torn)}, 0.0)
     assert other.digest() != ga.Simulation.restore(tmp_path / "torn.gas").digest()
     other.step(100)
     assert not np.array_equal(other["s"].position, sim["s"].position)

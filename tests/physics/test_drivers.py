@@ -37,13 +37,13 @@ def test_driven_oscillator_has_its_amplitude_and_phase(ratio, precision, toleran
     assert abs(response.conjugate() - exact) > 0.1 * abs(exact)  # the mutant: a lead instead of a lag
 
 
-def noise(times, n=20000, strength=1.4, memory=0.6, harmonics=8, seed=0):
+def noise(times, n=20000, strength=1.4, saved_arrays=0.6, harmonics=8, seed=0):
     """The force (times, 3, n) on n particles, each with its key."""
     p, out = states(n, 5), []
     p.mass[:] = 1.0
     for t in times:
         p.time = t
-        out.append(probe(F.RandomDriver(strength, memory, seed, harmonics), p)[0])
+        out.append(probe(F.RandomDriver(strength, saved_arrays, seed, harmonics), p)[0])
     return np.array(out)
 
 

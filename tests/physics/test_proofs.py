@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import gen_art as ga
-from gen_art.interactions.base import Pull
+from gen_art.interactions.base import ForceRequest
 from gen_art.particles.storage import PADDING
 from gen_art.preset.load import load_preset
 
@@ -79,7 +79,8 @@ def accelerations(sim, name):
     state, one = sim.systems[name], sim[name].interactions[0]
     out = np.zeros((3, state.capacity + PADDING), state.floats.dtype)
     one.accelerate(
-        Pull(state.floats, state, state.count, state.floats, state, state.count, 0.0, sim.dt, sim.precision), out
+        ForceRequest(state.floats, state, state.count, state.floats, state, state.count, 0.0, sim.dt, sim.precision),
+        out,
     )
     return out[:, : state.count].T.astype(float)
 

@@ -197,7 +197,7 @@ def test_what_has_sunk_in_is_taken_back():
     inside(sim).x[0, 1] -= 5e-3
     inside(sim).meeting.look(0.0)
     inside(sim)._put(sim["b"].state, True)
-    sim._keep_books()
+    sim.keep_ledger()
     energy = sim.diagnostics().energy
     sim.step(60)
     assert inside(sim).meeting.gap.min() == pytest.approx(-1e-3, abs=1e-4)

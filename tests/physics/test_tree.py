@@ -50,7 +50,7 @@ def test_forces_and_momentum(n, precision):
     dtype = np.float64 if precision == "f64" else np.float32
     x, m = plummer(n).astype(dtype), (np.random.default_rng(1).uniform(0.5, 1.5, n) / n).astype(dtype)
     of = np.arange(0, n, n // 500)
-    found = tree.pull(x, None, m, 0.01, 0.36, precision)
+    found = tree.sum_by_tree(x, None, m, 0.01, 0.36, precision)
     rms, worst = errors(found[:, of], exact(x.astype(float), x.astype(float), m.astype(float), 0.01, of))
     assert rms <= 3e-3 and worst <= 1.5e-2
     force = m * found[:3].astype(np.float64)
@@ -61,7 +61,7 @@ def test_errors_fall_with_theta_and_every_order_counts(monkeypatch):
     x, m = plummer(4000), np.full(4000, 1 / 4000)
     of = np.arange(0, 4000, 10)
     right = exact(x, x, m, 0.01, of)
-    coarse, fine = (errors(tree.pull(x, None, m, 0.01, theta, "f64")[:, of], right)[0] for theta in (0.4, 0.2))
+    coarse, fine = (errors(tree.sum_by_tree(x, None, m, 0.01, theta, "f64")[:, of], right)[0] for theta in (0.4, 0.2))
     assert fine < coarse / 6  # third order: 8, in the mean
     r = np.random.default_rng(4)  # a rod, seen from afar by a small crowd: its quadrupole counts
     rod, crowd = (
@@ -69,7 +69,7 @@ def test_errors_fall_with_theta_and_every_order_counts(monkeypatch):
         r.uniform(-0.1, 0.1, (3, 50)) + [[4.0], [2.0], [0.0]],
     )
     right = exact(crowd, rod, np.ones(300), 0.01, np.arange(50))
-    whole = errors(tree.pull(crowd, rod, np.ones(300), 0.01, 0.5, "f64"), right)[0]
+    whole = errors(tree.sum_by_tree(crowd, rod, np.ones(300), 0.01, 0.5, "f64"), right)[0]
     kernels = tree.tree_kernels("f64")
 
     def without_quadrupoles(P, begin, end, M):
@@ -79,7 +79,7 @@ def test_errors_fall_with_theta_and_every_order_counts(monkeypatch):
     monkeypatch.setattr(
         tree, "tree_kernels", lambda precision: SimpleNamespace(**{**vars(kernels), "gather": without_quadrupoles})
     )
-    assert errors(tree.pull(crowd, rod, np.ones(300), 0.01, 0.5, "f64"), right)[0] > 5 * whole  # the mutant
+    assert errors(tree.sum_by_tree(crowd, rod, np.ones(300), 0.01, 0.5, "f64"), right)[0] > 5 * whole  # the mutant
 
 
 @pytest.mark.parametrize("law,k", [("self_gravity", 1.0), ("coulomb", 1.0)])
@@ -105,7 +105,7 @@ def test_the_interactions_use_it_and_know_its_energy(law, k):
 def test_a_field_of_others_and_of_massless_targets():
     r = np.random.default_rng(3)
     x, y, m = r.normal(size=(3, 2000)) * 2, r.normal(size=(3, 1500)), r.uniform(0.5, 1.5, 1500)
-    found = tree.pull(x, y, m, 0.05, 0.36, "f64")
+    found = tree.sum_by_tree(x, y, m, 0.05, 0.36, "f64")
     rms, worst = errors(found, exact(x, y, m, 0.05, np.arange(2000)))
     assert rms <= 3e-3 and worst <= 1.5e-2
 
@@ -141,7 +141,7 @@ def test_every_particle_has_one_leaf_even_where_many_share_a_place():
     leaves = made.leaves
     covered = np.sort(np.concatenate([np.arange(made.begin[c], made.end[c]) for c in leaves]))
     assert np.array_equal(covered, np.arange(703)) and np.array_equal(np.sort(made.order), np.arange(703))
-    found = tree.pull(x, None, np.ones(703), 0.1, 0.36, "f64")
+    found = tree.sum_by_tree(x, None, np.ones(703), 0.1, 0.36, "f64")
     rms, _ = errors(found[:, :700], exact(x, x, np.ones(703), 0.1, np.arange(700)))
     assert np.isfinite(found).all() and rms < 3e-3
 

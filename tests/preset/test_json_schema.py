@@ -60,7 +60,7 @@ def test_it_refuses_what_is_wrong(path, value):
 
 
 def test_every_registered_class_is_in_it_with_a_description():
-    system, emitter = SCHEMA["$defs"]["System"]["properties"], SCHEMA["$defs"]["Emitter"]["properties"]
+    system, emitter = SCHEMA["$defs"]["SystemSpec"]["properties"], SCHEMA["$defs"]["EmitterSpec"]["properties"]
     for kind, known in (
         ("forces", system["forces"]["properties"]),
         ("interactions", system["interactions"]["properties"]),

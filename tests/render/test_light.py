@@ -5,10 +5,10 @@ import pytest
 
 from gen_art.preset.look import KeyLight, Look
 from gen_art.renderer.camera import Camera
-from gen_art.renderer.emissive_lighting import Glow, gathered, glow_on
+from gen_art.renderer.emissive_lighting import EmittedLight, gathered, glow_on
 from gen_art.renderer.painter import Painter
 from gen_art.renderer.smoke_density import DIRECTIONS, STEP, WEIGHTS, Smoke
-from gen_art.renderer.smoke_lighting import Lit, incoming_light, octaves, phase_function, shine
+from gen_art.renderer.smoke_lighting import LitParticles, incoming_light, octaves, phase_function, shine
 from tests.render.particles import scene, state
 
 DARK = {"ambient_intensity": 0.0}
@@ -236,8 +236,8 @@ def test_smoke_of_one_system_shadows_another():
     x, section = slab()
     behind = np.array([[a, b, 2.0] for a in (-0.5, 0, 0.5) for b in (-0.5, 0, 0.5)], np.float32)
     lamps = [KeyLight(direction=(0, 0, 1), scatter=0, intensity=1.0, **DARK) for _ in range(2)]
-    one = Lit(lamps[0], x, section, np.full(len(x), 0.15, np.float32))
-    two = Lit(lamps[1], behind, np.full(9, 1e-6, np.float32), np.zeros(9, np.float32))
+    one = LitParticles(lamps[0], x, section, np.full(len(x), 0.15, np.float32))
+    two = LitParticles(lamps[1], behind, np.full(9, 1e-6, np.float32), np.zeros(9, np.float32))
     assert shine([one, two], (0, 0, 9))[1][:, 0].mean() == pytest.approx(np.exp(-3.0), rel=0.1)
     assert shine([two], (0, 0, 9))[0] == pytest.approx(np.ones((9, 3)), abs=2e-3)
 
@@ -248,15 +248,15 @@ def test_the_glow_of_others_falls_with_the_square_of_the_distance_and_through_th
     power = np.tile([[2e-3, 1e-3, 0.0]], (3000, 1))
     x = np.array([[1.0, 0, 0], [2, 0, 0], [0, 4, 0], [0, 0, -4]], np.float32)
     lamp = KeyLight(intensity=0.0, scatter=0.0, resolution=64, **DARK)
-    thin = Lit(lamp, x, np.full(4, 1e-7, np.float32), np.zeros(4, np.float32))
-    got = shine([thin], (0, 0, 9), False, [Glow(lights, power)])[0]
+    thin = LitParticles(lamp, x, np.full(4, 1e-7, np.float32), np.zeros(4, np.float32))
+    got = shine([thin], (0, 0, 9), False, [EmittedLight(lights, power)])[0]
     assert got[:, 0] == pytest.approx(6.0 / (4 * np.pi) / np.array([1, 4, 16, 16]), rel=0.12)
     assert got[:, 1] == pytest.approx(got[:, 0] / 2, rel=1e-5)
     assert np.all(got[:, 2] == 0.0)
     screen = rng.uniform(-1, 1, (20_000, 3)).astype(np.float32) * np.float32((0.1, 2, 2)) + np.float32((0.5, 0, 0))
-    wall = Lit(lamp, np.concatenate([x, screen]), np.concatenate([np.full(4, 1e-7), np.full(20_000, 16 / 20_000)]).astype(
+    wall = LitParticles(lamp, np.concatenate([x, screen]), np.concatenate([np.full(4, 1e-7), np.full(20_000, 16 / 20_000)]).astype(
         np.float32), np.zeros(20_004, np.float32))  # fmt: skip
-    through = shine([wall], (0, 0, 9), False, [Glow(lights, power)])[0]
+    through = shine([wall], (0, 0, 9), False, [EmittedLight(lights, power)])[0]
     assert through[1, 0] == pytest.approx(got[1, 0] * np.exp(-1.0), rel=0.2)
     assert through[3, 0] > 0.7 * got[3, 0]
 
@@ -269,7 +269,7 @@ def test_the_glow_in_thin_smoke_is_the_sum_over_cells_of_light(parallel):
     smoke = Smoke.of(x, np.full(60, 1e-9, np.float32), np.zeros(60, np.float32), np.eye(3), 24)
     lamp = KeyLight(phase=0.5, glow_intensity=3.0, glow_softness=0.4)
     eye = np.array((0.6, 0.0, -0.8)) if parallel else np.array((3.0, 1.0, 9.0))
-    got = glow_on(smoke, smoke, Glow(lights, power), lamp, octaves(0.5), eye, parallel)
+    got = glow_on(smoke, smoke, EmittedLight(lights, power), lamp, octaves(0.5), eye, parallel)
     nodes = (
         smoke.corner + np.stack(np.meshgrid(*map(np.arange, smoke.dense.shape), indexing="ij"), axis=-1)
     ) * smoke.cell

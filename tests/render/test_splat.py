@@ -14,7 +14,7 @@ from gen_art.renderer import direct_splat as scatter
 from gen_art.renderer import painter as frame
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.direct_splat import FEW
-from gen_art.renderer.framebuffer import Film
+from gen_art.renderer.framebuffer import FrameBuffer
 from gen_art.renderer.painter import Painter, render_frame
 from gen_art.renderer.sprite import AREA, BLUE, RED, X, Y, profile_integral
 from tests.render.particles import scene, state
@@ -274,7 +274,7 @@ def test_many_small_sprites_take_another_way_to_the_same_picture(look, monkeypat
 @pytest.mark.parametrize("draw", [scatter.pixels, scatter.points])
 def test_of_columns_only_the_first_are_drawn(draw):
     """A picture after one with more particles: what the columns held then stays undrawn."""
-    columns, film = runtime.aligned((11, 2048), np.float32), Film((64, 48))
+    columns, film = runtime.aligned((11, 2048), np.float32), FrameBuffer((64, 48))
     columns[[X, Y]], columns[RED : BLUE + 1] = 20.5, 1.0
     for n in (1, 31, 512, 513, 1000):
         film.clear()
@@ -285,7 +285,7 @@ def test_of_columns_only_the_first_are_drawn(draw):
 @pytest.mark.parametrize("draw", [scatter.pixels, scatter.points])
 def test_points_on_the_border_stay_in_their_row_and_touch_nothing_behind_the_film(draw):
     """A film without padding, and minus zeros behind it: adding no light to one would make it a plus."""
-    film = Film((128, 128))
+    film = FrameBuffer((128, 128))
     assert film.buffer.size == 128 * 128 * 4
     memory = runtime.aligned(film.buffer.size + 4 * 4 * 128, np.float32)
     memory[:] = -0.0
@@ -302,7 +302,7 @@ def test_points_on_the_border_stay_in_their_row_and_touch_nothing_behind_the_fil
 def test_a_large_film_is_cleared_whole(monkeypatch):
     monkeypatch.setattr("gen_art.renderer.framebuffer.LARGE", 0)
     for size in ((1, 1), (33, 7), (640, 360)):
-        film = Film(size)
+        film = FrameBuffer(size)
         film.buffer[:] = 1.0
         film.clear()
         assert not film.buffer.any()
@@ -310,7 +310,7 @@ def test_a_large_film_is_cleared_whole(monkeypatch):
 
 def test_every_pixel_of_the_largest_film_has_an_index_of_its_own():
     """NO_SIGN must leave it as it is."""
-    assert 16384 * 16384 - 1 & runtime.NO_SIGN == 16384 * 16384 - 1
+    assert 16384 * 16384 - 1 & runtime.INDEX_MASK == 16384 * 16384 - 1
 
 
 def test_what_hides_is_sorted_by_the_whole_depth():

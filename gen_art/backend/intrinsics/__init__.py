@@ -9,20 +9,22 @@ import platform
 from pathlib import Path
 
 from gen_art.backend.kernel_views import traced
-from gen_art.backend.runtime import call_bitcode, processor
+from gen_art.backend.runtime import STOCK_TAICHI, call_bitcode, processor
 
-__all__ = ["PACKS", "PREFETCHES", "pack", "prefetch"]
+__all__ = ["HAS_PACK", "HAS_PREFETCH", "pack", "prefetch"]
 
 
 _FOLDER = Path(__file__).parent
-PREFETCHES = (platform.system(), platform.machine()) == ("Linux", "x86_64")
-PACKS = PREFETCHES and {"avx512f", "avx512dq", "avx512bw", "avx512vl", "popcnt"} <= set("".join(processor()).split())
+HAS_PREFETCH = not STOCK_TAICHI and (platform.system(), platform.machine()) == ("Linux", "x86_64")
+HAS_PACK = HAS_PREFETCH and {"avx512f", "avx512dq", "avx512bw", "avx512vl", "popcnt"} <= set(
+    "".join(processor()).split()
+)
 
 
 @traced
 def prefetch(address):
     """Ask for the 64 bytes around an address, a 64-bit whole number, if PREFETCHES. No address is wrong."""
-    if PREFETCHES:
+    if HAS_PREFETCH:
         call_bitcode(_FOLDER / "prefetch.bc", "gen_art_prefetch", [address])
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.colliders.surface import count
-from gen_art.integrators.kernel_terms import Composition
-from gen_art.integrators.tile import Terms
+from gen_art.integrators.kernel_terms import KernelTerms
+from gen_art.integrators.tile import TileTerms
 from gen_art.interactions.rigid.shapes import BALL, BOX, CAPSULE, Part
 
 __all__ = ["Walls", "probes"]
@@ -46,11 +46,11 @@ class Walls:
             else:
                 self.solids.append((k, part))
         self.flat = all(self.colliders[k].name in _FLAT for k in self.others)
-        self._composition = Composition((), None, [self.colliders[k] for k in self.others])
+        self._composition = KernelTerms((), None, [self.colliders[k] for k in self.others])
         self._numbers = self._composition.numbers(np.float64)
         sides = [self.colliders[k].sides for k in self.others]
         self.owner = np.repeat(np.array(self.others, int), sides)  # of each surface
-        self.names = [t.name for t in Composition((), None, self.colliders).colliders]
+        self.names = [t.name for t in KernelTerms((), None, self.colliders).colliders]
         self.velocity = np.array([c.values["velocity"] for c in self.colliders], float).reshape(-1, 3)
         self.restitution = np.array([c.values["restitution"] for c in self.colliders], float)
         self.friction = np.array([tuple(c.values["friction"]) for c in self.colliders], float).reshape(-1, 2)
@@ -84,8 +84,8 @@ def _solid(one) -> Part | None:
 
 
 @cache
-def _kernel(composition: Composition):
-    terms = Terms(composition, (), 0, real=ti.f64)
+def _kernel(composition: KernelTerms):
+    terms = TileTerms(composition, (), 0, real=ti.f64)
     matrix = ti.types.ndarray(ti.f64, 2)
 
     @ti.kernel

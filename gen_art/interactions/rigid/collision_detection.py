@@ -10,7 +10,7 @@ import numpy as np
 from gen_art.interactions.rigid.box_contacts import between_boxes
 from gen_art.interactions.rigid.shapes import BALL, BOX
 
-__all__ = ["Contacts", "Shapes", "near_pairs", "touching"]
+__all__ = ["ContactPoints", "Shapes", "near_pairs", "detect_contacts"]
 
 _THIRDS = 48  # steps of the search along a segment: each keeps two thirds, so 4e-9 of it is left
 
@@ -28,7 +28,7 @@ class Shapes:
 
 
 @dataclass
-class Contacts:
+class ContactPoints:
     """k contacts: shapes first and second (k,), point (k, 3), normal (k, 3) from second to first, gap (k,), key (k,) int64."""
 
     first: np.ndarray
@@ -58,7 +58,7 @@ def near_pairs(shapes: Shapes, reach: np.ndarray, movable: np.ndarray) -> tuple[
     return i[order], j[order]
 
 
-def touching(shapes: Shapes, reach: np.ndarray, movable: np.ndarray) -> Contacts:
+def detect_contacts(shapes: Shapes, reach: np.ndarray, movable: np.ndarray) -> ContactPoints:
     """Every contact whose gap is below the sum of the two shapes' reach, m; in the order of the shapes."""
     i, j = near_pairs(shapes, reach, movable)
     s, most = shapes, reach[i] + reach[j]
@@ -76,12 +76,12 @@ def touching(shapes: Shapes, reach: np.ndarray, movable: np.ndarray) -> Contacts
         found.append((group[k], *rest))
     if not found:
         none = np.zeros(0, np.int64)
-        return Contacts(none, none, np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), none)
+        return ContactPoints(none, none, np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), none)
     pair, point, normal, gap, feature = (np.concatenate(part) for part in zip(*found))
     order = np.lexsort((feature, pair))
     pair, point, normal, gap, feature = (part[order] for part in (pair, point, normal, gap, feature))
     first, second = i[pair].astype(np.int64), j[pair].astype(np.int64)
-    return Contacts(first, second, point, normal, gap, (first * len(s.kind) + second) * 512 + feature)
+    return ContactPoints(first, second, point, normal, gap, (first * len(s.kind) + second) * 512 + feature)
 
 
 def _rounded(s: Shapes, i, j, most, pair, box: bool):

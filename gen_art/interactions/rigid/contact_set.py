@@ -5,17 +5,17 @@ import numpy as np
 from gen_art.errors import UsageError
 from gen_art.interactions.rigid.body import STATIC
 from gen_art.interactions.rigid.collider_contacts import Walls, probes
-from gen_art.interactions.rigid.collision_detection import Shapes, touching
-from gen_art.interactions.rigid.contact_solver import Blow
+from gen_art.interactions.rigid.collision_detection import Shapes, detect_contacts
+from gen_art.interactions.rigid.contact_solver import ContactSolver
 
-__all__ = ["Meeting"]
+__all__ = ["ContactSet"]
 
 _REACH = 1.2  # how much faster than now a body may get in a step before its contact is seen too late
 _NEAR = 0.01  # and how near to the next thing, in its own size, it is always seen
 _OVERLAP = 1e-4  # of the smaller body's size, tolerated at the start
 
 
-class Meeting:
+class ContactSet:
     """What touches, from one look to the next, with the impulses of the last solve to start the next one from."""
 
     def __init__(self, world, colliders, values: dict, dt: float):
@@ -46,11 +46,11 @@ class Meeting:
         self._impulses = np.zeros((0, 3))
 
     @property
-    def memory(self) -> dict[str, np.ndarray]:
+    def saved_arrays(self) -> dict[str, np.ndarray]:
         return {"keys": self._keys, "impulses": self._impulses}
 
-    def remember(self, memory) -> None:
-        self._keys, self._impulses = memory["keys"].copy(), memory["impulses"].copy()
+    def restore_arrays(self, saved_arrays) -> None:
+        self._keys, self._impulses = saved_arrays["keys"].copy(), saved_arrays["impulses"].copy()
 
     def _shapes(self, time: float) -> Shapes:
         world, many = self.world, len(self.world.members)
@@ -88,7 +88,7 @@ class Meeting:
     def look(self, time: float) -> None:
         """Find the contacts at the bodies' places, at `time`, s."""
         many, reach = len(self.world.members), self._reaches()
-        found = touching(self._shapes(time), reach, self._movable)
+        found = detect_contacts(self._shapes(time), reach, self._movable)
         p, s, point, normal, gap = self._by_distance(time, reach)
         first, second = self._body[found.first], self._body[found.second]
         shape = self._of_point[p]
@@ -126,16 +126,16 @@ class Meeting:
         if not len(self.gap):
             self._keys, self._impulses = np.zeros(0, np.int64), np.zeros((0, 3))
             return {}
-        blow = Blow(self, v, w, turn)
+        solver = ContactSolver(self, v, w, turn)
         start = self._warm() * turn.kick
-        impulses = blow.impulses(start)
+        impulses = solver.impulses(start)
         if turn.drift > 0:
-            self.world.shift = blow.parting()
+            self.world.shift = solver.parting()
         held = self.world.v, self.world.w
         self._keys = self.key  # kept as forces: the next solve may be over another length of time
-        self._impulses = np.where(blow.hits[:, None], 0.0, impulses) / turn.kick
-        given = blow.give(impulses) * blow.sign
-        late = blow.late(*held)
+        self._impulses = np.where(solver.hits[:, None], 0.0, impulses) / turn.kick
+        given = solver.give(impulses) * solver.sign
+        late = solver.late(*held)
         if late is not None:
             self.world.shift = late if self.world.shift is None else self.world.shift + late
         out: dict[str, tuple[np.ndarray, float]] = {}

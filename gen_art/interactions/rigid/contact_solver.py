@@ -11,35 +11,35 @@ import numpy as np
 from gen_art.interactions.rigid.kernels import NUMBERS, contact_kernel
 from gen_art.interactions.rigid.quaternions import cross
 
-__all__ = ["Blow"]
+__all__ = ["ContactSolver"]
 
 _OVERLAP = 5e-3  # of the smaller body's size: what is left alone
 _PART = 0.1  # of what is beyond it, taken back in a step
 _EXACT = 1e-8  # of the largest speed: what a sweep over the contacts may still change
 
 
-class Blow:
+class ContactSolver:
     """Impulses are (k, 3): along the normal and two tangents. `hits` (k,): contacts that bounce; `sign` (k, 1): -1 where the
     wall stands first."""
 
-    def __init__(self, meeting, v: np.ndarray, w: np.ndarray, turn):
-        self._meeting, self._world = meeting, meeting.world
-        world, k = meeting.world, len(meeting.gap)
-        n = meeting.normal
+    def __init__(self, contacts, v: np.ndarray, w: np.ndarray, turn):
+        self._contacts, self._world = contacts, contacts.world
+        world, k = contacts.world, len(contacts.gap)
+        n = contacts.normal
         across = np.zeros((k, 3))
         across[np.arange(k), np.abs(n).argmin(1)] = 1.0
         u = cross(n, across)
         u /= np.sqrt((u * u).sum(1))[:, None]
         self._frame = np.stack([n, u, cross(n, u)], 1)
-        one, two = meeting.first, meeting.second
+        one, two = contacts.first, contacts.second
         self._a, self._b = np.maximum(one, 0), np.maximum(two, 0)
         self._on_a, self._on_b = (one >= 0)[:, None], (two >= 0)[:, None]
-        self._ra = np.where(self._on_a, meeting.point - world.x[self._a], 0.0)
-        self._rb = np.where(self._on_b, meeting.point - world.x[self._b], 0.0)
+        self._ra = np.where(self._on_a, contacts.point - world.x[self._a], 0.0)
+        self._rb = np.where(self._on_b, contacts.point - world.x[self._b], 0.0)
         self.sign = np.where(self._on_a, 1.0, -1.0)
         self._surface = np.zeros((k, 3))
-        met = meeting.wall >= 0
-        self._surface[met] = meeting.walls.velocity[meeting.wall[met]] * self.sign[met]
+        met = contacts.wall >= 0
+        self._surface[met] = contacts.walls.velocity[contacts.wall[met]] * self.sign[met]
         self._aims(v, w, turn)
 
     def _sides(self, v, w):
@@ -53,20 +53,20 @@ class Blow:
 
     def _aims(self, v, w, turn) -> None:
         """What each contact asks for: the least speed along its normal, without bounces and with them, and its friction."""
-        world, meeting, n = self._world, self._meeting, self._meeting.normal
+        world, contacts, n = self._world, self._contacts, self._contacts.normal
         was, now = self._sides(v, w), self._sides(world.v, world.w)
         self._before, self._after = was[0] - was[1] - self._surface, now[0] - now[1] - self._surface
         w0, w1 = (self._before * n).sum(1), (self._after * n).sum(1)
-        laws = meeting.laws[meeting.wall + 1]
+        laws = contacts.laws[contacts.wall + 1]
         whole = turn.dt / turn.kick
         # what presses two bodies together may be what pulls both of them against a third
         pull = whole * sum(np.abs(((b - a) * n).sum(1)) for a, b in zip(was, now))
         fast = (-laws[:, 0] * w0 > pull) & (w0 < 0)
         span = turn.drift if turn.drift > 0 else turn.dt
-        self._soft = -np.maximum(meeting.gap, 0.0) / span
+        self._soft = -np.maximum(contacts.gap, 0.0) / span
         self.lone, self.wait = np.zeros(len(w0), bool), np.zeros(len(w0))
         if turn.drift > 0:
-            self.hits = fast & (meeting.gap + span * w1 < 0)
+            self.hits = fast & (contacts.gap + span * w1 < 0)
             self._meet_in_time(w1, turn)
             w0 = (self._before * n).sum(1)
             self._hard = np.where(self.hits, w1 - (1 + laws[:, 0]) * w0, self._soft)
@@ -85,14 +85,14 @@ class Blow:
 
         lone (k,): such contacts     wait (k,): s from the start of the drift to the impact
         """
-        meeting, many = self._meeting, len(self._world.members)
-        one, two = meeting.first, meeting.second
+        contacts, many = self._contacts, len(self._world.members)
+        one, two = contacts.first, contacts.second
         met = np.bincount(one[one >= 0], minlength=many) + np.bincount(two[two >= 0], minlength=many)
         alone = met[np.maximum(one, two)] == 1
-        turned = sum(np.abs(cross(arm, meeting.normal)).max(1) for arm in (self._ra, self._rb))
-        central = turned <= 1e-9 * meeting.sizes
-        self.lone = self.hits & alone & central & (meeting.wall >= 0) & (meeting.gap > 0)
-        self.wait[self.lone] = -meeting.gap[self.lone] / w1[self.lone]
+        turned = sum(np.abs(cross(arm, contacts.normal)).max(1) for arm in (self._ra, self._rb))
+        central = turned <= 1e-9 * contacts.sizes
+        self.lone = self.hits & alone & central & (contacts.wall >= 0) & (contacts.gap > 0)
+        self.wait[self.lone] = -contacts.gap[self.lone] / w1[self.lone]
         self._before += (self.wait / turn.kick)[:, None] * (self._after - self._before)
 
     def late(self, v: np.ndarray, w: np.ndarray) -> np.ndarray | None:
@@ -101,7 +101,7 @@ class Blow:
             return None
         world, out = self._world, np.zeros((len(v), 6))
         k = np.flatnonzero(self.lone)
-        b = np.maximum(self._meeting.first, self._meeting.second)[k]
+        b = np.maximum(self._contacts.first, self._contacts.second)[k]
         out[b] = self.wait[k, None] * np.concatenate([v - world.v, w - world.w], 1)[b]
         return out
 
@@ -122,24 +122,24 @@ class Blow:
 
     def _swept(self, C: np.ndarray, start: np.ndarray) -> np.ndarray:
         """Velocities and spins (b, 6) after the contacts C have acted on those at the start; their impulses are left in C."""
-        meeting, world, many = self._meeting, self._world, len(start)
+        contacts, world, many = self._contacts, self._world, len(start)
         V, B = np.zeros((many + 1, 6)), np.zeros((many + 1, 10))
         V[:many], B[:many, 0], B[:many, 1:] = start, world.ease, world.J.reshape(-1, 9)
-        one, two = (np.where(i >= 0, i, many).astype(np.int32) for i in (meeting.first, meeting.second))
+        one, two = (np.where(i >= 0, i, many).astype(np.int32) for i in (contacts.first, contacts.second))
         tolerance = (
             _EXACT * float(max(np.abs(V).max(), np.abs(C[:, 15]).max(where=C[:, 15] > -1e299, initial=0))) + 1e-300
         )
-        contact_kernel()(B, V, one, two, C, np.zeros((len(C), 36)), np.zeros((len(C), 9)), meeting.most, tolerance)
+        contact_kernel()(B, V, one, two, C, np.zeros((len(C), 36)), np.zeros((len(C), 9)), contacts.most, tolerance)
         return V[:many]
 
     def parting(self) -> np.ndarray | None:
         """Shifts (b, 3) m and turns (b, 3) rad that take bodies apart by a part of what they overlap by; None if they do not."""
-        meeting = self._meeting
-        deep = np.maximum(-meeting.gap - _OVERLAP * meeting.sizes, 0.0)
+        contacts = self._contacts
+        deep = np.maximum(-contacts.gap - _OVERLAP * contacts.sizes, 0.0)
         if not deep.any():
             return None
         return self._swept(
-            self._numbers(_PART * deep - np.maximum(meeting.gap, 0.0)), np.zeros((len(self._world.v), 6))
+            self._numbers(_PART * deep - np.maximum(contacts.gap, 0.0)), np.zeros((len(self._world.v), 6))
         )
 
     def impulses(self, start: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ from gen_art.errors import UsageError
 from gen_art.interactions.rigid.body import STATIC, Body
 from gen_art.interactions.rigid.quaternions import matrices
 
-__all__ = ["ATTRIBUTES", "Group", "bodies"]
+__all__ = ["ATTRIBUTES", "Group"]
 
 ATTRIBUTES = ("area", "normal_x", "normal_y", "normal_z", "shade", "tint")
 
@@ -16,20 +16,23 @@ class Group:
 
     members : the bodies     position, velocity : (n, 3)     mass, radius : (n,)     fixed : (n,) bool
     attributes : ATTRIBUTES of the particles, by name, each (n,)
+    Raises UsageError unless there is at least one body.
     """
 
-    def __init__(self, members: list[Body]):
-        self.members = members
-        turns = [matrices(b.attitude) for b in members]
-        arms = [b.local @ R.T for b, R in zip(members, turns)]
-        self.position = np.concatenate([b.place + arm for b, arm in zip(members, arms)])
-        self.velocity = np.concatenate([b.velocity + np.cross(b.spin, arm) for b, arm in zip(members, arms)])
-        self.mass = np.concatenate([b.masses for b in members])
-        self.radius = np.concatenate([b.radii for b in members])
-        self.fixed = self._each([b.hold == STATIC for b in members])
-        area = np.concatenate([b.areas for b in members])
-        normal = np.concatenate([b.normals @ R.T for b, R in zip(members, turns)])
-        shade, tint = np.zeros(len(area)), self._each([b.tint for b in members])
+    def __init__(self, members):
+        self.members: list[Body] = list(members)
+        if not self.members or not all(isinstance(b, Body) for b in self.members):
+            raise UsageError("bodies must be a list of what ga.body makes")
+        turns = [matrices(b.attitude) for b in self.members]
+        arms = [b.local @ R.T for b, R in zip(self.members, turns)]
+        self.position = np.concatenate([b.place + arm for b, arm in zip(self.members, arms)])
+        self.velocity = np.concatenate([b.velocity + np.cross(b.spin, arm) for b, arm in zip(self.members, arms)])
+        self.mass = np.concatenate([b.masses for b in self.members])
+        self.radius = np.concatenate([b.radii for b in self.members])
+        self.fixed = self._each([b.hold == STATIC for b in self.members])
+        area = np.concatenate([b.areas for b in self.members])
+        normal = np.concatenate([b.normals @ R.T for b, R in zip(self.members, turns)])
+        shade, tint = np.zeros(len(area)), self._each([b.tint for b in self.members])
         self.attributes = dict(zip(ATTRIBUTES, (area, *normal.T, shade, tint)))
 
     def _each(self, values) -> np.ndarray:
@@ -41,26 +44,3 @@ class Group:
         from gen_art.interactions.rigid.interaction import Rigid
 
         return Rigid(bodies=[b.spec for b in self.members], **parameters)
-
-    def system(self, *, rigid=None, interactions=(), attributes=None, **others):
-        """A ParticleSystem of these bodies. rigid : a mapping of the interaction's parameters; the rest as for ParticleSystem."""
-        from gen_art.simulation.system import ParticleSystem
-
-        return ParticleSystem(
-            position=self.position,
-            velocity=self.velocity,
-            mass=self.mass,
-            radius=self.radius,
-            fixed=self.fixed,
-            attributes={**self.attributes, **(attributes or {})},
-            interactions=[self.rigid(**(rigid or {})), *interactions],
-            **others,
-        )
-
-
-def bodies(members) -> Group:
-    """Several bodies as the particles of one system. Raises UsageError if there are none."""
-    members = list(members)
-    if not members or not all(isinstance(b, Body) for b in members):
-        raise UsageError("bodies must be a list of what ga.body makes")
-    return Group(members)

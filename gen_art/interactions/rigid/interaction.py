@@ -58,7 +58,7 @@ class Rigid(Interaction):
                 )
         self._colliders = list(colliders)
 
-    def join(self, system, dt):
+    def attach(self, system, dt):
         from gen_art.interactions.rigid.world import World
 
         if sum(one.carries for one in system.interactions) > 1:
@@ -106,11 +106,11 @@ class Rigid(Interaction):
         ]
 
     @property
-    def memory(self):
-        return self._world.memory
+    def saved_arrays(self):
+        return self._world.saved_arrays
 
-    def remember(self, memory, time):
-        self._world.remember(memory, time)
+    def restore_arrays(self, saved_arrays, time):
+        self._world.restore_arrays(saved_arrays, time)
 
     def solve(self, state, turn):
         self._world.push(state, turn)

@@ -4,7 +4,7 @@ import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.interactions.rigid.body import AXLED, FREE, STATIC, Body
-from gen_art.interactions.rigid.contact_set import Meeting
+from gen_art.interactions.rigid.contact_set import ContactSet
 from gen_art.interactions.rigid.free_motion import ANGLE, inverse_inertia, plan, turn_kernel
 from gen_art.interactions.rigid.kernels import particle_kernels
 from gen_art.interactions.rigid.quaternions import cross, matrices, product, rotation
@@ -40,12 +40,12 @@ class World:
         self._lamp = lamp / np.linalg.norm(lamp)
         self._check(system)
         self._bound()
-        self.meeting = Meeting(self, colliders, values, dt)
+        self.contacts = ContactSet(self, colliders, values, dt)
         self.shift: np.ndarray | None = None  # (b, 6) that the drift moves and turns the bodies by beside their motion
         self.given: dict[str, tuple[np.ndarray, float]] = {}
         if system.state.count:
-            self.meeting.look(0.0)
-            self.meeting.refuse_overlaps(system.name)
+            self.contacts.look(0.0)
+            self.contacts.refuse_overlaps(system.name)
             self._put(system.state, True)
 
     def _check(self, system) -> None:
@@ -65,14 +65,14 @@ class World:
         self.w = np.einsum("bij,bj->bi", self.J, self.L)
 
     @property
-    def memory(self) -> dict[str, np.ndarray]:
-        return {"x": self.x, "q": self.q, "v": self.v, "L": self.L, **self.meeting.memory}
+    def saved_arrays(self) -> dict[str, np.ndarray]:
+        return {"x": self.x, "q": self.q, "v": self.v, "L": self.L, **self.contacts.saved_arrays}
 
-    def remember(self, memory: dict[str, np.ndarray], time: float) -> None:
-        self.x, self.q, self.v, self.L = (memory[k].copy() for k in ("x", "q", "v", "L"))
+    def restore_arrays(self, saved_arrays: dict[str, np.ndarray], time: float) -> None:
+        self.x, self.q, self.v, self.L = (saved_arrays[k].copy() for k in ("x", "q", "v", "L"))
         self._bound()
-        self.meeting.remember(memory)
-        self.meeting.look(time)
+        self.contacts.restore_arrays(saved_arrays)
+        self.contacts.look(time)
 
     def _frames(self) -> np.ndarray:
         return np.concatenate([self.x, self.R.reshape(-1, 9), self.v, self.w], 1)
@@ -93,7 +93,7 @@ class World:
         self.v = v + gained[:, :3] * self.ease[:, None]
         self.L = self._allowed(self.L + gained[:, 3:])
         self._bound()
-        self.given = self.meeting.solve(v, w, turn)
+        self.given = self.contacts.solve(v, w, turn)
         if turn.booked or not turn.drift:
             self._put(state, False)
 
@@ -130,4 +130,4 @@ class World:
         turn_kernel()(self.q, self.L, self._plan, self.axle, turn.drift, ANGLE)
         self._bound()
         self._put(state, True)
-        self.meeting.look(turn.time + turn.dt)
+        self.contacts.look(turn.time + turn.dt)

@@ -1,0 +1,1 @@
+"""How the particles of one system are stored."""

@@ -1,0 +1,31 @@
+"""`ga.bodies`: rigid bodies as a ParticleSystem."""
+
+from collections.abc import Iterable, Mapping
+
+from gen_art.interactions.rigid.body import Body
+from gen_art.interactions.rigid.group import Group
+from gen_art.simulation.system import ParticleSystem
+
+__all__ = ["Bodies", "bodies"]
+
+
+class Bodies(Group):
+    """Rigid bodies and the particles that stand for them; `system()` makes a ParticleSystem of them."""
+
+    def system(self, *, rigid: Mapping | None = None, interactions=(), attributes=None, **others) -> ParticleSystem:
+        """A ParticleSystem of these bodies. rigid : a mapping of the interaction's parameters; the rest as for ParticleSystem."""
+        return ParticleSystem(
+            position=self.position,
+            velocity=self.velocity,
+            mass=self.mass,
+            radius=self.radius,
+            fixed=self.fixed,
+            attributes={**self.attributes, **(attributes or {})},
+            interactions=[self.rigid(**(rigid or {})), *interactions],
+            **others,
+        )
+
+
+def bodies(members: Iterable[Body]) -> Bodies:
+    """Several bodies as the particles of one system. Raises UsageError if there are none."""
+    return Bodies(members)

@@ -1,0 +1,76 @@
+"""GEN_ART_STOCK_TAICHI=1 runs without the patches of Taichi and without bitcode, and gives the same bits."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.small import SMALL
+
+ROOT = Path(__file__).resolve().parents[1]
+PIECES = {  # colliders, turning ones, rigid bodies, lit smoke, sprites that are only added, a magnetic field
+    "course/bouncing_balls": {},
+    "course/obstacles": {},
+    "course/tower": {},
+    "course/rolling": {},
+    "smoke": SMALL["smoke"],
+    "charged": SMALL["charged"],
+}
+SCRIPT = """
+import hashlib, json, sys
+import gen_art as ga
+from gen_art.backend import intrinsics, runtime
+pieces, stock = json.loads(sys.stdin.read()), sys.argv[1] == "1"
+assert runtime.STOCK_TAICHI == stock
+assert not (stock and (intrinsics.HAS_PREFETCH or intrinsics.HAS_PACK))
+import taichi.lang.kernel_impl as inside
+assert inside._get_tree_and_ctx.__module__.startswith("taichi" if stock else "gen_art")
+assert ("gen_art.backend.launch_patch" in sys.modules) != stock
+found = {}
+for name, overrides in pieces.items():
+    sim = ga.Simulation(ga.load_preset(name, overrides=overrides), threads=2)
+    sim.advance_to_frame(1)
+    picture = ga.render_frame(sim, size=(160, 90))
+    assert picture.max() > 0
+    found[name] = [sim.digest(), hashlib.sha256(picture.tobytes()).hexdigest()]
+print(json.dumps(found))
+"""
+
+
+def run(stock: str) -> dict:
+    env = {**os.environ, "PYTHONPATH": str(ROOT), "GEN_ART_STOCK_TAICHI": stock}
+    done = subprocess.run(
+        [sys.executable, "-W", "error::RuntimeWarning", "-c", SCRIPT, stock],
+        input=json.dumps(PIECES), capture_output=True, text=True, env=env, cwd=ROOT,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_stock_taichi_gives_the_same_bits():
+    stock, patched = run("1"), run("0")
+    assert stock == patched and set(stock) == set(PIECES)
+    assert len({digest for digest, _ in stock.values()}) == len(PIECES)
+
+
+@pytest.mark.parametrize("stock", ["0", "1"])
+def test_another_version_of_taichi_is_met_by_one_sentence(stock):
+    script = """
+import importlib.metadata as m
+real = m.version
+m.version = lambda name: "9.9.9" if name == "taichi" else real(name)
+from gen_art.commands.main import main
+main()
+"""
+    command = [sys.executable, "-c", script, "still", "course/cube", "-o", "never.png", "--time", "0", "--dry-run"]
+    env = {**os.environ, "PYTHONPATH": str(ROOT), "GEN_ART_STOCK_TAICHI": stock}
+    done = subprocess.run(command, capture_output=True, text=True, env=env)
+    if stock == "1":
+        assert done.returncode == 0, done.stderr
+    else:
+        assert done.returncode == 2
+        assert done.stderr.startswith("gen-art: gen-art needs taichi 1.7.4, and 9.9.9 is installed")
+        assert len(done.stderr.splitlines()) == 1
