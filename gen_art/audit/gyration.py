@@ -9,6 +9,7 @@ from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
 from gen_art.integrators.kernel_terms import KernelTerms
 from gen_art.integrators.tile import TileTerms, repeats, view
+from gen_art.particles.rows import CHARGE, MASS, PX, PY, PZ, VELOCITY, VX, VY, VZ
 
 __all__ = ["largest_turn"]
 
@@ -27,14 +28,14 @@ def _kernel(composition: KernelTerms, channels: tuple, precision: str):
         ti.loop_config(serialize=True)
         for k in range(slots.shape[0]):
             i = slots[k]
-            x = ti.Vector([S[0, i], S[1, i], S[2, i]])
-            v = ti.Vector([S[3, i], S[4, i], S[5, i]])
+            x = ti.Vector([S[PX, i], S[PY, i], S[PZ, i]])
+            v = ti.Vector([S[VX, i], S[VY, i], S[VZ, i]])
             p = view(terms, S, K, i, x, v, ti.cast(time - birth[i], real))
             B = x * 0.0
             for force, offset, count, _ in ti.static(terms.magnetics):
                 for repeat in range(repeats(Q, count)):
                     B += force.magnetic(p, ti.cast(time, real), parameters(Q, force, offset, repeat))
-            out[k] = B.norm() * ti.abs(S[7, i]) / S[6, i]
+            out[k] = B.norm() * ti.abs(S[CHARGE, i]) / S[MASS, i]
 
     return runtime.kernel(measure, precision)
 
@@ -51,6 +52,6 @@ def largest_turn(sim, name: str) -> float:
         state.floats, state.birth, state.key, sim.stepper(name).numbers, sim.time, slots.astype(np.int32), out
     )  # fmt: skip
     light = system.scheme.light
-    speed = np.linalg.norm(state.floats[3:6, slots], axis=0)
+    speed = np.linalg.norm(state.floats[VELOCITY, slots], axis=0)
     gamma = 1 / np.sqrt(1 - (speed / light) ** 2) if light else 1.0
     return float((out / gamma).max())

@@ -7,6 +7,7 @@ from functools import reduce
 import numpy as np
 
 from gen_art.audit.gyration import largest_turn
+from gen_art.particles.rows import CHARGE, MASS, POSITION, VELOCITY
 from gen_art.simulation.diagnostics import Diagnostics, energy_of_pairs, sums
 from gen_art.simulation.ledger import Ledger
 
@@ -175,14 +176,14 @@ def _sums(sim, name: str) -> dict[str, tuple]:
     slots = sim.living(name)
     part, pairs = sums(sim, name, slots), energy_of_pairs(sim, name, slots)
     floats = sim.systems[name].floats[:, slots].astype(np.float64)
-    speed, light = np.linalg.norm(floats[3:6], axis=0), sim[name].scheme.light
-    carried = floats[6] * speed / (np.sqrt(1 - (speed / light) ** 2) if light else 1.0)
+    speed, light = np.linalg.norm(floats[VELOCITY], axis=0), sim[name].scheme.light
+    carried = floats[MASS] * speed / (np.sqrt(1 - (speed / light) ** 2) if light else 1.0)
     return {
         "energy": (part[12:].sum() + pairs, np.abs(part[12:]).sum() + abs(pairs)),
         "momentum": (part[3:6], carried.sum()),
-        "angular momentum": (part[6:9], (carried * np.linalg.norm(floats[0:3], axis=0)).sum()),
-        "mass": (part[1], floats[6].sum()),
-        "charge": (part[2], np.abs(floats[7]).sum()),
+        "angular momentum": (part[6:9], (carried * np.linalg.norm(floats[POSITION], axis=0)).sum()),
+        "mass": (part[1], floats[MASS].sum()),
+        "charge": (part[2], np.abs(floats[CHARGE]).sum()),
     }
 
 

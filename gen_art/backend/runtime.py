@@ -7,9 +7,10 @@ This package replaces parts of Taichi's inside (tracing_patch, real_function_pat
 into kernels (intrinsics/). With the environment variable GEN_ART_STOCK_TAICHI=1 it does neither: the same bits, more slowly.
 """
 
+from gen_art.backend.environment import STOCK_TAICHI  # isort: skip  (sets the environment that Taichi reads when imported)
+
 import contextlib
 import hashlib
-import importlib.metadata
 import io
 import os
 import platform
@@ -17,33 +18,16 @@ from functools import lru_cache
 from itertools import takewhile
 from pathlib import Path
 
-import numpy as np
-
-from gen_art.errors import InstallationError, UsageError
-
-TAICHI_VERSION = "1.7.4"
-STOCK_TAICHI = os.environ.get("GEN_ART_STOCK_TAICHI", "") not in ("", "0")
-
-
-def _check_version(found: str) -> None:
-    """Raise InstallationError for a version of Taichi whose inside the patches do not know."""
-    if found != TAICHI_VERSION and not STOCK_TAICHI:
-        raise InstallationError(
-            f"gen-art needs taichi {TAICHI_VERSION}, and {found} is installed: run pip install 'taichi=={TAICHI_VERSION}', "
-            "or set GEN_ART_STOCK_TAICHI=1 to try this one without gen-art's patches"
-        )
-
-
-_check_version(importlib.metadata.version("taichi"))
-os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")
-os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 if not STOCK_TAICHI:
     from gen_art.backend import tracing_patch  # isort: skip  (before anything of Taichi)
-import taichi as ti  # the variables above must be set before this
+import numpy as np
+import taichi as ti
 from taichi._lib import core
 from taichi.lang import impl
 from taichi.lang.expr import make_expr_group
 from taichi.lang.matrix import make_matrix
+
+from gen_art.errors import UsageError
 
 if not STOCK_TAICHI:
     from gen_art.backend import real_function_patch

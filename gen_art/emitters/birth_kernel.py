@@ -6,6 +6,7 @@ from gen_art.backend import runtime
 from gen_art.backend.kernel_views import parameters, traced
 from gen_art.backend.runtime import ti
 from gen_art.maths.random import Stream, channel_of
+from gen_art.particles.rows import MASS, RADIUS, VX
 from gen_art.particles.storage import BASE_ROWS
 
 __all__ = ["SETTABLE", "make_birth"]
@@ -108,7 +109,7 @@ def make_birth(signature, precision: str):
                 for row, channel, at, is_paired in ti.static(layout.ranges):
                     if ti.static(row < 0):
                         density = Q[at] + (Q[at + 1] - Q[at]) * pair.uniform(channel)
-                        S[6, k] = density * 4.1887902047863905 * S[8, k] * S[8, k] * S[8, k]
+                        S[MASS, k] = density * 4.1887902047863905 * S[RADIUS, k] * S[RADIUS, k] * S[RADIUS, k]
                 if ti.static(layout.is_scripted):
                     born = layout.scripted.birth(own, t, parameters(Q, layout.scripted, 0))
                     where, speed, rest = ti.static(parts(born))
@@ -125,6 +126,6 @@ def make_birth(signature, precision: str):
                     v *= sign[i]
                 for c in ti.static(range(3)):
                     S[c, k] = origin[c, i] + x[c]
-                    S[3 + c, k] = origin[3 + c, i] + v[c]
+                    S[VX + c, k] = origin[VX + c, i] + v[c]
 
     return runtime.kernel(birth, precision)

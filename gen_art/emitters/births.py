@@ -14,6 +14,7 @@ from gen_art.emitters.birth_kernel import make_birth
 from gen_art.emitters.schedule import Schedule
 from gen_art.errors import UsageError
 from gen_art.maths.random import channel_of, derive, uniform
+from gen_art.particles.rows import LIFETIME
 from gen_art.particles.storage import Particles
 
 __all__ = [
@@ -206,7 +207,7 @@ def give_birth(particles: Particles, batches: list[BirthBatch], precision: str) 
             b.when.astype(dtype), b.kind.numbers(dtype),
         )  # fmt: skip
     if not particles.may_die:
-        particles.may_die = bool(np.isfinite(particles.floats[9, new]).any())
+        particles.may_die = bool(np.isfinite(particles.floats[LIFETIME, new]).any())
     return new
 
 

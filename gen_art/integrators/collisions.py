@@ -24,6 +24,7 @@ from gen_art.colliders.surface import (
 from gen_art.integrators.ledger_rows import add_entry
 from gen_art.integrators.tile import WIDTH
 from gen_art.maths.elementary import phi
+from gen_art.particles.rows import CHARGE, LIFETIME, MASS, RADIUS
 
 __all__ = ["resolve_collisions"]
 
@@ -47,7 +48,7 @@ def change_of_acceleration(terms: ti.template(), L: ti.template(), S: ti.templat
         k1 = L.at("k", d)[j] + L.at("q", d)[j] * (after - u).norm()
         r += ((before - u) * k0 - (after - u) * k1) * phi(ti.max(k0, k1) * left)
     if ti.static(len(terms.magnetics) > 0):
-        r += (after - before).cross(ti.Vector([L.b0[j], L.b1[j], L.b2[j]])) * (S[7, i + j] / S[6, i + j])
+        r += (after - before).cross(ti.Vector([L.b0[j], L.b1[j], L.b2[j]])) * (S[CHARGE, i + j] / S[MASS, i + j])
     return r
 
 
@@ -62,7 +63,7 @@ def resolve_collisions(
         ti.min(WIDTH, n - i)
     ):  # a bound that the compiler does not know: it would lay the body out again and again
         if L.h[j] > 0.0:
-            h, radius, m = L.h[j], S[8, i + j], S[6, i + j]
+            h, radius, m = L.h[j], S[RADIUS, i + j], S[MASS, i + j]
             x = ti.Vector([G.x0[j], G.x1[j], G.x2[j]])
             v = ti.Vector([G.v0[j], G.v1[j], G.v2[j]])
             x1 = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
@@ -206,7 +207,7 @@ def resolve_collisions(
                             x = place
                         if action == 2:
                             if ti.static(not books):
-                                S[9, i + j] = L.age[j] + h - left
+                                S[LIFETIME, i + j] = L.age[j] + h - left
                         if action == 1 or action == 2:
                             left = 0.0
             if last >= 0:

@@ -33,6 +33,7 @@ from gen_art.integrators.tile import (
     view,
     weight,
 )
+from gen_art.particles.rows import CHARGE, MASS
 
 __all__ = ["LEDGER_COLUMNS", "make_ledger_kernel"]
 
@@ -46,7 +47,7 @@ def _add_kick_entries(
     """Book a kick (kicked: old velocities in O, new in X) or a Runge-Kutta stage (slopes at X) over a fraction of the step."""
     for j in range(WIDTH):
         if i + j < n and L.h[j] > 0.0:
-            m = S[6, i + j]
+            m = S[MASS, i + j]
             if ti.static(len(terms.mass_loss_terms) > 0):
                 m = L.m[j]
             h = fraction * L.h[j]
@@ -87,7 +88,7 @@ def _add_kick_entries(
             for force, offset, count, row in ti.static(terms.magnetics):
                 for repeat in range(repeats(Q, count)):
                     field = force.magnetic(p, t, parameters(Q, force, offset, repeat))
-                    impulse = mean.cross(field) * (S[7, i + j] * h)
+                    impulse = mean.cross(field) * (S[CHARGE, i + j] * h)
                     rest -= impulse
                     add_entry(B, b, row, 0.0, 0.0, impulse)
             if ti.static(terms.turns_alone and kicked):  # what the pusher turns otherwise than each field by itself

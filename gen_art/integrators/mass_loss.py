@@ -5,6 +5,7 @@ from gen_art.backend.runtime import ti
 from gen_art.forces.base import term_acceleration, term_mass_rate
 from gen_art.integrators.ledger_rows import add_entry
 from gen_art.integrators.tile import WIDTH, repeats, view
+from gen_art.particles.rows import MASS
 
 __all__ = ["add_exhaust_entries", "find_mass_loss", "apply_mass_loss"]
 
@@ -18,7 +19,7 @@ def find_mass_loss(
         L.w[j] = 0.0
         x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
         v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-        p = view(terms, S, K, i + j, x, v, L.age[j], None, S[6, i + j], (L.age[j], L.h[j]))
+        p = view(terms, S, K, i + j, x, v, L.age[j], None, S[MASS, i + j], (L.age[j], L.h[j]))
         for burner in ti.static(terms.mass_loss_terms):
             L.w[j] += term_mass_rate(burner[0], p, L.t[j], parameters(Q, burner[0], burner[1]))
 
@@ -28,7 +29,7 @@ def apply_mass_loss(L: ti.template(), S: ti.template(), i, n):
     """Take what burnt in the step off the particles' mass."""
     for j in range(WIDTH):
         if i + j < n:
-            S[6, i + j] = S[6, i + j] - L.h[j] * L.w[j]
+            S[MASS, i + j] = S[MASS, i + j] - L.h[j] * L.w[j]
 
 
 @ti.func
@@ -45,7 +46,7 @@ def add_exhaust_entries(
         if i + j < n and L.h[j] > 0.0:
             x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
             v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-            m = S[6, i + j] - tau * L.h[j] * L.w[j]
+            m = S[MASS, i + j] - tau * L.h[j] * L.w[j]
             age, t = L.age[j] + tau * L.h[j], L.t[j] + tau * L.h[j]
             p = view(terms, S, K, i + j, x, v, age, None, m, (L.age[j], L.h[j]))
             for k, burner in ti.static(enumerate(terms.mass_loss_terms)):

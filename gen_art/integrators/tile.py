@@ -12,6 +12,7 @@ from gen_art.integrators.kernel_terms import KernelTerms
 from gen_art.integrators.pushers import phase_corrected, relativistic
 from gen_art.maths.elementary import phi
 from gen_art.particles.fixed import is_fixed
+from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, PX, PY, PZ, VX, VY, VZ
 
 __all__ = [
     "WIDTH",
@@ -69,7 +70,7 @@ class TileTerms:
         self.magnetics = [entry(t) for t in composition.magnetics]
         self.dampings = [(t.force, t.offset, t.medium, index[id(t)]) for t in composition.dampings]
         self.media = [[entry(t) for t in terms] for terms in composition.media]
-        self.rows = {name: 10 + k for k, name in enumerate(channels)}
+        self.rows = {name: FIRST_ATTRIBUTE + k for k, name in enumerate(channels)}
         self.pairs = pairs
         self.walls = []  # (collider, offset of its numbers, bit of its first side, row in the ledger)
         bit = 0
@@ -152,9 +153,9 @@ def step_of(terms: TileTerms, L, j):
 @ti.func
 def specific_charge(terms: ti.template(), L: ti.template(), S: ti.template(), i, j):
     """Charge over mass."""
-    ratio = S[7, i + j] / S[6, i + j]
+    ratio = S[CHARGE, i + j] / S[MASS, i + j]
     if ti.static(len(terms.mass_loss_terms) > 0):
-        ratio = S[7, i + j] / L.m[j]
+        ratio = S[CHARGE, i + j] / L.m[j]
     return ratio
 
 
@@ -169,8 +170,8 @@ def repeats(Q: ti.template(), offset: ti.template()):
 @ti.func
 def load(T: ti.template(), S: ti.template(), i):
     for j in range(WIDTH):
-        T.x0[j], T.x1[j], T.x2[j] = S[0, i + j], S[1, i + j], S[2, i + j]
-        T.v0[j], T.v1[j], T.v2[j] = S[3, i + j], S[4, i + j], S[5, i + j]
+        T.x0[j], T.x1[j], T.x2[j] = S[PX, i + j], S[PY, i + j], S[PZ, i + j]
+        T.v0[j], T.v1[j], T.v2[j] = S[VX, i + j], S[VY, i + j], S[VZ, i + j]
 
 
 @ti.func
@@ -184,8 +185,8 @@ def copy(T: ti.template(), F: ti.template()):
 @ti.func
 def store(T: ti.template(), S: ti.template(), i):
     for j in range(WIDTH):
-        S[0, i + j], S[1, i + j], S[2, i + j] = T.x0[j], T.x1[j], T.x2[j]
-        S[3, i + j], S[4, i + j], S[5, i + j] = T.v0[j], T.v1[j], T.v2[j]
+        S[PX, i + j], S[PY, i + j], S[PZ, i + j] = T.x0[j], T.x1[j], T.x2[j]
+        S[VX, i + j], S[VY, i + j], S[VZ, i + j] = T.v0[j], T.v1[j], T.v2[j]
 
 
 @ti.func
@@ -194,9 +195,9 @@ def lifespan(L: ti.template(), S: ti.template(), birth: ti.template(), i, now, d
     for j in range(WIDTH):
         since = birth[i + j] - now
         start = ti.max(since, earliest)
-        end = ti.min(since + ti.cast(S[9, i + j], ti.f64), dt)
+        end = ti.min(since + ti.cast(S[LIFETIME, i + j], ti.f64), dt)
         own = ti.cast(ti.max(end - start, ti.f64(0.0)), real)
-        L.h[j] = ti.select(is_fixed(S[9, i + j]), own * 0.0, own)
+        L.h[j] = ti.select(is_fixed(S[LIFETIME, i + j]), own * 0.0, own)
         L.age[j] = ti.cast(start - since, real)
         L.t[j] = ti.cast(now + start, real)
 
@@ -216,7 +217,7 @@ def accumulate(
     """Sum every term at the state X of the tile and the fraction tau of each lane's step, into L."""
     if ti.static(len(terms.mass_loss_terms) > 0):
         for j in range(WIDTH):
-            L.m[j] = S[6, i + j] - tau * L.h[j] * L.w[j]
+            L.m[j] = S[MASS, i + j] - tau * L.h[j] * L.w[j]
     for j in range(WIDTH):
         L.a0[j], L.a1[j], L.a2[j] = 0.0, 0.0, 0.0
     for k in ti.static(range(terms.pairs)):

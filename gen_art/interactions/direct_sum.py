@@ -15,6 +15,7 @@ from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.interactions.base import ForceRequest, Interaction
 from gen_art.maths.elementary import log, power
+from gen_art.particles.rows import MASS, POSITION
 
 __all__ = ["DirectSum"]
 
@@ -75,7 +76,7 @@ class DirectSum(Interaction):
         """From the field to accelerations, where it does not act on mass."""
         if self.amount != "mass":
             mass, own = (
-                request.state.floats[6, : request.n],
+                request.state.floats[MASS, : request.n],
                 request.state.floats[request.state.channels[self.amount], : request.n],
             )
             if ((mass == 0) & (own != 0)).any():
@@ -92,10 +93,10 @@ class DirectSum(Interaction):
         dtype = state.floats.dtype
         amounts = state.floats[state.channels[self.amount], slots]
         if self.by_tree(count * count):
-            field = self._tree(state.floats[:3, slots], None, amounts, precision, valued=True)[3]
+            field = self._tree(state.floats[POSITION, slots], None, amounts, precision, valued=True)[3]
             return float(-0.5 * k * np.sum(amounts.astype(np.float64) * field))
         positions = np.zeros((3, -(-count // _LANES) * _LANES), dtype)
-        positions[:, :count] = state.floats[:3, slots]
+        positions[:, :count] = state.floats[POSITION, slots]
         sources = np.ascontiguousarray(np.concatenate([positions[:, :count], amounts[None]]))
         potential = np.zeros(positions.shape[1], dtype)
         numbers = np.array([k, softening**2, n], dtype)

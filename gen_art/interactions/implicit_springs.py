@@ -10,6 +10,7 @@ import numpy as np
 
 from gen_art.interactions.adjacency import Adjacency
 from gen_art.interactions.spring_kernels import BLOCK, spring_kernels
+from gen_art.particles.rows import VELOCITY
 
 __all__ = ["TOLERANCE", "solve"]
 
@@ -37,5 +38,5 @@ def solve(floats: np.ndarray, n: int, springs: Adjacency, h: float, precision: s
         now = float(sums.sum())
         beta, left = now / left, now
         taken += 1
-    floats[3:6, :n] += change
+    floats[VELOCITY, :n] += change
     return taken

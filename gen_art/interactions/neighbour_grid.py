@@ -13,6 +13,7 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.particles.fixed import is_fixed
+from gen_art.particles.rows import LIFETIME, MASS, RADIUS
 
 __all__ = ["ROWS", "Grid", "cell_of", "run_of", "sort_into_grid"]
 
@@ -88,8 +89,8 @@ def _kernels(precision: str):
                 rank[i] = k
                 for r in ti.static(range(6)):
                     out[k * ROWS + r] = X[r, i]
-                out[k * ROWS + 6] = S[8, i]
-                out[k * ROWS + 7] = ti.select(is_fixed(S[9, i]), 0.0, 1.0 / ti.max(S[6, i], 1e-30))
+                out[k * ROWS + 6] = S[RADIUS, i]
+                out[k * ROWS + 7] = ti.select(is_fixed(S[LIFETIME, i]), 0.0, 1.0 / ti.max(S[MASS, i], 1e-30))
 
     return runtime.kernel(count, precision), runtime.kernel(place, precision)
 

@@ -9,6 +9,7 @@ from gen_art.errors import UsageError
 from gen_art.interactions.base import ForceRequest, Interaction, interaction
 from gen_art.interactions.neighbour_grid import Grid, sort_into_grid
 from gen_art.interactions.sphere_contact_kernels import BLOCK, deepest, pushes
+from gen_art.particles.rows import MASS, RADIUS
 from gen_art.registry import param
 
 __all__ = ["Contacts"]
@@ -88,7 +89,7 @@ class Contacts(Interaction):
             return
         depth, other = self.overlaps(state, "f64" if state.floats.dtype == np.float64 else "f32")
         i = int(np.argmax(depth))
-        if depth[i] > _DEEP * float(state.floats[8, i]):
+        if depth[i] > _DEEP * float(state.floats[RADIUS, i]):
             a, b = sorted((int(state.id[i]), int(state.id[other[i]])))
             warnings.warn(
                 f"system '{system.name}': {(depth > 0).sum()} spheres overlap at the start, particles {a} and {b} the most, by "
@@ -104,14 +105,14 @@ class Contacts(Interaction):
         return np.array([square, rate, self.values["friction"], 0.5 / (span or dt), self.values["rolling"]], dtype)
 
     def _grid(self, rows, floats, n, precision) -> Grid | None:
-        radius = float(floats[8, :n].max())
+        radius = float(floats[RADIUS, :n].max())
         if radius <= 0:
             return None
         return sort_into_grid(rows, floats, n, 2 * radius * (1 + 1e-6), precision)
 
     def accelerate(self, request: ForceRequest, out):
         state, n = request.state, request.n
-        if (state.floats[6, :n] <= 0).any():
+        if (state.floats[MASS, :n] <= 0).any():
             raise UsageError("contacts: a particle has no mass; give it one, or fix it")
         grid = self._grid(request.rows, state.floats, n, request.precision)
         if grid is None:

@@ -5,6 +5,7 @@ from functools import cache
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.particles.fixed import is_fixed
+from gen_art.particles.rows import LIFETIME, MASS
 
 __all__ = ["BLOCK", "spring_kernels"]
 
@@ -37,7 +38,7 @@ def spring_kernels(precision: str):
                     d = d * (1.0 / ti.max(length, 1e-30))
                     pull += (N[STIFFNESS, e] * (length - N[REST, e])) * d
                     drag += (N[DAMPING, e] * (_vector(X, 3, other[e]) - v).dot(d)) * d
-                each = 1.0 / ti.max(S[6, i], 1e-30)
+                each = 1.0 / ti.max(S[MASS, i], 1e-30)
                 for c in ti.static(range(3)):
                     out[c, i] = pull[c] * each
                 if parts > 1:
@@ -65,7 +66,7 @@ def spring_kernels(precision: str):
                         E[c, e] = d[c]
                     E[3, e], E[4, e] = across, along
                 for c in ti.static(range(3)):
-                    R[c, i] = ti.select(is_fixed(S[9, i]), 0.0, right[c])
+                    R[c, i] = ti.select(is_fixed(S[LIFETIME, i]), 0.0, right[c])
 
     @ti.kernel
     def multiply(S: matrix, first: whole, other: whole, E: matrix, P: matrix, Q: matrix, n: ti.i32, B: sums):
@@ -75,12 +76,12 @@ def spring_kernels(precision: str):
             total = ti.f64(0.0)
             for i in range(b * BLOCK, ti.min((b + 1) * BLOCK, n)):
                 p = _vector(P, 0, i)
-                q = S[6, i] * p
+                q = S[MASS, i] * p
                 for e in range(first[i], first[i + 1]):
                     w = p - _vector(P, 0, other[e])
                     d = _vector(E, 0, e)
                     q += E[3, e] * w + (E[4, e] * w.dot(d)) * d
-                if is_fixed(S[9, i]):
+                if is_fixed(S[LIFETIME, i]):
                     q = p * 0.0
                 total += ti.cast(p.dot(q), ti.f64)
                 for c in ti.static(range(3)):
@@ -98,7 +99,7 @@ def spring_kernels(precision: str):
                 for c in ti.static(range(3)):
                     V[c, i] = V[c, i] + a * P[c, i]
                     R[c, i] = r[c]
-                total += ti.cast(r.dot(r) / ti.max(S[6, i], 1e-30), ti.f64)
+                total += ti.cast(r.dot(r) / ti.max(S[MASS, i], 1e-30), ti.f64)
             B[b, 0] = total
 
     @ti.kernel
@@ -107,7 +108,7 @@ def spring_kernels(precision: str):
         ti.loop_config(block_dim=1)
         for b in range((n + BLOCK - 1) // BLOCK):
             for i in range(b * BLOCK, ti.min((b + 1) * BLOCK, n)):
-                each = 1.0 / ti.max(S[6, i], 1e-30)
+                each = 1.0 / ti.max(S[MASS, i], 1e-30)
                 for c in ti.static(range(3)):
                     P[c, i] = R[c, i] * each + beta * P[c, i]
 

@@ -11,6 +11,7 @@ from gen_art.interactions.base import ForceRequest, Interaction, interaction
 from gen_art.interactions.implicit_springs import solve
 from gen_art.interactions.spring_kernels import spring_kernels
 from gen_art.particles.fixed import fixed_lifetimes
+from gen_art.particles.rows import LIFETIME, MASS, POSITION, VELOCITY
 from gen_art.registry import param
 
 __all__ = ["Springs"]
@@ -109,7 +110,7 @@ class Springs(Interaction):
                 f"springs: a pair names particle {pairs.max()}, but '{system.name}' begins with {n} (0 to {n - 1})"
             )
         if rest is None:
-            x = state.floats[:3, :n].astype(np.float64)
+            x = state.floats[POSITION, :n].astype(np.float64)
             rest = np.linalg.norm(x[:, pairs[:, 0]] - x[:, pairs[:, 1]], axis=0)
             self.values["rest_length"] = rest  # a snapshot keeps it
         share = np.ones(len(pairs)) if share is None else share
@@ -118,7 +119,7 @@ class Springs(Interaction):
         self._torn = np.zeros(len(pairs) if self.breaks else 0, bool)
         if n == 0:  # a snapshot is being restored: the particles come later
             return
-        mass = state.floats[6, :n].astype(np.float64)
+        mass = state.floats[MASS, :n].astype(np.float64)
         light = np.unique(pairs)[mass[np.unique(pairs)] <= 0]
         if len(light):
             raise UsageError(f"springs: particle {light[0]} of '{system.name}' has no mass; give it one, or fix it")
@@ -129,7 +130,7 @@ class Springs(Interaction):
                     f"give '{system.name}' that integrator, or method 'explicit' with {system.scheme.name}"
                 )
             return
-        longest = self._longest(system, mass, fixed_lifetimes(state.floats[9, :n]))
+        longest = self._longest(system, mass, fixed_lifetimes(state.floats[LIFETIME, :n]))
         if dt > longest:
             warnings.warn(
                 f"system '{system.name}': a step of {dt:g} s is too long for springs of {self.values['stiffness']:g} N/m; "
@@ -182,7 +183,7 @@ class Springs(Interaction):
                 from gen_art.interactions import strands, tethers
 
                 self._strands = strands.Strands(slots[whole], numbers, state.count, dtype)
-                held = fixed_lifetimes(state.floats[9, : state.count])
+                held = fixed_lifetimes(state.floats[LIFETIME, : state.count])
                 self._tethers = [] if self.values["tether"] is None else tethers.ways(self._springs, held, dtype)
         return self._springs
 
@@ -224,7 +225,7 @@ class Springs(Interaction):
         if not len(broken):
             return None
         self._torn[self._left[broken]] = True
-        x, (k, rest, _) = state.floats[:3].astype(np.float64), springs.numbers[broken].T
+        x, (k, rest, _) = state.floats[POSITION].astype(np.float64), springs.numbers[broken].T
         i, j = springs.pairs[broken].T
         energy = float((0.5 * k * (np.linalg.norm(x[:, i] - x[:, j], axis=0) - rest) ** 2).sum())
         springs.numbers[broken] = 0  # what has no stiffness and no damping is gone
@@ -250,13 +251,13 @@ class Springs(Interaction):
         springs = self._adjacency(state)
         k, rest, c = springs.numbers.T
         i, j = springs.pairs.T
-        d = (state.floats[:3, j] - state.floats[:3, i]).astype(np.float64)
-        w = (state.floats[3:6, j] - state.floats[3:6, i]).astype(np.float64)
+        d = (state.floats[POSITION, j] - state.floats[POSITION, i]).astype(np.float64)
+        w = (state.floats[VELOCITY, j] - state.floats[VELOCITY, i]).astype(np.float64)
         far = d + dt * w
         length, longer = (np.maximum(np.sqrt((x * x).sum(0)), 1e-300) for x in (d, far))
         damped = dt * c * ((d * w).sum(0) / length) ** 2
-        change = state.floats[3:6, : state.count].astype(np.float64) - before
-        kicked = 0.5 * float((change * change).sum(0) @ state.floats[6, : state.count].astype(np.float64))
+        change = state.floats[VELOCITY, : state.count].astype(np.float64) - before
+        kicked = 0.5 * float((change * change).sum(0) @ state.floats[MASS, : state.count].astype(np.float64))
         stretch = longer - rest
         pulled = 0.5 * k * ((length - rest) ** 2 - stretch**2) + k * stretch * dt * (far * w).sum(0) / longer
         return kicked + float((damped + pulled).sum())
@@ -266,6 +267,6 @@ class Springs(Interaction):
         here = np.zeros(state.count, bool)
         here[slots] = True
         both = here[i] & here[j]
-        x = state.floats[:3, : state.count].astype(np.float64)
+        x = state.floats[POSITION, : state.count].astype(np.float64)
         k, rest, _ = self._adjacency(state).numbers[both].T
         return float((0.5 * k * (np.linalg.norm(x[:, i[both]] - x[:, j[both]], axis=0) - rest) ** 2).sum())

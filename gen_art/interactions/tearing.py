@@ -7,6 +7,7 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.interactions.adjacency import Adjacency
+from gen_art.particles.rows import PX, PY, PZ
 
 __all__ = ["stretched"]
 
@@ -35,7 +36,7 @@ def _kernel(precision: str):
         for b in range((over.shape[0] + _BLOCK - 1) // _BLOCK):
             for e in range(b * _BLOCK, ti.min((b + 1) * _BLOCK, over.shape[0])):
                 i, j = ti.cast(pairs[e, 0], ti.i32), ti.cast(pairs[e, 1], ti.i32)
-                d = ti.Vector([S[0, i] - S[0, j], S[1, i] - S[1, j], S[2, i] - S[2, j]])
+                d = ti.Vector([S[PX, i] - S[PX, j], S[PY, i] - S[PY, j], S[PZ, i] - S[PZ, j]])
                 pulls = N[e, 0] > 0.0 or N[e, 2] > 0.0
                 over[e] = ti.select(pulls and ti.cast(d.norm(), ti.f64) > most * N[e, 1], 1, 0)
 

@@ -13,6 +13,7 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.interactions.adjacency import Adjacency
+from gen_art.particles.rows import PX, PY, PZ, VX, VY, VZ
 
 __all__ = ["BLOCK", "hold", "ways"]
 
@@ -64,13 +65,13 @@ def _kernels(precision: str):
         for b in range((n + BLOCK - 1) // BLOCK):
             for i in range(b * BLOCK, ti.min((b + 1) * BLOCK, n)):
                 a = anchor[i]
-                d = ti.Vector([S[0, i] - S[0, a], S[1, i] - S[1, a], S[2, i] - S[2, a]])
-                d += h * ti.Vector([S[3, i], S[4, i], S[5, i]])
+                d = ti.Vector([S[PX, i] - S[PX, a], S[PY, i] - S[PY, a], S[PZ, i] - S[PZ, a]])
+                d += h * ti.Vector([S[VX, i], S[VY, i], S[VZ, i]])
                 reach = most * way[i]
                 length = d.norm()
                 if length > reach and a != i:
                     d *= (length - reach) / (h * length)
-                    S[3, i], S[4, i], S[5, i] = S[3, i] - d[0], S[4, i] - d[1], S[5, i] - d[2]
+                    S[VX, i], S[VY, i], S[VZ, i] = S[VX, i] - d[0], S[VY, i] - d[1], S[VZ, i] - d[2]
 
     @ti.kernel
     def shortest(first: whole, other: whole, rest: double, anchor: whole, way: double):

@@ -19,6 +19,7 @@ from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.interactions.strands import LANES, Strands
 from gen_art.particles.fixed import is_fixed
+from gen_art.particles.rows import LIFETIME, MASS, PX, PY, PZ, VX, VY, VZ
 
 __all__ = ["sweep"]
 
@@ -56,10 +57,10 @@ def _kernels(precision: str):
         for b in range((n + _BLOCK - 1) // _BLOCK):
             for i in range(b * _BLOCK, ti.min((b + 1) * _BLOCK, n)):
                 give = 0.0
-                if S[6, i] > 0.0 and not is_fixed(S[9, i]):
-                    give = 1.0 / S[6, i]
-                P[2 * i] = ti.Vector([S[0, i], S[1, i], S[2, i], give])
-                P[2 * i + 1] = ti.Vector([S[3, i], S[4, i], S[5, i], 0.0])
+                if S[MASS, i] > 0.0 and not is_fixed(S[LIFETIME, i]):
+                    give = 1.0 / S[MASS, i]
+                P[2 * i] = ti.Vector([S[PX, i], S[PY, i], S[PZ, i], give])
+                P[2 * i + 1] = ti.Vector([S[VX, i], S[VY, i], S[VZ, i], 0.0])
 
     @ti.kernel
     def store(S: rows, n: ti.i32, P: fours):
@@ -67,7 +68,7 @@ def _kernels(precision: str):
         for b in range((n + _BLOCK - 1) // _BLOCK):
             for i in range(b * _BLOCK, ti.min((b + 1) * _BLOCK, n)):
                 v = P[2 * i + 1]
-                S[3, i], S[4, i], S[5, i] = v[0], v[1], v[2]
+                S[VX, i], S[VY, i], S[VZ, i] = v[0], v[1], v[2]
 
     @ti.kernel
     def project(

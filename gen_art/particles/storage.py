@@ -3,11 +3,11 @@
 import numpy as np
 
 from gen_art.errors import MemoryRefused
+from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, RADIUS
 
 __all__ = ["BASE_ROWS", "PADDING", "Particles"]
 
-# rows of `floats`: position 0-2, velocity 3-5, then these, then the declared attributes
-BASE_ROWS = {"mass": 6, "charge": 7, "radius": 8, "lifetime": 9}
+BASE_ROWS = {"mass": MASS, "charge": CHARGE, "radius": RADIUS, "lifetime": LIFETIME}
 PADDING = 64  # slots past the end that a tile may read and write
 _TOLERATED = 0.2  # share of dead slots that is cheaper to carry than to remove
 _PATIENCE = 32  # launches after which the dead are counted
@@ -23,7 +23,7 @@ class Particles:
     """
 
     def __init__(self, dtype, attributes: tuple[str, ...] = (), sources: tuple = (), capacity: int = 1024):
-        self.channels = {**BASE_ROWS, **{name: 10 + k for k, name in enumerate(attributes)}}
+        self.channels = {**BASE_ROWS, **{name: FIRST_ATTRIBUTE + k for k, name in enumerate(attributes)}}
         self.attributes = tuple(attributes)
         self.sources = list(sources)
         self.count = 0
@@ -34,17 +34,17 @@ class Particles:
 
     def _allocate(self, dtype, capacity: int) -> None:
         size = capacity + PADDING
-        if size >= 2**31 // max(1, 10 + len(self.attributes)):
+        if size >= 2**31 // max(1, FIRST_ATTRIBUTE + len(self.attributes)):
             raise MemoryRefused(f"{capacity:,} particles in one system are more than an array's index can reach")
         try:
-            self.floats = np.zeros((10 + len(self.attributes), size), dtype)
+            self.floats = np.zeros((FIRST_ATTRIBUTE + len(self.attributes), size), dtype)
             self.birth = np.zeros(size, np.float64)
             self.key = np.zeros((2, size), np.uint32)
             self.id = np.zeros(size, np.int64)
             self.source = np.zeros(size, np.int32)
         except MemoryError:
             raise MemoryRefused(f"no memory for {capacity:,} particles") from None
-        self.floats[6] = 1.0  # a lane past the end computes too: give it a mass
+        self.floats[MASS] = 1.0  # a lane past the end computes too: give it a mass
         self.capacity = capacity
 
     def columns(self):
@@ -78,7 +78,7 @@ class Particles:
     def death(self, slots=slice(None)) -> np.ndarray:
         """Times of death (f64) of the used slots."""
         used = slice(0, self.count)
-        return (self.birth[used] + self.floats[9, used].astype(np.float64))[slots]
+        return (self.birth[used] + self.floats[LIFETIME, used].astype(np.float64))[slots]
 
     def alive(self, time: float) -> np.ndarray:
         """Which used slots hold a particle that lives at `time` (bool)."""

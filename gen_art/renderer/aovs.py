@@ -7,6 +7,7 @@ Trails and ribbons have none.
 
 import numpy as np
 
+from gen_art.particles.rows import POSITION, VELOCITY
 from gen_art.renderer.colour import LUMINANCE
 from gen_art.renderer.framebuffer import FrameBuffer
 from gen_art.renderer.sprite import ALPHA, BLUE, DEPTH, RED
@@ -30,8 +31,8 @@ def render_aovs(painter, sim, film_time: float, frame: float, seconds: float) ->
             shown = np.tensordot(LUMINANCE.astype(np.float32), columns[RED : BLUE + 1], 1) + columns[ALPHA]
             columns[ALPHA], columns[RED] = 0.0, shown
             if weighed:
-                place = np.asarray(system.floats[:3, :n], np.float64).T
-                before = place - seconds * np.asarray(system.floats[3:6, :n], np.float64).T
+                place = np.asarray(system.floats[POSITION, :n], np.float64).T
+                before = place - seconds * np.asarray(system.floats[VELOCITY, :n], np.float64).T
                 with np.errstate(all="ignore"):
                     moved = painter.view(sim, film_time).project(place, painter.size)
                     moved = moved - painter.view(sim, max(film_time - frame, 0.0)).project(before, painter.size)

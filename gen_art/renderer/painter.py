@@ -3,6 +3,7 @@
 import numpy as np
 
 from gen_art.errors import UsageError
+from gen_art.particles.rows import LIFETIME, POSITION, VELOCITY
 from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.direct_splat import FEW, discs, pixels, points
@@ -39,7 +40,7 @@ def check_size(size, supersample: int = 1) -> tuple[int, int]:
 def living(system, time: float) -> np.ndarray:
     """Slots of the particles that live at simulated time `time`, in order of id."""
     n = int(system.count)
-    birth, life = system.birth[:n], np.asarray(system.floats[9, :n], dtype=np.float64)
+    birth, life = system.birth[:n], np.asarray(system.floats[LIFETIME, :n], dtype=np.float64)
     return np.flatnonzero((birth <= time) & (birth + life > time))
 
 
@@ -108,7 +109,7 @@ class Painter:
             self._draw(sim, [name], self.view(sim, film_time), film_time, shutter, strength, trail)
 
     def _framing(self, sim) -> Camera:
-        points = [s.floats[:3, living(s, sim.time)].T for s in sim.systems.values()]
+        points = [s.floats[POSITION, living(s, sim.time)].T for s in sim.systems.values()]
         return Camera.framing(np.concatenate(points) if points else np.zeros((0, 3)), self.size[0] / self.size[1])
 
     def _shading(self, name: str, system) -> tuple[LookTables, bool]:
@@ -170,7 +171,11 @@ class Painter:
             if look is not None and look.goes_by("acceleration"):
                 system = sim.systems[name]
                 n = int(system.count)
-                self._before[name] = sim.time, np.array(system.id[:n]), np.array(system.floats[3:6, :n], np.float64)
+                self._before[name] = (
+                    sim.time,
+                    np.array(system.id[:n]),
+                    np.array(system.floats[VELOCITY, :n], np.float64),
+                )
 
     def _acceleration(self, name: str, system, time: float) -> np.ndarray | None:
         """(n,) m/s^2 since the velocities that are remembered; 0 for what was not there."""
@@ -179,7 +184,7 @@ class Painter:
         then, ids, velocities = self._before[name]
         own = system.id[: int(system.count)]
         slot = np.minimum(np.searchsorted(ids, own), len(ids) - 1)
-        change = system.floats[3:6, : len(own)] - velocities[:, slot]
+        change = system.floats[VELOCITY, : len(own)] - velocities[:, slot]
         return np.where(ids[slot] == own, np.linalg.norm(change, axis=0) / abs(time - then), 0.0).astype(np.float32)
 
     def _add(self, look: Look, columns: Columns, film: FrameBuffer) -> None:

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from gen_art.particles.rows import LIFETIME, POSITION, RADIUS, VELOCITY
 from gen_art.preset.look import Ribbon
 
 __all__ = ["RibbonHistory", "Segment"]
@@ -42,12 +43,12 @@ class RibbonHistory:
         """Keep where the particles are; a second time the same moment is not kept."""
         if not self._kept or self._kept[-1][0] < time:
             n = int(system.count)
-            self._kept.append((time, np.array(system.id[:n]), np.array(system.floats[:3, :n])))
+            self._kept.append((time, np.array(system.id[:n]), np.array(system.floats[POSITION, :n])))
 
     def segments(self, system, time: float):
         """The ribbons at `time` as segments, newest first."""
         n, length = int(system.count), self.ribbon.length
-        newer, at, known = np.array(system.floats[:3, :n]), time, np.ones(n, bool)
+        newer, at, known = np.array(system.floats[POSITION, :n]), time, np.ones(n, bool)
         for then, ids, places in reversed(self._kept):
             if then >= at:
                 continue
@@ -61,14 +62,14 @@ class RibbonHistory:
 
     def _segment(self, system, newer, older, known, at: float, then: float, time: float) -> Segment:
         floats, n = np.array(system.floats), newer.shape[1]
-        floats[:3, :n], floats[3:6, :n] = newer, (newer - older) / (at - then)
-        floats[9, :n][~known] = 0.0  # without a past: not drawn
+        floats[POSITION, :n], floats[VELOCITY, :n] = newer, (newer - older) / (at - then)
+        floats[LIFETIME, :n][~known] = 0.0  # without a past: not drawn
         birth = np.array(system.birth)
         birth[:n] = np.where(known, np.minimum(birth[:n], then), birth[:n])
         ribbon, (head, end) = self.ribbon, (min((time - t) / self.ribbon.length, 1.0) for t in (at, then))
         width, narrow = (1.0 - (1.0 - ribbon.taper) * a for a in (head, end))
         light, faint = (1.0 - (1.0 - ribbon.tail) * a for a in (head, end))
-        floats[8, :n] *= width
+        floats[RADIUS, :n] *= width
         drawn = SimpleNamespace(
             floats=floats, birth=birth, key=system.key, id=system.id, source=system.source, sources=system.sources,
             count=n, channels=system.channels,

@@ -7,6 +7,7 @@ import numpy as np
 
 from gen_art.backend.runtime import aligned, kernel, ti
 from gen_art.maths.elementary import exp
+from gen_art.particles.rows import CHARGE, LIFETIME, MASS, PX, PY, PZ, RADIUS, VX, VY, VZ
 from gen_art.renderer.colour import TABLE
 from gen_art.renderer.look_tables import (
     ALBEDO,
@@ -146,21 +147,21 @@ def _shade(
             quantity = ti.Vector([0.0] * ((QUANTITIES + RAMPS) * LANES))
             for j in range(LANES):
                 i = i0 + j
-                x = ti.cast(ti.cast(S[0, i], ti.f64) - Q[POSITION], ti.f32)
-                y = ti.cast(ti.cast(S[1, i], ti.f64) - Q[POSITION + 1], ti.f32)
-                z = ti.cast(ti.cast(S[2, i], ti.f64) - Q[POSITION + 2], ti.f32)
-                u, v, w = ti.cast(S[3, i], ti.f32), ti.cast(S[4, i], ti.f32), ti.cast(S[5, i], ti.f32)
+                x = ti.cast(ti.cast(S[PX, i], ti.f64) - Q[POSITION], ti.f32)
+                y = ti.cast(ti.cast(S[PY, i], ti.f64) - Q[POSITION + 1], ti.f32)
+                z = ti.cast(ti.cast(S[PZ, i], ti.f64) - Q[POSITION + 2], ti.f32)
+                u, v, w = ti.cast(S[VX, i], ti.f32), ti.cast(S[VY, i], ti.f32), ti.cast(S[VZ, i], ti.f32)
                 a = ti.Vector([ti.cast(Q[AXES + k], ti.f32) for k in range(9)])
                 right[j], goes[j] = a[0] * x + a[1] * y + a[2] * z, a[0] * u + a[1] * v + a[2] * w
                 above[j], climbs[j] = a[3] * x + a[4] * y + a[5] * z, a[3] * u + a[4] * v + a[5] * w
                 ahead[j], comes[j] = a[6] * x + a[7] * y + a[8] * z, a[6] * u + a[7] * v + a[8] * w
-                age, life = ti.cast(Q[TIME] - birth[i], ti.f32), ti.cast(S[9, i], ti.f32)
-                mass, squared = ti.cast(S[6, i], ti.f32), u * u + v * v + w * w
-                x, y, z = ti.cast(S[0, i], ti.f32), ti.cast(S[1, i], ti.f32), ti.cast(S[2, i], ti.f32)
+                age, life = ti.cast(Q[TIME] - birth[i], ti.f32), ti.cast(S[LIFETIME, i], ti.f32)
+                mass, squared = ti.cast(S[MASS, i], ti.f32), u * u + v * v + w * w
+                x, y, z = ti.cast(S[PX, i], ti.f32), ti.cast(S[PY, i], ti.f32), ti.cast(S[PZ, i], ti.f32)
                 quantity[j], quantity[LANES + j] = age / ti.max(life, 1e-30), age
                 quantity[2 * LANES + j], quantity[3 * LANES + j] = ti.sqrt(squared), 0.5 * mass * squared
-                quantity[4 * LANES + j], quantity[5 * LANES + j] = ti.cast(S[7, i], ti.f32), mass
-                quantity[6 * LANES + j], quantity[7 * LANES + j] = ti.cast(S[8, i], ti.f32), ti.cast(id[i], ti.f32)
+                quantity[4 * LANES + j], quantity[5 * LANES + j] = ti.cast(S[CHARGE, i], ti.f32), mass
+                quantity[6 * LANES + j], quantity[7 * LANES + j] = ti.cast(S[RADIUS, i], ti.f32), ti.cast(id[i], ti.f32)
                 quantity[9 * LANES + j] = ti.sqrt(x * x + y * y + z * z)
                 quantity[10 * LANES + j], quantity[11 * LANES + j], quantity[12 * LANES + j] = x, y, z
                 quantity[13 * LANES + j] = push[ti.min(i, pushes - 1)]

@@ -17,6 +17,7 @@ import numpy as np
 
 from gen_art.backend.runtime import kernel, ti
 from gen_art.maths.elementary import exp
+from gen_art.particles.rows import POSITION
 from gen_art.preset.look import KeyLight
 from gen_art.renderer.colour import linear
 from gen_art.renderer.emissive_lighting import EmittedLight, glow_on
@@ -214,6 +215,6 @@ def _glow_of(light: KeyLight, drawn: dict, parallel: bool, scale: float) -> Emit
             system, columns = drawn[name]
             unit = (1.0 if parallel else columns[DEPTH]) / np.float32(scale)
             given = columns[RED : BLUE + 1] * (unit * unit)
-            positions.append(system.floats[:3, : columns.shape[1]].T)
+            positions.append(system.floats[POSITION, : columns.shape[1]].T)
             power.append(np.where(np.isfinite(given), given, 0.0).T)
     return EmittedLight(np.concatenate(positions), np.concatenate(power)) if positions else None

@@ -6,6 +6,7 @@ import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.interactions.base import ForceRequest, ImplicitStage
+from gen_art.particles.rows import VELOCITY
 from gen_art.registry import suggest
 from gen_art.simulation.stepper import Stepper
 
@@ -85,7 +86,7 @@ class CoupledSystems:
         kick, time, drift = system.scheme.stages[g]
         # two stages, so that walls and engines act in the drift alone
         parts = np.array([0.0, kick, time, 0.0, 0.0, time, drift, 0.0], state.floats.dtype)
-        old = state.floats[3:6, : state.count].copy()
+        old = state.floats[VELOCITY, : state.count].copy()
         part = ImplicitStage(
             old, self.dt * kick, self.dt * drift, first * self.dt, self.dt, self.precision, bool(self.ledger)
         )
@@ -93,7 +94,7 @@ class CoupledSystems:
         carrier = None
         for one in system.interactions:
             if one.implicit and state.count:
-                before = state.floats[3:6, : state.count].copy() if self.ledger else None
+                before = state.floats[VELOCITY, : state.count].copy() if self.ledger else None
                 one.solve(state, part)
                 carrier = one if one.carries else carrier
                 if self.ledger and before is not None:

@@ -10,6 +10,7 @@ from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
 from gen_art.integrators.kernel_terms import KernelTerms
 from gen_art.integrators.tile import TileTerms, repeats, view
+from gen_art.particles.rows import CHARGE, MASS, PX, PY, PZ, VX, VY, VZ
 
 __all__ = ["Diagnostics", "diagnose", "energy_of_pairs", "sums"]
 
@@ -60,10 +61,10 @@ def _kernel(composition: KernelTerms, channels: tuple, precision: str):
         for b in range(out.shape[0]):
             for k in range(b * _BLOCK, ti.min((b + 1) * _BLOCK, slots.shape[0])):
                 i = slots[k]
-                x = ti.Vector([S[0, i], S[1, i], S[2, i]])
-                v = ti.Vector([S[3, i], S[4, i], S[5, i]])
+                x = ti.Vector([S[PX, i], S[PY, i], S[PZ, i]])
+                v = ti.Vector([S[VX, i], S[VY, i], S[VZ, i]])
                 X, V = ti.cast(x, ti.f64), ti.cast(v, ti.f64)
-                m = ti.cast(S[6, i], ti.f64)
+                m = ti.cast(S[MASS, i], ti.f64)
                 kinetic = ti.cast(0.5, ti.f64) * V.dot(V)
                 if light > 0.0:  # momentum gamma m v, kinetic energy (gamma - 1) m c^2
                     g = ti.cast(1.0, ti.f64) / ti.sqrt(ti.cast(1.0, ti.f64) - V.dot(V) / (light * light))
@@ -72,7 +73,7 @@ def _kernel(composition: KernelTerms, channels: tuple, precision: str):
                 L = X.cross(V) * m
                 out[b, 0] = out[b, 0] + ti.cast(1.0, ti.f64)
                 out[b, 1] = out[b, 1] + m
-                out[b, 2] = out[b, 2] + ti.cast(S[7, i], ti.f64)
+                out[b, 2] = out[b, 2] + ti.cast(S[CHARGE, i], ti.f64)
                 for c in ti.static(range(3)):
                     out[b, 3 + c] = out[b, 3 + c] + m * V[c]
                     out[b, 6 + c] = out[b, 6 + c] + L[c]

@@ -13,6 +13,7 @@ import numpy as np
 
 from gen_art.integrators.ledger_kernel import make_ledger_kernel
 from gen_art.integrators.ledger_rows import LEDGER_COLUMNS
+from gen_art.particles.rows import MASS, POSITION, VELOCITY
 from gen_art.simulation.diagnostics import diagnose, energy_of_pairs, sums
 
 __all__ = ["Account", "LedgerKeeper", "Ledger", "Transfer"]
@@ -128,8 +129,8 @@ class LedgerKeeper:
 
     def record_implicit(self, name: str, one, state, before: np.ndarray, turn) -> None:
         """Book an implicit interaction's change of the velocities, which were `before`."""
-        mass = state.floats[6, : state.count].astype(np.float64)
-        now = state.floats[3:6, : state.count].astype(np.float64)
+        mass = state.floats[MASS, : state.count].astype(np.float64)
+        now = state.floats[VELOCITY, : state.count].astype(np.float64)
         change = now - before
         row = self._solved.setdefault(f"{name}.{one.name}", np.zeros(4))
         row[:3] += change @ mass
@@ -151,11 +152,11 @@ class LedgerKeeper:
         """J that conservative forces give on half the way there and half the way back, `way` (3, n), m: their kick was for
         velocities that the change has made others."""
         slots, energy = np.flatnonzero(state.alive(self.sim.time)), []
-        kept = state.floats[:3, : state.count].copy()
+        kept = state.floats[POSITION, : state.count].copy()
         for sign in (-0.5, 0.5):
-            state.floats[:3, : state.count] = kept + sign * way
+            state.floats[POSITION, : state.count] = kept + sign * way
             energy.append(float(sums(self.sim, name, slots)[13:].sum()))
-        state.floats[:3, : state.count] = kept
+        state.floats[POSITION, : state.count] = kept
         return energy[0] - energy[1]
 
     def record_broken_bonds(self, name: str, one, energy: float) -> None:

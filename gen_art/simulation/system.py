@@ -11,6 +11,7 @@ from gen_art.integrators.kernel_terms import KernelTerms
 from gen_art.integrators.schemes import charged
 from gen_art.interactions import Interaction
 from gen_art.particles.fixed import FIXED
+from gen_art.particles.rows import FIRST_ATTRIBUTE, LIFETIME, POSITION, VELOCITY
 from gen_art.particles.storage import Particles
 
 __all__ = ["ParticleSystem"]
@@ -167,7 +168,7 @@ class ParticleSystem:
         self.name, self._time = name, time
         sources = []
         names = self.attribute_names
-        channels = {attribute: 10 + k for k, attribute in enumerate(names)}
+        channels = {attribute: FIRST_ATTRIBUTE + k for k, attribute in enumerate(names)}
         if self._initial:
             sources.append(ParticleOrigin("initial"))
         self.emitters.sort(key=lambda e: e.name)
@@ -182,10 +183,10 @@ class ParticleSystem:
         if self._initial:
             keys = derive(derive(key, channel_of("initial")), np.arange(count))
             new = state.append(np.zeros(count), keys, np.zeros(count, np.int32))
-            state.floats[0:3, new] = self._initial["position"]
-            state.floats[3:6, new] = self._initial["velocity"]
-            state.floats[9, new] = np.inf
-            state.floats[9, self._fixed] = FIXED
+            state.floats[POSITION, new] = self._initial["position"]
+            state.floats[VELOCITY, new] = self._initial["velocity"]
+            state.floats[LIFETIME, new] = np.inf
+            state.floats[LIFETIME, self._fixed] = FIXED
             for name in ("mass", "charge", "radius", *self._attributes):
                 state.floats[state.channels[name], new] = self._initial[name]
         self._initial = {}
@@ -235,12 +236,12 @@ class ParticleSystem:
     @property
     def position(self) -> np.ndarray:
         """(n, 3) m."""
-        return self._copy(self.state.floats[0:3, self._living()].T)
+        return self._copy(self.state.floats[POSITION, self._living()].T)
 
     @property
     def velocity(self) -> np.ndarray:
         """(n, 3) m/s, at the same time as the positions."""
-        return self._copy(self.state.floats[3:6, self._living()].T)
+        return self._copy(self.state.floats[VELOCITY, self._living()].T)
 
     def attribute(self, name: str) -> np.ndarray:
         """(n,) mass, charge, radius, lifetime or a declared attribute."""

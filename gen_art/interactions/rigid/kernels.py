@@ -7,6 +7,7 @@ from functools import cache
 
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
+from gen_art.particles.rows import VX
 
 __all__ = ["NUMBERS", "contact_kernel", "particle_kernels"]
 
@@ -54,7 +55,7 @@ def particle_kernels(precision: str):
             for i in range(first[b], first[b + 1]):
                 dv = ti.Vector([0.0, 0.0, 0.0])
                 for c in ti.static(range(3)):
-                    dv[c] = T[i, 0] * (ti.cast(S[3 + c, i], ti.f64) - ti.cast(V[c, i], ti.f64))
+                    dv[c] = T[i, 0] * (ti.cast(S[VX + c, i], ti.f64) - ti.cast(V[c, i], ti.f64))
                 p += dv
                 L += (R @ _three(T, i, 1)).cross(dv)
             for c in ti.static(range(3)):
@@ -74,7 +75,7 @@ def particle_kernels(precision: str):
                 arm = R @ _three(T, i, 1)
                 v = _three(G, b, 12) + _three(G, b, 15).cross(arm)
                 for c in ti.static(range(3)):
-                    S[3 + c, i] = ti.cast(v[c], real)
+                    S[VX + c, i] = ti.cast(v[c], real)
                 if moves == 1:
                     normal = R @ _three(T, i, 4)
                     for c in ti.static(range(3)):

@@ -9,6 +9,7 @@ from gen_art.interactions.rigid.free_motion import ANGLE, inverse_inertia, plan,
 from gen_art.interactions.rigid.kernels import particle_kernels
 from gen_art.interactions.rigid.quaternions import cross, matrices, product, rotation
 from gen_art.particles.fixed import fixed_lifetimes
+from gen_art.particles.rows import LIFETIME
 
 __all__ = ["World"]
 
@@ -55,7 +56,10 @@ class World:
             return
         if n != len(self._of):
             raise UsageError(f"system '{system.name}' has {n} particles, but its bodies have {len(self._of)}")
-        if state.may_die and (np.isfinite(state.floats[9, :n]) & ~fixed_lifetimes(state.floats[9, :n])).any():
+        if (
+            state.may_die
+            and (np.isfinite(state.floats[LIFETIME, :n]) & ~fixed_lifetimes(state.floats[LIFETIME, :n])).any()
+        ):
             raise UsageError(f"rigid bodies do not die: leave out the lifetime of system '{system.name}'")
 
     def _bound(self) -> None:

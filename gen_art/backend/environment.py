@@ -1,0 +1,24 @@
+"""What must be known before Taichi is imported: its version, and whether it runs without this package's patches."""
+
+import importlib.metadata
+import os
+
+from gen_art.errors import InstallationError
+
+__all__ = ["STOCK_TAICHI", "TAICHI_VERSION"]
+
+TAICHI_VERSION = "1.7.4"  # the only one whose inside the patches know
+STOCK_TAICHI = os.environ.get("GEN_ART_STOCK_TAICHI", "") not in ("", "0")
+
+
+def _check_version(found: str) -> None:
+    if found != TAICHI_VERSION and not STOCK_TAICHI:
+        raise InstallationError(
+            f"gen-art needs taichi {TAICHI_VERSION}, and {found} is installed: run pip install 'taichi=={TAICHI_VERSION}', "
+            "or set GEN_ART_STOCK_TAICHI=1 to try this one without gen-art's patches"
+        )
+
+
+_check_version(importlib.metadata.version("taichi"))
+os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")
+os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
