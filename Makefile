@@ -7,7 +7,7 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
 INSTALLED := $(VENV)/installed-$(shell cat requirements.lock pyproject.toml | cksum | cut -d' ' -f1)
 BENCH := $(VENV)/installed-bench-$(shell cat requirements-bench.lock | cksum | cut -d' ' -f1)
 
-.PHONY: demo test proofs check bench gallery lock clean
+.PHONY: demo test proofs check golden bench gallery lock clean
 
 demo: $(INSTALLED)
 	@mkdir -p out
@@ -23,7 +23,13 @@ proofs: $(INSTALLED)
 check: $(INSTALLED)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
+	$(BIN)/lint-imports
 	$(BIN)/mypy
+	$(BIN)/python docs/check_links.py
+
+# draws the golden pictures of tests/golden anew, and the old beside the new in out/golden.png
+golden: $(INSTALLED)
+	$(BIN)/python -m tests.golden
 
 bench: $(BENCH)
 	$(BIN)/gen-art bench

@@ -108,7 +108,7 @@ def plain_kernel(composition, blocks: bool):
     from gen_art.maths.elementary import phi
 
     terms = TileTerms(composition, (), 0)
-    drag, place = terms.dampings[0][:2]
+    drag, place = terms.dampings[0].force, terms.dampings[0].offset
     matrix, vector = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.f32, 1)
 
     @ti.func
@@ -123,12 +123,12 @@ def plain_kernel(composition, blocks: bool):
         t = now + 0.5 * h
         p = view(terms, S, K, i, x, v, t)
         a, u = ti.Vector([0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0])
-        for force, offset, count, _ in ti.static(terms.pushes):
-            for k in range(repeats(Q, count)):
-                a += term_acceleration(force, p, t, parameters(Q, force, offset, k))
-        for force, offset, count, _ in ti.static(terms.media[0]):
-            for k in range(repeats(Q, count)):
-                u += force.acceleration(p, t, parameters(Q, force, offset, k))
+        for term in ti.static(terms.accelerations):
+            for k in range(repeats(Q, term.count_offset)):
+                a += term_acceleration(term.force, p, t, parameters(Q, term.force, term.offset, k))
+        for term in ti.static(terms.media[0]):
+            for k in range(repeats(Q, term.count_offset)):
+                u += term.force.acceleration(p, t, parameters(Q, term.force, term.offset, k))
         rates = drag.damping(p, t, parameters(Q, drag, place))
         middle = relaxed(v, v, a, u, rates, 0.5 * h)
         new = relaxed(v, middle, a, u, rates, h)

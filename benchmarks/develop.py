@@ -1,4 +1,4 @@
-"""What does developing cost? Bloom, tone map, dither and 8 bits at 1920 x 1080, beside reading film and writing picture once."""
+"""The cost of developing 1920 x 1080: bloom, tone map, dither, 8 bits, against reading the light and writing the picture."""
 
 import numpy as np
 from _bench import Bench, alternate
@@ -6,8 +6,8 @@ from _bench import Bench, alternate
 from gen_art.backend import runtime
 from gen_art.backend.runtime import kernel, ti
 from gen_art.preset.develop import DevelopSpec
-from gen_art.renderer.auto_exposure import meter
-from gen_art.renderer.bloom import chain, flat
+from gen_art.renderer.auto_exposure import metered_stops
+from gen_art.renderer.bloom import as_vectors, bloom_pyramid
 from gen_art.renderer.framebuffer import FrameBuffer
 from gen_art.renderer.tone_map import develop
 
@@ -20,14 +20,14 @@ LANES, CHUNKS = 32, 180
 
 
 @ti.kernel
-def _read(film: ti.types.ndarray(ti.f32, 1), sums: ti.types.ndarray(ti.f32, 1)):
+def _read(linear: ti.types.ndarray(ti.f32, 1), sums: ti.types.ndarray(ti.f32, 1)):
     ti.loop_config(block_dim=1)
-    tiles = film.shape[0] // CHUNKS // LANES
+    tiles = linear.shape[0] // CHUNKS // LANES
     for b in range(CHUNKS):
         s = ti.Vector([0.0] * LANES)
         for t in range(tiles):
             for j in range(LANES):
-                s[j] += film[(b * tiles + t) * LANES + j]
+                s[j] += linear[(b * tiles + t) * LANES + j]
         sums[b] = s.sum()
 
 
@@ -41,9 +41,9 @@ def _write(picture: ti.types.ndarray(ti.i32, 1), value: ti.i32):
 
 
 read, write = kernel(_read), kernel(_write)
-film = FrameBuffer((width, height)).pixels  # as the renderer keeps it
-film[:] = np.random.default_rng(0).exponential(0.2, film.shape)
-plane, sums, picture = film.reshape(-1), np.zeros(CHUNKS, np.float32), np.empty((height, width, 3), np.uint8)
+linear = FrameBuffer((width, height)).pixels  # as the renderer keeps it
+linear[:] = np.random.default_rng(0).exponential(0.2, linear.shape)
+plane, sums, picture = linear.reshape(-1), np.zeros(CHUNKS, np.float32), np.empty((height, width, 3), np.uint8)
 words = picture.reshape(-1).view(np.int32)
 
 
@@ -53,17 +53,17 @@ def once():
 
 
 plain = DevelopSpec(bloom=0)
-halo = chain(width, height)
+pyramid = bloom_pyramid(width, height)
 things = {
     "read the film, write the picture": once,
-    "develop": lambda: develop(film, out=picture),
-    "of this, without bloom": lambda: develop(film, plain, out=picture),
-    "of this, the halos": lambda: halo.spread(*flat(film), 0.5),
-    "metering for automatic exposure": lambda: meter(film),
+    "develop": lambda: develop(linear, out=picture),
+    "of this, without bloom": lambda: develop(linear, plain, out=picture),
+    "of this, the halos": lambda: pyramid.scatter(*as_vectors(linear), 0.5),
+    "metering for automatic exposure": lambda: metered_stops(linear),
 }
 taken = alternate(rounds, **things)
 floor = taken["read the film, write the picture"]
 bench.table([("", "ms", "times the floor"), *((k, f"{1e3 * s:.2f}", f"{s / floor:.2f}") for k, s in taken.items())])
-bench.figures = {"seconds": taken, "bytes_a_second": (film.nbytes + picture.nbytes) / floor}
+bench.figures = {"seconds": taken, "bytes_a_second": (linear.nbytes + picture.nbytes) / floor}
 bench.require("develop, times reading and writing once", taken["develop"] / floor, at_most=4.0)
 bench.finish()

@@ -64,7 +64,7 @@ def alone(folder: Path, frames: int, film: bool) -> dict[str, float]:
     step = run.sim.step
     run.sim.step = lambda steps: stages.measure("simulate", step, steps)
     clock = PRESET.clock
-    films = run.films([clock.preroll_steps + k * clock.steps_per_frame for k in range(frames)])
+    films = run.pictures([clock.preroll_steps + k * clock.steps_per_frame for k in range(frames)])
     for k in range(frames):
         light, exposure = stages.measure("draw", next, films)
         pictures.append(stages.measure("develop", develop, light, PRESET.develop, frame=k, exposure=exposure))

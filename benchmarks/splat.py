@@ -1,8 +1,8 @@
 """How fast do points and small discs become light? Four million points, and a million discs, in a picture of 1920 x 1080.
 
 Points: a disc galaxy seen from above, in the order in which they were drawn at random, and sorted by the pixel they fall in.
-The renderer adds three colours, clears its film, and gives the same bits on any number of threads; datashader counts, in one
-channel. Discs: 5 x 5 pixels, against a numba loop that adds the same discs to one thread's buffer.
+The renderer adds three colours, clears its framebuffer, and gives the same bits on any number of threads; datashader counts, in
+one channel. Discs: 5 x 5 pixels, against a numba loop that adds the same discs to one thread's buffer.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from _bench import Bench, alternate
 from gen_art.backend import runtime
 from gen_art.renderer.direct_splat import discs, pixels, points
 from gen_art.renderer.framebuffer import FrameBuffer
-from gen_art.renderer.sprite import BLUE, REACH, RED, X, Y
+from gen_art.renderer.sprite import BLUE, FOOTPRINT, RED, X, Y
 
 bench = Bench("splat", __doc__)
 n, number, rounds, size = (20_000, 10_000, 1, (320, 180)) if bench.quick else (4_000_000, 1_000_000, 11, (1920, 1080))
@@ -20,28 +20,28 @@ runtime.init("cpu", 2)
 
 width, height = size
 rng = np.random.default_rng(0)
-columns = runtime.aligned((11, n + 64), np.float32)  # as the shading kernel leaves them
+channels = runtime.aligned((11, n + 64), np.float32)  # as the shading kernel leaves them
 radius = rng.exponential(0.18, n)
 angle = 2 * np.log(radius + 0.01) + rng.uniform(0, 2 * np.pi, n)
-columns[X, :n] = width / 2 + radius * 0.47 * width * np.cos(angle)
-columns[Y, :n] = height / 2 + radius * 0.47 * height * np.sin(angle) + rng.normal(0, 0.008 * height, n)
-columns[RED : BLUE + 1, :n] = rng.random((3, n))
-order = np.argsort(np.clip(columns[Y, :n], 0, height - 1).astype(np.int64) * width + columns[X, :n].astype(np.int64))
-in_order = runtime.aligned(columns.shape, np.float32)
-in_order[:, :n] = columns[:, order]
-round_ones = columns[:, : number + 64].copy()
-round_ones[REACH] = 2.4  # five pixels across, wherever it lies
-film = FrameBuffer(size)
+channels[X, :n] = width / 2 + radius * 0.47 * width * np.cos(angle)
+channels[Y, :n] = height / 2 + radius * 0.47 * height * np.sin(angle) + rng.normal(0, 0.008 * height, n)
+channels[RED : BLUE + 1, :n] = rng.random((3, n))
+order = np.argsort(np.clip(channels[Y, :n], 0, height - 1).astype(np.int64) * width + channels[X, :n].astype(np.int64))
+in_order = runtime.aligned(channels.shape, np.float32)
+in_order[:, :n] = channels[:, order]
+round_ones = channels[:, : number + 64].copy()
+round_ones[FOOTPRINT] = 2.4  # five pixels across, wherever it lies
+framebuffer = FrameBuffer(size)
 
 
 def draw(what, particles, how):
-    film.clear()
-    how(particles, what, film)
+    framebuffer.clear()
+    how(particles, what, framebuffer)
 
 
 things = {
-    "pixel": lambda: draw(n, columns, pixels),
-    "point": lambda: draw(n, columns, points),
+    "pixel": lambda: draw(n, channels, pixels),
+    "point": lambda: draw(n, channels, points),
     "pixel, in order": lambda: draw(n, in_order, pixels),
     "point, in order": lambda: draw(n, in_order, points),
     "discs": lambda: draw(number, round_ones, discs),
@@ -51,7 +51,7 @@ try:
     import pandas
 
     canvas = datashader.Canvas(width, height, x_range=(0, width), y_range=(0, height))
-    for name, these in (("datashader", columns), ("datashader, in order", in_order)):
+    for name, these in (("datashader", channels), ("datashader, in order", in_order)):
         frame = pandas.DataFrame({"x": these[X, :n], "y": these[Y, :n]})
         things[name] = lambda frame=frame: canvas.points(frame, "x", "y", datashader.count())
 except ImportError:

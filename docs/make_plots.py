@@ -1,6 +1,6 @@
 """Draws the plots of docs/integrators.md, and fills in its table, from real runs.
 
-python docs/make_plots.py           writes docs/images/*.png and the table; takes a minute; needs matplotlib (gen-art[plots])
+python docs/make_plots.py           writes docs/images/*.png and the table; takes a minute; needs matplotlib
 """
 
 from pathlib import Path
@@ -10,7 +10,6 @@ import numpy as np
 
 import gen_art as ga
 from gen_art.integrators import INTEGRATORS
-from gen_art.integrators.schemes import stability_limit
 
 FOLDER = Path(__file__).resolve().parent
 BEGIN, END = "<!-- table: made by docs/make_plots.py, not by hand -->", "<!-- end of the table -->"
@@ -123,7 +122,7 @@ def table() -> str:
     for name, one in INTEGRATORS.items():
         symplectic, reversible, use = TRAITS[name]
         kept = " (1: see below)" if one.stages[-1][2] == 0 and one.kind == "splitting" else ""
-        limit = f"{stability_limit(one):.3g}" if name not in ("euler", "rk2") else "never"
+        limit = f"{one.stability_limit:.3g}" if name not in ("euler", "rk2") else "never"
         rows.append(
             f"| `{name}` | {one.order} | {measured_order(name):.2f} | {len(one.stages)}{kept} | {symplectic} | {reversible} "
             f"| {limit} | {use} |"

@@ -1,7 +1,7 @@
-"""Writes docs/forces.md, and the tables of docs/presets.md, from the docstrings and parameters of the classes themselves.
+"""Writes docs/forces.md and the tables of docs/presets.md from the docstrings and parameters of the classes.
 
 python docs/make_reference.py           writes both pages
-python docs/make_reference.py --check   says whether they are up to date, and writes nothing
+python docs/make_reference.py --check   only says whether they are up to date (exit status 1 if not)
 """
 
 import inspect
@@ -20,65 +20,71 @@ BEGIN, END = "<!-- tables: made by docs/make_reference.py, not by hand -->", "<!
 
 INTRODUCTION = """# Forces, shapes, velocities, emitters, interactions, colliders, integrators
 
-This page is made by `python docs/make_reference.py` from the classes themselves. A name is the key in YAML; in Python the
-class is `ga.forces.Gravity` and so on, with the parameters as arguments in the same order. The value of a key is a mapping
-of parameters, or the value of the first one alone: `gravity: [0, -9.81, 0]`. Units are SI unless the preset's `units:`
-say otherwise. Angles are degrees in YAML and radians in Python. abs(w) is the length of the vector w.
+`python docs/make_reference.py` makes this page from the docstrings and parameters of the classes.
+
+- Each name is a key in YAML. In Python it is a class, `ga.forces.Gravity` for example, whose arguments are the parameters in
+  the same order.
+- The value of a key is a mapping of parameters, or the value of the first parameter alone: `gravity: [0, -9.81, 0]`.
+- Units are SI, unless `units:` of the preset says otherwise. Angles are degrees in YAML and radians in Python.
+- abs(w) is the length of a vector w.
 """
 
 SECTIONS = (
     (
         "forces",
         "Forces",
-        "Under `forces:` of the preset, where they act on every system, or of one system. Those marked *field* may also "
-        "stand under `medium:`; their vector is then a velocity of the medium in m/s, which drag and damping pull towards.",
+        "Under `forces:` of the preset they act on every system; under `forces:` of a system, on that system. Those marked "
+        "*field* may also stand under `medium:`. Their vector is then a velocity of the medium in m/s, towards which drag and "
+        "damping accelerate particles.",
     ),
     (
         "shapes",
         "Shapes",
-        "Where particles are born: `shape:` of an emitter. Places are relative to the emitter. A bare vector is a `point`.",
+        "Where particles are born: `shape:` of an emitter. Positions are relative to the emitter. A vector alone is a `point`.",
     ),
     (
         "velocities",
         "Velocities",
-        "How fast they are born: `velocity:` of an emitter, its other parameters beside its name: "
-        "`velocity: {cone: [0, 1, 0], angle: 6, speed: 92..98}`. A bare vector is `constant`.",
+        "The velocity of particles at birth: `velocity:` of an emitter. The first parameter is the value of the name, and the "
+        "others stand beside it: `velocity: {cone: [0, 1, 0], angle: 6, speed: 92..98}`. A vector alone is `constant`.",
     ),
     (
         "emitters",
         "Emitters",
-        "A whole birth in one place: the name stands in the emitter itself, instead of shape and velocity.",
+        "They set position, velocity and more at once: the name stands in the emitter itself, instead of shape and velocity.",
     ),
     ("interactions", "Interactions", "Forces between particles: `interactions:` of a system."),
     (
         "colliders",
         "Colliders",
-        "Surfaces that particles do not pass: under `colliders:` of the preset, where they stand in the way of every system, or "
-        "of one system. A list of mappings makes several of a kind. A particle touches a surface with its radius. All take "
-        "`restitution`, `friction` (kinetic..static), `action` and `velocity`.",
+        "Surfaces that particles do not pass. Under `colliders:` of the preset they stop every system; under `colliders:` of a "
+        "system, that system. A list of mappings makes several of a kind. A particle touches a surface where its distance is its "
+        "radius. All take `restitution`, `friction` (kinetic..static), `action` and `velocity`.",
     ),
 )
 
 INTEGRATION = """## Integrators
 
-`integrator:` of a system. K(a) is a kick of a fraction a of the time step dt, D(b) a drift of a fraction b: x += b dt v. A kick
-solves constant acceleration and drag together, with the medium's velocity u held for the length h = a dt of the kick:
+`integrator:` of a system. K(a) is a kick over a fraction a of the time step dt: it changes velocities. D(b) is a drift over a
+fraction b: x += b dt v. A kick solves constant acceleration and drag together, with the medium's velocity u held constant for the
+time h = a dt of the kick:
 
 ```text
 linear            v = u + g/k + (v0 - u - g/k) exp(-k h)        rate k (1/s), all other acceleration g
 with a quadratic  w = w0 A exp(-A h) / (A + B abs(w0) (1 - exp(-A h))),  w = v - u, A = k, B the quadratic rate (1/m)
-magnetic          Boris: half the kick, a rotation about B that keeps the speed exactly, the other half
+magnetic          Boris: half of the kick, a rotation about B that keeps the speed exactly, the other half
 ```
 
-The Runge-Kutta schemes are written as the classical tables: nodes (fractions of dt) and weights; drag is inside their stages.
+The Runge-Kutta schemes are given by their nodes (fractions of dt) and weights; their stages include drag.
+[integrators.md](integrators.md) compares all schemes.
 """
 
-DOCUMENTED = {  # class: where it stands
+DOCUMENTED = {  # class: heading of its table
     clock.Clock: "clock:",
     schema.Units: "units:",
     schema.SystemSpec: "systems.NAME:",
     emitter.EmitterSpec: "systems.NAME.emitters.NAME:",
-    emitter.Attributes: "particle: (and, for their own, emitters and choices)",
+    emitter.Attributes: "particle: of a system (an emitter and a choice may have the same keys)",
     emitter.FromEvent: "from: of an emitter",
     emitter.Choice: "choose.NAME: of an emitter",
     emitter.MotionSpec: "motion: of an emitter",
@@ -87,7 +93,7 @@ DOCUMENTED = {  # class: where it stands
     emitter.PulseSpec: "pulse: of an emitter",
     look.Look: "look: of a system",
     look.Emission: "emission: of a look",
-    look.Ramp: "numbers of a look that may follow a quantity",
+    look.Ramp: "numbers of a look (they may follow a quantity)",
     look.Color: "colours of a look",
     look.Picture: "picture: of a look",
     look.KeyLight: "light: of a look",
@@ -106,7 +112,7 @@ DOCUMENTED = {  # class: where it stands
 
 
 def number(value: float) -> str:
-    """A number as short as it can be told from its neighbours."""
+    """A number with up to ten digits."""
     return f"{value:.10g}"
 
 
@@ -156,7 +162,7 @@ def default(parameter) -> str:
 
 
 def words(cls) -> str:
-    """The docstring: its first paragraph as prose, the rest (formula, units, source) as it stands."""
+    """The docstring: its first paragraph as prose, the rest (formula, units, source) unchanged."""
     first, _, rest = inspect.cleandoc(cls.__doc__).partition("\n\n")
     prose = " ".join(first.split())
     return f"{prose}\n\n```text\n{rest.strip()}\n```" if rest.strip() else prose
@@ -182,7 +188,7 @@ def entry(kind: str, name: str) -> str:
 
 
 def composition(scheme) -> str:
-    """What a scheme does in a step, from its own numbers."""
+    """The kicks and drifts of one step of a scheme, or its nodes and weights."""
 
     def share(x: float) -> str:
         nice = Fraction(x).limit_denominator(12)
@@ -199,7 +205,7 @@ def composition(scheme) -> str:
 
 
 def built_in(kind: str) -> list[str]:
-    """The names that come with the package: a plugin that happens to be loaded does not count."""
+    """The names that come with the package, without those of loaded plugins."""
     return sorted(name for name in registry(kind) if registry(kind)[name].__module__.startswith("gen_art."))
 
 
@@ -214,7 +220,7 @@ def forces_page() -> str:
 
 
 def choices(annotation) -> str:
-    """The words a Literal allows, wherever it stands in the annotation."""
+    """The words that a Literal anywhere in the annotation allows."""
     if typing.get_origin(annotation) is typing.Literal:
         return ", ".join(f"`{word}`" for word in typing.get_args(annotation))
     return next((found for part in typing.get_args(annotation) if (found := choices(part))), "")
@@ -256,7 +262,7 @@ def preset_tables() -> str:
 
 
 def pages() -> dict[Path, str]:
-    """Path -> the text that it should have."""
+    """The text that each page should have, by path."""
     presets = FOLDER / "presets.md"
     before, _, rest = presets.read_text(encoding="utf-8").partition(BEGIN)
     after = rest.partition(END)[2]

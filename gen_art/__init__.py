@@ -1,39 +1,83 @@
 """Gen Art: particle systems in which real physics makes the picture."""
 
 import importlib
+from typing import TYPE_CHECKING, Any
 
-__version__ = "0.3.0"
+__version__ = "0.4.0"
 
-# public name -> module that holds it (or None: the name is a module of this package); loaded when first used, so that
-# `gen-art --help` does not wait for the compiler
+if (
+    TYPE_CHECKING
+):  # what editors and type checkers read; at run time `__getattr__` below imports a name when it is first used
+    from gen_art import colliders as colliders
+    from gen_art import emitters as emitters
+    from gen_art import forces as forces
+    from gen_art import integrators as integrators
+    from gen_art import interactions as interactions
+    from gen_art.backend.runtime import ti as ti
+    from gen_art.emitters.base import Emitter as Emitter
+    from gen_art.emitters.base import Shape as Shape
+    from gen_art.emitters.base import Velocity as Velocity
+    from gen_art.emitters.base import emitter as emitter
+    from gen_art.emitters.base import shape as shape
+    from gen_art.emitters.base import velocity as velocity
+    from gen_art.errors import GenArtError as GenArtError
+    from gen_art.errors import PresetError as PresetError
+    from gen_art.errors import UsageError as UsageError
+    from gen_art.forces.base import Force as Force
+    from gen_art.forces.base import force as force
+    from gen_art.forces.medium import Medium as Medium
+    from gen_art.interactions.rigid.body import body as body
+    from gen_art.interactions.spring_nets import chain as chain
+    from gen_art.interactions.spring_nets import cloth as cloth
+    from gen_art.interactions.spring_nets import rope as rope
+    from gen_art.maths.elementary import cos as cos
+    from gen_art.maths.elementary import exp as exp
+    from gen_art.maths.elementary import log as log
+    from gen_art.maths.elementary import power as power
+    from gen_art.maths.elementary import sin as sin
+    from gen_art.output.job import render as render
+    from gen_art.preset.load import load_preset as load_preset
+    from gen_art.preset.look import Look as Look
+    from gen_art.registry import param as param
+    from gen_art.renderer.camera import Camera as Camera
+    from gen_art.renderer.painter import render_frame as render_frame
+    from gen_art.simulation import ParticleSystem as ParticleSystem
+    from gen_art.simulation import Simulation as Simulation
+    from gen_art.simulation.adaptive import adaptive as adaptive
+    from gen_art.simulation.bodies import bodies as bodies
+    from gen_art.simulation.diagnostics import Diagnostics as Diagnostics
+
+# public name -> module that holds it; "" : the name is a subpackage. Importing on first use keeps `gen-art --help` from
+# waiting for the compiler. A test holds this table and the imports above together.
 _NAMES = {
     "Camera": "gen_art.renderer.camera",
     "Diagnostics": "gen_art.simulation.diagnostics",
     "Emitter": "gen_art.emitters.base",
     "Force": "gen_art.forces.base",
     "GenArtError": "gen_art.errors",
+    "Look": "gen_art.preset.look",
     "Medium": "gen_art.forces.medium",
-    "ParticleSystem": "gen_art.simulation.system",
+    "ParticleSystem": "gen_art.simulation",
     "PresetError": "gen_art.errors",
     "Shape": "gen_art.emitters.base",
-    "Simulation": "gen_art.simulation.simulation",
+    "Simulation": "gen_art.simulation",
     "UsageError": "gen_art.errors",
     "Velocity": "gen_art.emitters.base",
     "adaptive": "gen_art.simulation.adaptive",
-    "colliders": None,
     "bodies": "gen_art.simulation.bodies",
     "body": "gen_art.interactions.rigid.body",
     "chain": "gen_art.interactions.spring_nets",
     "cloth": "gen_art.interactions.spring_nets",
+    "colliders": "",
     "cos": "gen_art.maths.elementary",
     "emitter": "gen_art.emitters.base",
-    "emitters": None,
+    "emitters": "",
     "exp": "gen_art.maths.elementary",
     "force": "gen_art.forces.base",
-    "forces": None,
-    "integrators": None,
-    "interactions": None,
-    "load_preset": "gen_art.preset",
+    "forces": "",
+    "integrators": "",
+    "interactions": "",
+    "load_preset": "gen_art.preset.load",
     "log": "gen_art.maths.elementary",
     "param": "gen_art.registry",
     "power": "gen_art.maths.elementary",
@@ -46,18 +90,22 @@ _NAMES = {
     "velocity": "gen_art.emitters.base",
 }
 
-__all__ = ["__version__", *_NAMES]
+__all__ = [
+    "Camera", "Diagnostics", "Emitter", "Force", "GenArtError", "Look", "Medium", "ParticleSystem", "PresetError", "Shape",
+    "Simulation", "UsageError", "Velocity", "__version__", "adaptive", "bodies", "body", "chain", "cloth", "colliders", "cos",
+    "emitter", "emitters", "exp", "force", "forces", "integrators", "interactions", "load_preset", "log", "param", "power",
+    "render", "render_frame", "rope", "shape", "sin", "ti", "velocity",
+]  # fmt: skip
 
 
-def __getattr__(name: str):
+def __getattr__(name: str) -> Any:
     if name not in _NAMES:
         raise AttributeError(f"gen_art has no '{name}'")
     module = _NAMES[name]
-    value = importlib.import_module(f"gen_art.{name}" if module is None else module)
-    value = value if module is None else getattr(value, name)
+    value = getattr(importlib.import_module(module), name) if module else importlib.import_module(f"gen_art.{name}")
     globals()[name] = value
     return value
 
 
-def __dir__():
+def __dir__() -> list[str]:
     return sorted(__all__)

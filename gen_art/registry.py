@@ -7,14 +7,53 @@ rows of the documentation. `Registry` maps the YAML name to the class.
 import difflib
 import inspect
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
 from gen_art.errors import UsageError
 
-__all__ = ["Parameter", "Parametric", "Registry", "param", "suggest"]
+__all__ = ["Bounds", "Parameter", "Parametric", "Registry", "param", "suggest"]
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """The numbers that a parameter or a key may have: an interval, closed unless an end is `open`; perhaps whole ones only.
+
+    This is the one check of a number's range: of Python parameters, of registered classes in YAML, and of a preset's keys.
+    """
+
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False
+    open_high: bool = False
+    whole: bool = False
+
+    def check(self, value: float, unit: str = "") -> float:
+        """The value; UsageError if it lies outside. unit : what follows the bounds in the message, as " degrees"."""
+        if not math.isfinite(value):
+            raise UsageError(f"must be a finite number, not {value}")
+        below = value < self.low or (self.open_low and value == self.low)
+        above = value > self.high or (self.open_high and value == self.high)
+        if below or above:
+            raise UsageError(f"must be {self}{unit}, not {value:g}")
+        if self.whole and value != int(value):
+            raise UsageError(f"must be a whole number, not {value:g}")
+        return value
+
+    def __str__(self) -> str:
+        if not (self.open_low or self.open_high) and -math.inf < self.low and self.high < math.inf:
+            return f"from {self.low:g} to {self.high:g}"
+        low = [f"{'more than' if self.open_low else 'at least'} {self.low:g}"] if self.low > -math.inf else []
+        high = [f"{'less than' if self.open_high else 'at most'} {self.high:g}"] if self.high < math.inf else []
+        return " and ".join(low + high)
+
+    def schema(self) -> dict[str, float]:
+        """The interval in JSON Schema's words."""
+        out = {"exclusiveMinimum" if self.open_low else "minimum": self.low} if self.low > -math.inf else {}
+        return out | ({"exclusiveMaximum" if self.open_high else "maximum": self.high} if self.high < math.inf else {})
 
 
 @dataclass(frozen=True)
@@ -72,17 +111,15 @@ class Parameter:
             raise UsageError(f"{self.name} must be text, not {value!r}")
         return value
 
+    @property
+    def bounds(self) -> Bounds:
+        return Bounds(self.minimum, self.maximum)
+
     def _in_range(self, value):
-        if not math.isfinite(value):
-            raise UsageError(f"{self.name} must be a finite number, not {value}")
-        if not self.minimum <= value <= self.maximum:
-            bounds = (
-                f"at least {self.minimum:g}"
-                if self.maximum == math.inf
-                else f"from {self.minimum:g} to {self.maximum:g}"
-            )
-            raise UsageError(f"{self.name} must be {bounds}, not {value:g}")
-        return value
+        try:
+            return self.bounds.check(value)
+        except UsageError as error:
+            raise UsageError(f"{self.name} {error}") from None
 
     @property
     def size(self) -> int:
@@ -91,9 +128,13 @@ class Parameter:
 
 
 _REQUIRED = object()
+T = TypeVar("T")
 
 
-def param(default=_REQUIRED, *, unit="", min=-math.inf, max=math.inf, choices=(), doc="", kind=None):
+def param(
+    default: Any = _REQUIRED, *, unit: str = "", min: float = -math.inf, max: float = math.inf, choices: Sequence[Any] = (),
+    doc: str = "", kind: str | None = None,
+) -> Any:  # fmt: skip
     """Declare a parameter of a Force, Emitter or other Parametric class: default, unit, closed range, meaning.
 
     The annotation gives the kind (float, int, bool, str, tuple for a vector); `kind="range"` takes a number or (low, high).
@@ -200,15 +241,16 @@ class Registry:
     kind: str
     classes: dict[str, type] = field(default_factory=dict)
 
-    def __call__(self, name: str):
+    def __call__(self, name: str) -> Callable[[type[T]], type[T]]:
         """Class decorator: register under `name`."""
 
-        def add(cls):
+        def add(cls: type[T]) -> type[T]:
             if name in self.classes and self.classes[name].__qualname__ != cls.__qualname__:
                 raise UsageError(f"a {self.kind} named '{name}' exists already")
             if not (cls.__doc__ or "").strip():
                 raise UsageError(f"the {self.kind} '{name}' needs a docstring: formula, units, source")
-            cls.name = name
+            vars_of: Any = cls
+            vars_of.name = name
             self.classes[name] = cls
             return cls
 

@@ -12,7 +12,6 @@ from gen_art.audit import audit
 from gen_art.audit.advice import advice, step_advice
 from gen_art.audit.invariants import expected_order, invariants
 from gen_art.integrators import INTEGRATORS
-from gen_art.integrators.schemes import stability_limit
 
 MIRROR = {"magnetic_mirror": {"strength": 2}}
 FIELD = {"magnetic_field": [0, 0, 2]}
@@ -176,7 +175,7 @@ def test_the_stable_step_of_an_oscillator(name):
             largest = max(largest, sim.diagnostics().energy / 0.5)
         return largest
 
-    limit = stability_limit(INTEGRATORS[name])
+    limit = INTEGRATORS[name].stability_limit
     if name == "euler":
         assert limit == 0 and growth(0.1) > 50
     elif name == "rk2":

@@ -71,11 +71,11 @@ def test_a_scheme_with_a_wrong_weight_is_found(monkeypatch):
 
 
 def test_wrong_books_are_found(monkeypatch):
-    right = LedgerKeeper.step
+    right = LedgerKeeper.record_step
 
     def wrong(self, name, *rest):
         right(self, name, *rest)
-        self.books_of[name][:, 0] *= 1.001  # work
+        self._rows_of[name][:, 0] *= 1.001  # work
 
     monkeypatch.setattr(LedgerKeeper, "record_step", wrong)
     found = audit(piece({"damping": 2.0}, "position_verlet", {"wind": [1, 0, 0]}), time=0.5, precision="f64")

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from gen_art.preset.load import load_preset
+from gen_art.preset.shipped import preset_names
 from tests.small import SMALL
 
 ROOT = Path(__file__).parents[1]
@@ -74,6 +75,10 @@ def test_every_preset_renders_through_the_command_line(name, tmp_path):
     with Image.open(out) as picture:
         assert picture.size == (96, 54)
         assert picture.convert("L").getextrema()[1] > 40  # something is lit
+
+
+def test_every_preset_has_a_small_version():
+    assert sorted(SMALL) == preset_names()
 
 
 @pytest.mark.parametrize("name", SMALL)

@@ -14,7 +14,7 @@ from gen_art.backend import intrinsics, runtime
 from gen_art.backend.runtime import kernel, ti
 from gen_art.renderer.direct_splat import discs, pixels, points
 from gen_art.renderer.framebuffer import FrameBuffer
-from gen_art.renderer.sprite import BLUE, REACH, RED, X, Y
+from gen_art.renderer.sprite import BLUE, FOOTPRINT, RED, X, Y
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = Path(intrinsics.__file__).parent
@@ -88,17 +88,17 @@ print(drawn())
 
 
 def drawn() -> str:
-    """The bits of a film of points of both kinds and discs, many of them outside of it."""
-    n, film = 50_001, FrameBuffer((301, 203))
-    columns = runtime.aligned((11, 50_048), np.float32)
+    """The digest of a framebuffer with points of both kinds and discs, many of them outside of it."""
+    n, framebuffer = 50_001, FrameBuffer((301, 203))
+    channels = runtime.aligned((11, 50_048), np.float32)
     rng = np.random.default_rng(1)
-    columns[X], columns[Y] = rng.normal(150, 100, columns.shape[1]), rng.normal(100, 60, columns.shape[1])
-    columns[RED : BLUE + 1] = rng.random((3, columns.shape[1]))
-    pixels(columns, n, film)
-    points(columns, n, film)
-    columns[REACH] = rng.uniform(0.5, 4.0, columns.shape[1])
-    discs(columns, n, film)
-    return hashlib.sha256(film.buffer.tobytes()).hexdigest()
+    channels[X], channels[Y] = rng.normal(150, 100, channels.shape[1]), rng.normal(100, 60, channels.shape[1])
+    channels[RED : BLUE + 1] = rng.random((3, channels.shape[1]))
+    pixels(channels, n, framebuffer)
+    points(channels, n, framebuffer)
+    channels[FOOTPRINT] = rng.uniform(0.5, 4.0, channels.shape[1])
+    discs(channels, n, framebuffer)
+    return hashlib.sha256(framebuffer.buffer.tobytes()).hexdigest()
 
 
 def test_a_processor_without_them_draws_the_same(tmp_path):

@@ -92,21 +92,21 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES,
 
     preset : a Preset, a name, a path or a mapping     precision : "f32" states its floor as well
     time : film time to run to, from the start of the preroll, s; when left out 2 s (1 s where bodies attract each other or
-    stiff springs are solved) or the whole piece, whichever is shorter
+    stiff springs are solved) or the whole preset, whichever is shorter
     particles : at most about so many of a system at once     moments : at which a run is looked at
-    Raises PresetError, UsageError for a time that the piece does not reach or that falls between steps, MemoryRefused.
+    Raises PresetError, UsageError for a time that the preset does not reach or that falls between steps, MemoryRefused.
     """
     from gen_art.preset.load import load_preset
     from gen_art.preset.schema import Preset
 
-    piece = preset if isinstance(preset, Preset) else load_preset(preset)
-    clock = piece.clock
+    preset = preset if isinstance(preset, Preset) else load_preset(preset)
+    clock = preset.clock
     if particles < 1:
         raise UsageError(f"particles must be at least 1, not {particles}")
-    mutual = any(one.source_system is None for system in piece.systems.values() for one in system.interactions)
-    stiff = any(map(has_stiff_springs, piece.systems.values()))
+    mutual = any(one.source_system is None for system in preset.systems.values() for one in system.interactions)
+    stiff = any(map(has_stiff_springs, preset.systems.values()))
     time, steps = _span(clock, time, FILM_TIME / 2 if mutual or stiff else FILM_TIME)
-    few, changes = thinned(piece, steps * clock.step, particles)
+    few, changes = thinned(preset, steps * clock.step, particles)
     refuse_if_too_large(few, "f64", until=steps * clock.step)
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
@@ -148,13 +148,13 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES,
     )  # fmt: skip
 
 
-def _turning(piece, turns: dict[str, float]) -> list[str]:
+def _turning(preset, turns: dict[str, float]) -> list[str]:
     """Charges that turn too far in a step, where what they meet shows only in a run."""
     found = []
-    for name, system in piece.systems.items():
-        forces, used = forces_of(piece, system), scheme(system.integrator)
+    for name, system in preset.systems.items():
+        forces, used = forces_of(preset, system), scheme(system.integrator)
         if used.pusher and any(f.provides("magnetic") and f.name not in FORETOLD for f in forces):
-            found += [f"{name}: {s}" for s in gyration_advice(turns[name], piece.clock.step, system.exact_gyration)]
+            found += [f"{name}: {s}" for s in gyration_advice(turns[name], preset.clock.step, system.exact_gyration)]
     return found
 
 
@@ -165,7 +165,7 @@ def _span(clock, time, usual: float) -> tuple[float, int]:
     if not isinstance(time, (int, float)) or not math.isfinite(time) or time < 0:
         raise UsageError(f"time must be film time in seconds of at least 0, not {time!r}")
     if time > clock.duration:
-        raise UsageError(f"film time {time:g} s lies beyond the piece, which lasts {clock.duration:g} s")
+        raise UsageError(f"film time {time:g} s lies beyond the preset, which lasts {clock.duration:g} s")
     exact = time * clock.speed / clock.step
     if abs(exact - round(exact)) > 1e-6 * max(1.0, exact):
         raise UsageError(
@@ -194,7 +194,7 @@ def _floors(double: AuditRun, single: AuditRun) -> dict[str, float]:
     return {name: abs(rounded - exact) / scale for name, exact, scale, rounded in pairs if scale > 0}
 
 
-def _problems(piece, energy, momentum, placed, held, runs: list[AuditRun]) -> list[str]:
+def _problems(preset, energy, momentum, placed, held, runs: list[AuditRun]) -> list[str]:
     """What does not close, in sentences."""
     found = []
     for label, trends in (("energy", energy), ("momentum", momentum)):
@@ -203,7 +203,7 @@ def _problems(piece, energy, momentum, placed, held, runs: list[AuditRun]) -> li
                 found.append(f"{name}: the ledger of {label} does not close: {trend}")
     for name, (trend, _) in placed.items():
         if not trend.good:
-            used = piece.systems[name].integrator
+            used = preset.systems[name].integrator
             found.append(
                 f"{name}: positions do not converge as {used} should: {trend}; is the step too long for the forces?"
             )

@@ -32,9 +32,9 @@ def _kernel(composition: KernelTerms, channels: tuple, precision: str):
             v = ti.Vector([S[VX, i], S[VY, i], S[VZ, i]])
             p = view(terms, S, K, i, x, v, ti.cast(time - birth[i], real))
             B = x * 0.0
-            for force, offset, count, _ in ti.static(terms.magnetics):
-                for repeat in range(repeats(Q, count)):
-                    B += force.magnetic(p, ti.cast(time, real), parameters(Q, force, offset, repeat))
+            for term in ti.static(terms.magnetics):
+                for repeat in range(repeats(Q, term.count_offset)):
+                    B += term.force.magnetic(p, ti.cast(time, real), parameters(Q, term.force, term.offset, repeat))
             out[k] = B.norm() * ti.abs(S[CHARGE, i]) / S[MASS, i]
 
     return runtime.kernel(measure, precision)

@@ -1,6 +1,6 @@
 """What a system's laws promise, read from the flags of its forces: what is conserved, and the order."""
 
-from gen_art.forces.base import burns
+from gen_art.forces.base import loses_mass
 from gen_art.integrators import scheme
 
 __all__ = ["colliders_of", "expected_order", "forces_of", "has_kinks", "has_stiff_springs", "invariants"]
@@ -11,19 +11,19 @@ _IMPACTS = 2  # of the path inside a step
 _ALONG_PATHS = 3  # children along a path stand on a cubic through their parent's step
 
 
-def forces_of(piece, system) -> tuple:
+def forces_of(preset, system) -> tuple:
     """The forces on a system: the preset's shared ones, then its own."""
-    return (*(piece.forces if system.inherit_forces else ()), *system.forces)
+    return (*(preset.forces if system.inherit_forces else ()), *system.forces)
 
 
-def colliders_of(piece, system) -> tuple:
+def colliders_of(preset, system) -> tuple:
     """The colliders in the way of a system: the preset's shared ones, then its own."""
-    return (*(piece.colliders if system.inherit_colliders else ()), *system.colliders)
+    return (*(preset.colliders if system.inherit_colliders else ()), *system.colliders)
 
 
-def invariants(piece, system) -> tuple[list[str], dict[str, str]]:
+def invariants(preset, system) -> tuple[list[str], dict[str, str]]:
     """What a system should conserve, and for what it does not, why: the ledger books the difference."""
-    forces, interactions = forces_of(piece, system), system.interactions
+    forces, interactions = forces_of(preset, system), system.interactions
     working = [force.name for force in forces if not force.conservative and force.does_work]
     working += [
         one.name
@@ -32,7 +32,7 @@ def invariants(piece, system) -> tuple[list[str], dict[str, str]]:
     ]
     outer = [force.name for force in forces]
     outer += [one.name for one in interactions if not one.reciprocal or one.source_system]
-    walls = colliders_of(piece, system)
+    walls = colliders_of(preset, system)
     working += [one.name for one in walls if one.takes_energy]
     outer += [one.name for one in walls]
     mortal = [name for name, emitter in system.emitters.items() if _goes_on(system, emitter)]
@@ -41,7 +41,7 @@ def invariants(piece, system) -> tuple[list[str], dict[str, str]]:
         ("energy", working, "worked on by "),
         ("momentum", outer, "pushed by "),
         ("angular momentum", outer, "turned by "),
-        ("mass", [force.name for force in forces if burns(force)], "burnt by "),
+        ("mass", [force.name for force in forces if loses_mass(force)], "burnt by "),
         ("charge", [], ""),
     ):
         if reasons:
@@ -65,33 +65,33 @@ def has_stiff_springs(system) -> bool:
     return any(one.implicit and one.values.get("method") in ("implicit", "xpbd") for one in system.interactions)
 
 
-def has_kinks(piece, name: str) -> bool:
+def has_kinks(preset, name: str) -> bool:
     """Whether a system moves in a field with kinks: each that is met errs by its place in the step."""
-    system = piece.systems[name]
-    fields = (*forces_of(piece, system), *(system.medium or piece.medium).terms)
+    system = preset.systems[name]
+    fields = (*forces_of(preset, system), *(system.medium or preset.medium).terms)
     return any(field.name in _SMOOTH for field in fields)
 
 
-def expected_order(piece, name: str, seen: tuple = ()) -> int:
+def expected_order(preset, name: str, seen: tuple = ()) -> int:
     """The order at which a system's positions should converge: its scheme's, its fields' and its parents' least."""
-    system = piece.systems[name]
+    system = preset.systems[name]
     used = scheme(system.integrator)
     order = used.order
     turned = [
-        f for f in forces_of(piece, system) if f.depends_on_velocity and not (used.pusher and f.provides("magnetic"))
+        f for f in forces_of(preset, system) if f.depends_on_velocity and not (used.pusher and f.provides("magnetic"))
     ]
     if used.kind == "splitting" and turned:
         order = 1
     if used.kind == "splitting" and any(
-        f.provides("damping") and f.quadratic_damping for f in forces_of(piece, system)
+        f.provides("damping") and f.quadratic_damping for f in forces_of(preset, system)
     ):
         order = min(order, _PREDICTED)
-    if colliders_of(piece, system) or any(one.name == "contacts" for one in system.interactions):
+    if colliders_of(preset, system) or any(one.name == "contacts" for one in system.interactions):
         order = min(order, _IMPACTS)
-    fields = (*forces_of(piece, system), *(system.medium or piece.medium).terms)
+    fields = (*forces_of(preset, system), *(system.medium or preset.medium).terms)
     order = min([order, *(_SMOOTH.get(field.name, order) for field in fields)])
     for emitter in system.emitters.values():
         if emitter.source is not None and emitter.source.system not in (*seen, name):
-            order = min(order, expected_order(piece, emitter.source.system, (*seen, name)))
+            order = min(order, expected_order(preset, emitter.source.system, (*seen, name)))
             order = min(order, _ALONG_PATHS) if emitter.source.kind == "path" else order
     return order

@@ -115,22 +115,22 @@ class AuditRun:
     turns: dict[str, float]
 
 
-def run(piece, steps: int, dt: float, precision: str, threads, division: int = 1, moments: int = MOMENTS) -> AuditRun:
+def run(preset, steps: int, dt: float, precision: str, threads, division: int = 1, moments: int = MOMENTS) -> AuditRun:
     """Run a preset with its ledger for `steps` steps of dt, each cut into `division`, and look at it at so many moments."""
     from gen_art.simulation import Simulation
 
-    sim = Simulation(piece, dt=dt / division, precision=precision, threads=threads, ledger=True)
-    start, before = sim.diagnostics(), {name: _sums(sim, name) for name in piece.systems}
-    residuals: dict = {(name, quantity): None for name in piece.systems for quantity in BOOKED}
-    drifts: dict = {(name, quantity): None for name in piece.systems for quantity in QUANTITIES}
+    sim = Simulation(preset, dt=dt / division, precision=precision, threads=threads, ledger=True)
+    start, before = sim.diagnostics(), {name: _sums(sim, name) for name in preset.systems}
+    residuals: dict = {(name, quantity): None for name in preset.systems for quantity in BOOKED}
+    drifts: dict = {(name, quantity): None for name in preset.systems for quantity in QUANTITIES}
     last = {}
     seen = [_look(sim, start, 0.0)]
-    turns = {name: largest_turn(sim, name) for name in piece.systems}
+    turns = {name: largest_turn(sim, name) for name in preset.systems}
     for moment in np.unique(np.linspace(0, steps, moments + 1).round().astype(int)[1:]):
         sim.step(int(moment) * division - sim.steps_done)
         books = sim.ledger()
         seen.append(_look(sim, sim.diagnostics(), books.residual))
-        for name in piece.systems:
+        for name in preset.systems:
             turns[name] = max(turns[name], largest_turn(sim, name))
             now = _sums(sim, name)
             for quantity in QUANTITIES:
@@ -142,7 +142,7 @@ def run(piece, steps: int, dt: float, precision: str, threads, division: int = 1
                     _keep(residuals, (name, quantity), new - old - passed, scale)
                     if quantity == "energy":
                         last[name] = (float(new - old - passed), scale)
-    places = {name: (sim[name].keys, sim[name].position.astype(np.float64)) for name in piece.systems}
+    places = {name: (sim[name].keys, sim[name].position.astype(np.float64)) for name in preset.systems}
     return AuditRun(sim.ledger(), start, sim.diagnostics(), residuals, drifts, last, places, _history(seen), turns)
 
 

@@ -13,22 +13,22 @@ import numpy as np
 
 from gen_art.errors import UsageError
 
-__all__ = ["ENDINGS", "MOMENTS", "check_plots", "draw"]
+__all__ = ["EXTENSIONS", "MOMENTS", "check_plots", "draw"]
 
-ENDINGS = (".png", ".svg", ".html")
+EXTENSIONS = (".png", ".svg", ".html")
 MOMENTS = 96  # of a run that is to be drawn
 _COLOURS = ("#1f5fa8", "#d1662f", "#3f8f4f", "#8a4fa3", "#a8862a", "#5b6670")
 _STYLES = {1: "-", 2: "--", 4: ":"}
 
 
 def check_plots(path: Path) -> None:
-    """UsageError for another ending, or where matplotlib is not installed."""
-    if path.suffix.lower() not in ENDINGS:
-        raise UsageError(f"{path}: an audit is drawn as {', '.join(ENDINGS)}")
+    """UsageError for another extension, or where matplotlib is not installed."""
+    if path.suffix.lower() not in EXTENSIONS:
+        raise UsageError(f"{path}: an audit is drawn as {', '.join(EXTENSIONS)}")
     try:
         import matplotlib  # noqa: F401
     except ImportError:
-        raise UsageError("plots need a package that is not installed: pip install 'gen-art[plots]'") from None
+        raise UsageError("plots need matplotlib, which is not installed: pip install matplotlib") from None
 
 
 def draw(report, path: Path) -> None:
@@ -44,9 +44,11 @@ def draw(report, path: Path) -> None:
     _convergence(axes[1, 1], report)
     _paths(axes[2, 0], report, 0, 1)
     _paths(axes[2, 1], report, 0, 2)
-    ending = path.suffix.lower().lstrip(".")
-    if ending != "html":
-        figure.savefig(path, format=ending, dpi=110, metadata={"Date": None} if ending == "svg" else {"Software": None})
+    extension = path.suffix.lower().lstrip(".")
+    if extension != "html":
+        figure.savefig(
+            path, format=extension, dpi=110, metadata={"Date": None} if extension == "svg" else {"Software": None}
+        )
         return
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})

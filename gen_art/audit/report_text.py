@@ -28,9 +28,9 @@ def _thinned(report) -> list[str]:
         return ["with all its particles"]
     shown = lambda v: f"{v:g}" if isinstance(v, (int, float)) else str(v)  # noqa: E731
     changes = [
-        f"  {path} = {shown(after)} (the piece: {shown(before)})" for path, (before, after) in report.changes.items()
+        f"  {path} = {shown(after)} (the preset: {shown(before)})" for path, (before, after) in report.changes.items()
     ]
-    return ["thinned to few particles; the laws are the piece's, bodies that attract each other are fewer:", *changes]
+    return ["thinned to few particles; the laws are the preset's, bodies that attract each other are fewer:", *changes]
 
 
 def _account(report) -> list[str]:

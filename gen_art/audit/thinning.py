@@ -9,39 +9,39 @@ __all__ = ["thinned"]
 MUTUAL = 4
 
 
-def thinned(piece, until: float, limit: int) -> tuple:
+def thinned(preset, until: float, limit: int) -> tuple:
     """(Preset, changes): at most about `limit` particles of a system at once up to simulated time `until`, s.
 
     Systems that attract themselves keep four times as many: fewer would scatter each other, and no order could be seen.
     Rates and counts of a system are scaled by one factor, parents before the children that their events feed. `changes`
     maps each path that was set (as `--set` would) to (before, after). Where nothing is pairwise each particle moves as
-    it would in the full piece; bodies that attract each other are fewer, and with a fixed `mass` they pull less.
+    it would in the full preset; bodies that attract each other are fewer, and with a fixed `mass` they pull less.
     """
     changes: dict[str, tuple] = {}
-    few = piece
-    for name in _parents_first(piece):
+    few = preset
+    for name in _parents_first(preset):
         peak = estimate(few, "f64", until).peak[name]
         allowed = limit * (MUTUAL if any(one.source_system is None for one in few.systems[name].interactions) else 1)
         if not peak > allowed:
             continue
         for label, emitter in few.systems[name].emitters.items():
             changes |= _scaled(f"systems.{name}.emitters.{label}", emitter, allowed / peak)
-        few = load_preset(piece, overrides={path: after for path, (_, after) in changes.items()})
+        few = load_preset(preset, overrides={path: after for path, (_, after) in changes.items()})
     return few, changes
 
 
-def _parents_first(piece) -> list[str]:
+def _parents_first(preset) -> list[str]:
     order: list[str] = []
 
     def visit(name: str, above: tuple) -> None:
-        for emitter in piece.systems[name].emitters.values():
+        for emitter in preset.systems[name].emitters.values():
             parent = emitter.source.system if emitter.source else ""
-            if parent in piece.systems and parent not in (*above, name):
+            if parent in preset.systems and parent not in (*above, name):
                 visit(parent, (*above, name))
         if name not in order:
             order.append(name)
 
-    for name in piece.systems:
+    for name in preset.systems:
         visit(name, ())
     return order
 

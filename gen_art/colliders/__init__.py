@@ -1,4 +1,4 @@
-"""Surfaces that particles bounce off, stick to or end at."""
+"""Surfaces that particles bounce off, stick to, or are removed at."""
 
 from gen_art.colliders.base import COLLIDERS, Collider, collider
 from gen_art.colliders.box import Block, Box

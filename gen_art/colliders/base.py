@@ -1,4 +1,4 @@
-"""The contract of a collider: a signed distance, its gradient, and what becomes of a particle at the surface."""
+"""The contract of a collider: a signed distance, its gradient, and what an impact does."""
 
 from typing import ClassVar
 
@@ -15,14 +15,14 @@ ACTIONS = ("bounce", "stick", "kill", "emit")
 
 
 class Collider(Parametric):
-    """A surface that particles do not pass. A subclass gives two @ti.func methods, for each of its smooth `sides`:
+    """A surface that particles cannot pass. A subclass defines @ti.func methods, each for all of its smooth `sides`:
 
     distance(self, x, q, side)  m, from x to the surface, positive where particles may be, never steeper than 1
-    gradient(self, x, q, side)  (3,) the unit gradient of the distance
-    nearest(self, x, q)         m, the least distance of all sides; needed where there are several
+    gradient(self, x, q, side)  (3,), the unit gradient of the distance
+    nearest(self, x, q)         m, the smallest distance of all sides; needed if there is more than one
 
-    q holds the run-time parameters, and q.table(k) the numbers of a `table()`. A particle touches where its distance is its
-    radius. The parameters below come after the subclass's own.
+    q holds the run-time parameters, and q.table(k) the numbers of a `table()`. A particle touches the surface where its distance
+    equals its radius. The parameters below come after the subclass's own.
     """
 
     sides: ClassVar[int] = 1
@@ -37,15 +37,15 @@ class Collider(Parametric):
     action: str = param(
         "bounce", choices=ACTIONS, doc="what an impact does; emit: a bounce that `from: SYSTEM.impact` listens to"
     )
-    velocity: tuple = param((0.0, 0.0, 0.0), unit="m/s", doc="the surface moves with it")
-    angular_velocity: tuple = param((0.0, 0.0, 0.0), unit="rad/s", doc="it turns about the pivot, right-handed")
-    pivot: tuple = param((0.0, 0.0, 0.0), unit="m", doc="where its axis goes through at time 0")
+    velocity: tuple = param((0.0, 0.0, 0.0), unit="m/s", doc="of the surface")
+    angular_velocity: tuple = param((0.0, 0.0, 0.0), unit="rad/s", doc="of the surface about the pivot, right-handed")
+    pivot: tuple = param((0.0, 0.0, 0.0), unit="m", doc="a point of the axis of rotation at time 0")
 
     def __init_subclass__(cls, **kwargs):
         super().__init_subclass__(**kwargs)
         common = [key for key in Collider.parameters if key in cls.parameters]
-        own: dict[str, Parameter] = {key: p for key, p in cls.parameters.items() if key not in common}
-        cls.parameters = own | {key: cls.parameters[key] for key in common}
+        specific: dict[str, Parameter] = {key: p for key, p in cls.parameters.items() if key not in common}
+        cls.parameters = specific | {key: cls.parameters[key] for key in common}
 
     def prepare(self):
         pair = tuple(float(c) for c in self.values["friction"])
@@ -55,29 +55,30 @@ class Collider(Parametric):
     def takes_energy(self) -> bool:
         """Whether an impact changes the energy of a particle."""
         elastic = self.values["restitution"] == 1.0 and self.values["friction"][1] == 0.0
-        moves = any(self.values["velocity"]) or self.turns
+        moves = any(self.values["velocity"]) or self.rotates
         return not (elastic and self.values["action"] == "bounce" and not moves)
 
     @property
-    def turns(self) -> bool:
+    def rotates(self) -> bool:
+        """Whether the surface rotates."""
         return any(self.values["angular_velocity"])
 
     @property
     def fixed(self) -> tuple:
-        """What is generated into the kernel: the class and its choices and flags. Numbers are never in it."""
+        """What the generated kernel depends on: the class and its choices and flags, but no numbers."""
         values = tuple((k, self.values[k]) for k, p in self.parameters.items() if p.kind in ("bool", "choice", "text"))
-        return (type(self), values, self.turns)
+        return (type(self), values, self.rotates)
 
     @ti.func
     def nearest(self, x, q):
-        """m, from x to the nearest of the sides."""
+        """The distance, m, from x to the nearest side."""
         return self.distance(x, q, 0)
 
     def bound_numbers(self, medium) -> list[float]:
         return self.numbers()
 
     def unit(self, key: str) -> None:
-        """Give the vector `key` the length 1; UsageError if it is zero."""
+        """Normalise the vector `key`. Raises UsageError if it is zero."""
         vector = self.values[key]
         length = sum(c * c for c in vector) ** 0.5
         if length == 0.0:

@@ -1,4 +1,4 @@
-"""An upright box that holds particles, or stands in their way."""
+"""Boxes along the axes: a hollow one that contains particles, and a solid one."""
 
 from gen_art.backend.runtime import ti
 from gen_art.colliders.base import Collider, collider
@@ -8,9 +8,9 @@ from gen_art.registry import param
 
 @collider("box")
 class Box(Collider):
-    """A box along the axes that keeps particles inside; six walls, each on its own, so corners are exact.
+    """A box along the axes that keeps particles inside. Its six walls are separate surfaces, so that corners are exact.
 
-    distance = x_i - min_i or max_i - x_i, wall by wall
+    distance = x_i - min_i or max_i - x_i, for each wall
 
     min, max : m, opposite corners, min below max
     """
@@ -22,7 +22,7 @@ class Box(Collider):
 
     def prepare(self):
         super().prepare()
-        corners(self)
+        check_corners(self)
 
     @ti.func
     def nearest(self, x, q):
@@ -51,7 +51,7 @@ class Box(Collider):
 
 @collider("block")
 class Block(Collider):
-    """A solid box along the axes that particles bounce off; round for a particle of some radius, as a ball meets an edge.
+    """A solid box along the axes. Its edges and corners act rounded by a particle's radius, as an edge does on a ball.
 
     distance = abs(max(d, 0)) + min(max(d_i), 0),  d = max(min - x, x - max)
 
@@ -63,7 +63,7 @@ class Block(Collider):
 
     def prepare(self):
         super().prepare()
-        corners(self)
+        check_corners(self)
 
     @ti.func
     def distance(self, x, q, side):
@@ -73,24 +73,24 @@ class Block(Collider):
     @ti.func
     def gradient(self, x, q, side):
         d = ti.max(q.min - x, x - q.max)
-        way = ti.select(x - q.max > q.min - x, x * 0.0 + 1.0, x * 0.0 - 1.0)
+        sign = ti.select(x - q.max > q.min - x, x * 0.0 + 1.0, x * 0.0 - 1.0)
         out = ti.max(d, 0.0)
-        n = out * way
+        n = out * sign
         length = out.norm()
         if length > 0.0:
             n /= length
-        else:  # inside: out by the nearest face
+        else:  # inside: the normal of the nearest face
             found = 0
             for axis in ti.static(range(3)):
                 n[axis] = 0.0
                 if found == 0 and d[axis] == d.max():
-                    n[axis] = way[axis]
+                    n[axis] = sign[axis]
                     found = 1
         return n
 
 
-def corners(box) -> None:
-    """UsageError unless min lies below max on every axis."""
+def check_corners(box) -> None:
+    """Raise UsageError unless min is below max on every axis."""
     for axis, low, high in zip("xyz", box.values["min"], box.values["max"]):
         if low >= high:
             raise UsageError(f"min must be below max on every axis: {axis} runs from {low:g} to {high:g}")

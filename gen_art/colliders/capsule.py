@@ -7,11 +7,12 @@ from gen_art.registry import param
 
 @collider("capsule")
 class Capsule(Collider):
-    """All points within a radius of a segment: a rod with round ends, which particles bounce off.
+    """All points within a radius of a segment: a solid rod with round ends.
 
     distance = abs(x - c) - radius,  c = a + clamp((x - a).(b - a) / abs(b - a)^2, 0, 1) (b - a)
 
-    a, b : m, ends of the segment     radius : m
+    a, b : m, ends of the segment
+    radius : m
     """
 
     a: tuple = param((0.0, 0.0, 0.0), unit="m", doc="one end of the segment")
@@ -19,19 +20,20 @@ class Capsule(Collider):
     radius: float = param(0.5, unit="m", min=1e-30)
 
     @ti.func
-    def arm(self, x, q):
-        along = q.b - q.a
-        square = along.dot(along)
-        share = (x - q.a).dot(along) / ti.select(square > 0.0, square, 1.0)
-        return x - q.a - along * ti.min(ti.max(share, 0.0), 1.0)
+    def from_segment(self, x, q):
+        """The vector, m, from the nearest point of the segment to x."""
+        segment = q.b - q.a
+        square = segment.dot(segment)
+        t = (x - q.a).dot(segment) / ti.select(square > 0.0, square, 1.0)
+        return x - q.a - segment * ti.min(ti.max(t, 0.0), 1.0)
 
     @ti.func
     def distance(self, x, q, side):
-        return self.arm(x, q).norm() - q.radius
+        return self.from_segment(x, q).norm() - q.radius
 
     @ti.func
     def gradient(self, x, q, side):
-        r = self.arm(x, q)
+        r = self.from_segment(x, q)
         length = r.norm()
         up = ti.Vector([0.0, 1.0, 0.0])
         return ti.select(length > 0.0, r / ti.select(length > 0.0, length, 1.0), up)

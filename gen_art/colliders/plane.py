@@ -1,4 +1,4 @@
-"""A plane: a floor, a wall, a slope."""
+"""A plane: floor, wall or slope."""
 
 from gen_art.backend.runtime import ti
 from gen_art.colliders.base import Collider, collider
@@ -11,11 +11,12 @@ class Plane(Collider):
 
     distance = (x - point).normal / abs(normal)
 
-    point : m     normal : any length but 0
+    point : m, a point of the plane
+    normal : of any length but 0
     """
 
     point: tuple = param((0.0, 0.0, 0.0), unit="m")
-    normal: tuple = param((0.0, 1.0, 0.0), doc="points to where the particles are")
+    normal: tuple = param((0.0, 1.0, 0.0), doc="points to the side of the particles")
 
     def prepare(self):
         super().prepare()

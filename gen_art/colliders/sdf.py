@@ -1,4 +1,4 @@
-"""Any shape, by its signed distance: a function, or a grid of numbers."""
+"""Any shape, by its signed distance: a function, or a grid of distances."""
 
 from pathlib import Path
 
@@ -13,13 +13,14 @@ from gen_art.registry import param
 
 @collider("sdf")
 class SDF(Collider):
-    """A shape given by its signed distance: a @ti.func of the place x, or a grid of distances between min and max.
+    """A shape given by its signed distance: a @ti.func of the position x, or a grid of distances between min and max.
 
     distance = function(x), or the grid, trilinear between its points;  normal = its central differences over 2 step
 
-    function : returns m, positive outside, never steeper than 1; or an array (nx, ny, nz), at least 2 points an axis, or
-    the name of a .npy file that holds it
-    min, max : m, the corners of the grid; beyond them its border goes on     step : m, above 0; below the size of features
+    function : returns m, positive outside, never steeper than 1; or an array (nx, ny, nz), at least 2 points per axis, or the
+        name of a .npy file that contains it
+    min, max : m, the corners of the grid; beyond them the values of its border apply
+    step : m, above 0; smaller than the details of the shape
     """
 
     function: object = param(
@@ -27,14 +28,14 @@ class SDF(Collider):
     )
     min: tuple = param((-1.0, -1.0, -1.0), unit="m", doc="where the grid begins")
     max: tuple = param((1.0, 1.0, 1.0), unit="m", doc="where the grid ends")
-    step: float = param(1e-3, unit="m", min=1e-30, doc="over which the normal is measured")
+    step: float = param(1e-3, unit="m", min=1e-30, doc="of the differences that give the normal")
 
     def prepare(self):
         super().prepare()
         self.grid = None
-        given = self.values["function"]
-        if not callable(given):
-            grid = read_array(given) if isinstance(given, (str, Path)) else given
+        function = self.values["function"]
+        if not callable(function):
+            grid = read_array(function) if isinstance(function, (str, Path)) else function
             try:
                 if np.iscomplexobj(grid):
                     raise TypeError
@@ -54,7 +55,7 @@ class SDF(Collider):
 
     @property
     def steepness(self) -> float:
-        """The steepest slope of the grid at the middle of a cell, m a metre; 0 for a function."""
+        """The largest slope of the grid at the middle of a cell, m/m; 0 for a function."""
         if self.grid is None:
             return 0.0
         squares = np.zeros([n - 1 for n in self.grid.shape])
@@ -80,24 +81,25 @@ class SDF(Collider):
         return (*super().fixed, None if self.tabled else self.values["function"])
 
     @ti.func
-    def sampled(self, x, q):
-        place = ti.Vector([0, 0, 0])
-        share = x * 0.0
+    def interpolated(self, x, q):
+        """The grid's distance at x, trilinear."""
+        cell = ti.Vector([0, 0, 0])
+        fraction = x * 0.0
         size = ti.Vector([ti.cast(q.table(0), ti.i32), ti.cast(q.table(1), ti.i32), ti.cast(q.table(2), ti.i32)])
         for axis in ti.static(range(3)):
             most = size[axis] - 1
             at = (x[axis] - q.min[axis]) / (q.max[axis] - q.min[axis]) * most
             at = ti.min(ti.max(at, 0.0), ti.cast(most, real()))
-            place[axis] = ti.min(ti.cast(at, ti.i32), most - 1)
-            share[axis] = at - place[axis]
-        d = share[0] * 0.0
+            cell[axis] = ti.min(ti.cast(at, ti.i32), most - 1)
+            fraction[axis] = at - cell[axis]
+        d = fraction[0] * 0.0
         for corner in range(8):
-            weight = share[0] * 0.0 + 1.0
+            weight = fraction[0] * 0.0 + 1.0
             index = 0
             for axis in ti.static(range(3)):
                 far = (corner >> axis) & 1
-                weight *= ti.select(far == 1, share[axis], 1.0 - share[axis])
-                index = index * size[axis] + place[axis] + far
+                weight *= ti.select(far == 1, fraction[axis], 1.0 - fraction[axis])
+                index = index * size[axis] + cell[axis] + far
             d += weight * q.table(3 + index)
         return d
 
@@ -105,7 +107,7 @@ class SDF(Collider):
     def distance(self, x, q, side):
         d = x[0]
         if ti.static(self.tabled):
-            d = self.sampled(x, q)
+            d = self.interpolated(x, q)
         else:
             d = self.values["function"](x)
         return d
@@ -114,9 +116,9 @@ class SDF(Collider):
     def gradient(self, x, q, side):
         n = x * 0.0
         for axis in ti.static(range(3)):
-            way = x * 0.0
-            way[axis] = q.step
-            n[axis] = self.distance(x + way, q, side) - self.distance(x - way, q, side)
+            offset = x * 0.0
+            offset[axis] = q.step
+            n[axis] = self.distance(x + offset, q, side) - self.distance(x - offset, q, side)
         length = n.norm()
         up = ti.Vector([0.0, 1.0, 0.0])
         return ti.select(length > 0.0, n / ti.select(length > 0.0, length, 1.0), up)

@@ -1,4 +1,4 @@
-"""A sphere, from outside or inside."""
+"""A sphere, solid or hollow."""
 
 from gen_art.backend.runtime import ti
 from gen_art.colliders.base import Collider, collider
@@ -7,11 +7,12 @@ from gen_art.registry import param
 
 @collider("sphere")
 class Sphere(Collider):
-    """A ball that particles bounce off, or a hollow one that holds them.
+    """A solid ball, or with `inside` a hollow one that contains the particles.
 
     distance = abs(x - center) - radius, or radius - abs(x - center) inside
 
-    center, radius : m
+    center : m
+    radius : m
     """
 
     center: tuple = param((0.0, 0.0, 0.0), unit="m")
@@ -27,6 +28,6 @@ class Sphere(Collider):
     def gradient(self, x, q, side):
         r = x - q.center
         length = r.norm()
-        up = ti.Vector([0.0, 1.0, 0.0])  # at the very centre any direction is as good
+        up = ti.Vector([0.0, 1.0, 0.0])  # at the centre all directions are equivalent
         n = ti.select(length > 0.0, r / ti.select(length > 0.0, length, 1.0), up)
         return -n if ti.static(self.values["inside"]) else n

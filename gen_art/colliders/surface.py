@@ -1,7 +1,6 @@
-"""The surfaces of one system as a single function of place and time, and where each of them moves to.
+"""All surfaces of one system as a single function of position and time, and how they move.
 
-`walls` are the colliders of a system as (collider, offset of its numbers, number of its first surface, row in the ledger);
-a surface is a side of one, numbered through all of them.
+`colliders` are the CollisionTerms of a system; a surface is one side of a collider, numbered through all of them.
 """
 
 from gen_art.backend.kernel_views import parameters, traced
@@ -15,43 +14,42 @@ __all__ = [
     "count",
     "make_surface",
     "collider_of",
-    "turning_speed",
+    "rotation_speed",
 ]
 
-PROPERTIES = (
-    12  # restitution, kinetic and static friction, velocity, angular velocity, pivot: the last parameters of a collider
-)
+# The last parameters of every collider in Q, from _first_property on: restitution, kinetic and static friction, and motion
+_RESTITUTION, _VELOCITY, _ANGULAR_VELOCITY, _PIVOT, _PROPERTIES = 0, 3, 6, 9, 12
 
 
 @traced
-def count(walls) -> int:
-    """How many surfaces there are."""
-    return sum(wall[0].sides for wall in walls)
+def count(colliders) -> int:
+    """The number of surfaces."""
+    return sum(entry.collider.sides for entry in colliders)
 
 
 @ti.func
-def collider_of(walls: ti.template(), s):
-    """Which collider surface s belongs to."""
+def collider_of(colliders: ti.template(), s):
+    """The index of the collider that surface s belongs to."""
     which = 0
-    for c, wall in ti.static(enumerate(walls)):
-        if s >= wall[2]:
+    for c, entry in ti.static(enumerate(colliders)):
+        if s >= entry.first_surface:
             which = c
     return which
 
 
 @ti.func
 def rotated_about(v, axis, angle):
-    """v turned about the unit axis (Rodrigues' formula)."""
+    """v rotated about the unit axis by the angle, rad (Rodrigues' formula)."""
     c, s = cos(angle), sin(angle)
     return v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1.0 - c))
 
 
 @ti.func
-def _to_start_frame(one: ti.template(), q: ti.template(), x, t):
-    """The place x at time t as the collider stood at time 0, and the axis and angle it has turned by since."""
+def _to_start_frame(collider: ti.template(), q: ti.template(), x, t):
+    """The position x at time t in the collider's frame at time 0, and the axis and angle of its rotation since."""
     y = x - q.velocity * t
     axis, angle = x * 0.0, t * 0.0
-    if ti.static(one.turns):
+    if ti.static(collider.rotates):
         rate = q.angular_velocity.norm()
         axis = q.angular_velocity / ti.max(rate, 1e-30)
         angle = rate * t
@@ -60,97 +58,103 @@ def _to_start_frame(one: ti.template(), q: ti.template(), x, t):
 
 
 @ti.func
-def _distance_and_normal(walls: ti.template(), Q: ti.template(), s, x, t, wanted):
+def _distance_and_normal(colliders: ti.template(), Q: ti.template(), s, x, t, with_normal):
     result = ti.Vector([x[0], x[1], x[2], t])
-    for wall in ti.static(walls):
-        if wall[2] <= s and s < wall[2] + wall[0].sides:
-            q = parameters(Q, wall[0], wall[1])
-            y, axis, angle = _to_start_frame(wall[0], q, x, t)
-            result[3] = wall[0].distance(y, q, s - wall[2])
-            if wanted == 1:
-                n = wall[0].gradient(y, q, s - wall[2])
-                if ti.static(wall[0].turns):
+    for entry in ti.static(colliders):
+        if entry.first_surface <= s and s < entry.first_surface + entry.collider.sides:
+            q = parameters(Q, entry.collider, entry.offset)
+            y, axis, angle = _to_start_frame(entry.collider, q, x, t)
+            result[3] = entry.collider.distance(y, q, s - entry.first_surface)
+            if with_normal == 1:
+                n = entry.collider.gradient(y, q, s - entry.first_surface)
+                if ti.static(entry.collider.rotates):
                     n = rotated_about(n, axis, angle)
                 result[0], result[1], result[2] = n[0], n[1], n[2]
     return result
 
 
-def make_surface(walls, real):
-    """surface(Q, s, x, t, wanted): the distance of the place x (m) at time t (s) from surface s, and, where `wanted` is 1,
-    its unit normal there, as (normal, distance).
+def make_surface(colliders, real):
+    """surface(Q, s, x, t, with_normal): (normal, distance) of surface s at the position x, m, and time t, s.
 
-    A real function, called instead of inlined: kernels with colliders compile in a fraction of the time. It needs
-    backend/real_function_patch.py; without the patch the function is inlined. Each kernel gets a function of its own:
-    Taichi 1.7.4 finds a kernel that shares one with others in its cache only by chance.
+    The distance is that of x from the surface, m; the normal is valid only if with_normal is 1.
+
+    It is a real function, called instead of inlined, so that kernels with colliders compile in a fraction of the time. It needs
+    backend/real_function_patch.py; without the patch the function is inlined. Each kernel gets a function of its own, because
+    Taichi 1.7.4 does not reliably find a kernel that shares one with others in its cache.
     """
     if STOCK_TAICHI:
 
         @ti.func
-        def inlined(Q: ti.template(), s, x, t, wanted):
-            return _distance_and_normal(walls, Q, s, x, t, wanted)
+        def inlined(Q: ti.template(), s, x, t, with_normal):
+            return _distance_and_normal(colliders, Q, s, x, t, with_normal)
 
         return inlined
     vector, numbers = ti.types.vector(3, real), ti.types.ndarray(real, 1)
 
     @ti.real_func
-    def surface(Q: numbers, s: ti.i32, x: vector, t: real, wanted: ti.i32) -> ti.types.vector(4, real):
-        return _distance_and_normal(walls, Q, s, x, t, wanted)
+    def surface(Q: numbers, s: ti.i32, x: vector, t: real, with_normal: ti.i32) -> ti.types.vector(4, real):
+        return _distance_and_normal(colliders, Q, s, x, t, with_normal)
 
     return surface
 
 
 @ti.func
-def nearest_distance(one: ti.template(), q: ti.template(), x, t):
-    """The distance of the place x at time t from the nearest side of a collider."""
-    y, _, _ = _to_start_frame(one, q, x, t)
-    return one.nearest(y, q)
+def nearest_distance(collider: ti.template(), q: ti.template(), x, t):
+    """The distance, m, of the position x at time t from the nearest side of a collider."""
+    y, _, _ = _to_start_frame(collider, q, x, t)
+    return collider.nearest(y, q)
 
 
 @ti.func
-def turning_speed(one: ti.template(), q: ti.template(), x, t):
-    """How fast the collider's turning moves what is at the place x at time t, m/s."""
+def rotation_speed(collider: ti.template(), q: ti.template(), x, t):
+    """The speed, m/s, of the collider's rotation at the position x and time t."""
     speed = t * 0.0
-    if ti.static(one.turns):
+    if ti.static(collider.rotates):
         speed = q.angular_velocity.cross(x - q.pivot - q.velocity * t).norm()
     return speed
 
 
 @traced
-def _first_property(wall) -> int:
-    return wall[1] + sum(size for _, _, size in wall[0].layout()) - PROPERTIES
+def _first_property(entry) -> int:
+    return entry.offset + sum(size for _, _, size in entry.collider.layout()) - _PROPERTIES
 
 
 @traced
-def _any_turns(walls) -> bool:
-    return any(wall[0].turns for wall in walls)
+def _any_rotates(colliders) -> bool:
+    return any(entry.collider.rotates for entry in colliders)
 
 
 @ti.func
-def surface_properties(walls: ti.template(), Q: ti.template(), s, x, t):
-    """((restitution, kinetic, static friction), velocity at the place x and time t) of surface s."""
+def _vector(Q: ti.template(), k):
+    return ti.Vector([Q[k], Q[k + 1], Q[k + 2]])
+
+
+@ti.func
+def surface_properties(colliders: ti.template(), Q: ti.template(), s, x, t):
+    """((restitution, kinetic, static friction), velocity at the position x and time t) of surface s."""
     k = 0
-    for wall in ti.static(walls):
-        if s >= wall[2]:
-            k = _first_property(wall)
-    U = ti.Vector([Q[k + 3], Q[k + 4], Q[k + 5]])
-    if ti.static(_any_turns(walls)):
-        rate, pivot = ti.Vector([Q[k + 6], Q[k + 7], Q[k + 8]]), ti.Vector([Q[k + 9], Q[k + 10], Q[k + 11]])
+    for entry in ti.static(colliders):
+        if s >= entry.first_surface:
+            k = _first_property(entry)
+    U = _vector(Q, k + _VELOCITY)
+    if ti.static(_any_rotates(colliders)):
+        rate, pivot = _vector(Q, k + _ANGULAR_VELOCITY), _vector(Q, k + _PIVOT)
         U += rate.cross(x - pivot - U * t)
-    return ti.Vector([Q[k], Q[k + 1], Q[k + 2]]), U
+    return _vector(Q, k + _RESTITUTION), U
 
 
 @ti.func
-def carried_along(walls: ti.template(), Q: ti.template(), s, x, t, h):
-    """Where what rides on surface s from the place x at time t is after h, and its velocity there."""
-    _, U = surface_properties(walls, Q, s, x, t)
+def carried_along(colliders: ti.template(), Q: ti.template(), s, x, t, h):
+    """Position and velocity after h, s, of a particle that is fixed to surface s at the position x at time t."""
+    _, U = surface_properties(colliders, Q, s, x, t)
     y = x + U * h
-    if ti.static(_any_turns(walls)):
+    if ti.static(_any_rotates(colliders)):
         k = 0
-        for wall in ti.static(walls):
-            if s >= wall[2]:
-                k = _first_property(wall)
-        velocity = ti.Vector([Q[k + 3], Q[k + 4], Q[k + 5]])
-        spin, pivot = ti.Vector([Q[k + 6], Q[k + 7], Q[k + 8]]), ti.Vector([Q[k + 9], Q[k + 10], Q[k + 11]])
+        for entry in ti.static(colliders):
+            if s >= entry.first_surface:
+                k = _first_property(entry)
+        velocity = _vector(Q, k + _VELOCITY)
+        spin, pivot = _vector(Q, k + _ANGULAR_VELOCITY), _vector(Q, k + _PIVOT)
         rate = spin.norm()
         arm = rotated_about(x - pivot - velocity * t, spin / ti.max(rate, 1e-30), rate * h)
         y = pivot + velocity * (t + h) + arm

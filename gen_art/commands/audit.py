@@ -37,13 +37,13 @@ def command(
 
         check_plots(path)
         check_writable([path], overwrite)
-    piece, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
+    preset, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     import json
 
     from gen_art.audit import audit
 
     more = {"moments": MOMENTS} if path is not None else {}
-    report = audit(piece, time=time, precision=precision, threads=threads, **more)
+    report = audit(preset, time=time, precision=precision, threads=threads, **more)
     if path is not None:
         from gen_art.audit.plots import draw
 

@@ -29,15 +29,15 @@ def command(names, folder, threads, progress):
 
     out = Path(folder)
     for name in names or preset_names():
-        piece = load_preset(name)
-        time, frames = moments(piece)
+        preset = load_preset(name)
+        time, frames = moments(preset)
         with reporter(progress) as report:
             made = job.still(
-                piece, out / f"{name}.webp", time, size=STILL, overwrite=True, threads=threads, progress=report
+                preset, out / f"{name}.webp", time, size=STILL, overwrite=True, threads=threads, progress=report
             )
-            rate = int(LOOP_BYTES * 8 / (len(frames) / piece.clock.fps))
+            rate = int(LOOP_BYTES * 8 / (len(frames) / preset.clock.fps))
             made += job.render(
-                piece, out / f"{name}.mp4", frames=frames, size=LOOP, overwrite=True, threads=threads, progress=report,
+                preset, out / f"{name}.mp4", frames=frames, size=LOOP, overwrite=True, threads=threads, progress=report,
                 max_rate=rate,
             )  # fmt: skip
         for path in made:
@@ -46,13 +46,13 @@ def command(names, folder, threads, progress):
     click.echo(out / "index.html")
 
 
-def moments(piece) -> tuple[float, range]:
+def moments(preset) -> tuple[float, range]:
     """The still's film time and the loop's frames, from `gallery:` in the preset."""
-    time = piece.gallery.time if piece.gallery.time is not None else piece.clock.duration / 2
-    loop, fps = piece.gallery.loop, piece.clock.fps
+    time = preset.poster_time
+    loop, fps = preset.gallery.loop, preset.clock.fps
     if loop is None:
-        length = min(5.0, piece.clock.duration)
-        start = max(0.0, min(time - length / 2, piece.clock.duration - length))
+        length = min(5.0, preset.clock.duration)
+        start = max(0.0, min(time - length / 2, preset.clock.duration - length))
         return time, range(round(start * fps), round((start + length) * fps))
     return time, range(round(loop.lo * fps), round(loop.hi * fps))
 
@@ -61,15 +61,15 @@ def page(names) -> str:
     """index.html: every preset's loop over its still, with the first lines of its file."""
     from gen_art.preset.shipped import presets_folder
 
-    pieces = []
+    figures = []
     for name in names:
         lines = (presets_folder() / f"{name}.yaml").read_text(encoding="utf-8").splitlines()
         words = " ".join(line.lstrip("# ") for line in lines[:2] if line.startswith("#"))
-        pieces.append(
+        figures.append(
             f'<figure><video src="{name}.mp4" poster="{name}.webp" autoplay loop muted playsinline></video>'
             f'<figcaption><a href="{name}.webp">{name}</a> {escape(words)}</figcaption></figure>'
         )
-    return _PAGE.format(pieces="\n".join(pieces))
+    return _PAGE.format(figures="\n".join(figures))
 
 
 _PAGE = """<!doctype html>
@@ -82,7 +82,7 @@ figure {{ margin: 0 }} video {{ width: 100%; display: block; background: #000 }}
 figcaption {{ padding-top: .5em }}
 </style>
 <main>
-{pieces}
+{figures}
 </main>
 </html>
 """

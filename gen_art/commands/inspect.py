@@ -19,19 +19,19 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
 
     Frames and steps, particles and memory, forces, what should be conserved, and what does not suit it.
     """
-    piece, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
+    preset, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     from gen_art.output.job import picture_size
 
-    facts = _facts(piece, picture_size(piece, size, scale), precision)
+    facts = _facts(preset, picture_size(preset, size, scale), precision)
     if as_json:
         import json
 
-        click.echo(json.dumps({**facts, "resolved": piece.resolved()}, indent=2, ensure_ascii=False))
+        click.echo(json.dumps({**facts, "resolved": preset.resolved()}, indent=2, ensure_ascii=False))
         return
     clock, memory = facts["clock"], facts["memory"]
     click.echo(
-        f"{piece.name}: {clock['frames']} frames at {clock['fps']:g} a second, {clock['steps_per_frame']} steps of "
-        f"{clock['step']:.6g} a frame, {clock['preroll_steps']} before the first; seed {piece.seed}"
+        f"{preset.name}: {clock['frames']} frames at {clock['fps']:g} a second, {clock['steps_per_frame']} steps of "
+        f"{clock['step']:.6g} a frame, {clock['preroll_steps']} before the first; seed {preset.seed}"
     )
     for name, system in facts["systems"].items():
         click.echo(
@@ -52,32 +52,32 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
     click.echo(f"\nmemory: {state} of state; about {still} for a still and {film} for a film of {width}x{height}")
 
 
-def _facts(piece, size, precision) -> dict:
+def _facts(preset, size, precision) -> dict:
     from gen_art.audit.advice import advice, step_advice
     from gen_art.audit.invariants import colliders_of, forces_of, invariants
     from gen_art.output.formats import CODECS
     from gen_art.preset.estimate import estimate
 
-    expected, clock = estimate(piece, precision), piece.clock
+    expected, clock = estimate(preset, precision), preset.clock
     systems = {}
-    for name, system in piece.systems.items():
-        holds, booked = invariants(piece, system)
+    for name, system in preset.systems.items():
+        holds, booked = invariants(preset, system)
         systems[name] = {
             "integrator": system.integrator,
             "born": _count(expected.born[name]),
             "peak": _count(expected.peak[name]),
             "bytes": _count(expected.bytes[name]),
-            "forces": [repr(force) for force in forces_of(piece, system)],
+            "forces": [repr(force) for force in forces_of(preset, system)],
             "interactions": [repr(one) for one in system.interactions],
-            "colliders": [_still(one) for one in colliders_of(piece, system)],
-            "medium": [repr(term) for term in (system.medium or piece.medium).terms],
+            "colliders": [_still(one) for one in colliders_of(preset, system)],
+            "medium": [repr(term) for term in (system.medium or preset.medium).terms],
             "emitters": list(system.emitters),
             "should_hold": holds,
             "booked": booked,
         }
     return {
-        "preset": piece.name,
-        "seed": piece.seed,
+        "preset": preset.name,
+        "seed": preset.seed,
         "size": list(size),
         "clock": {
             "duration": clock.duration,
@@ -95,13 +95,13 @@ def _facts(piece, size, precision) -> dict:
             "film": _count(expected.process(size, CODECS["h264"].memory)),
         },
         "systems": systems,
-        "advice": [*advice(piece), *step_advice(piece)],
+        "advice": [*advice(preset), *step_advice(preset)],
     }
 
 
 def _still(one) -> str:
     """A collider, without the words for a motion that it does not have."""
-    moves = {"velocity": any(one.values["velocity"]), "angular_velocity": one.turns, "pivot": one.turns}
+    moves = {"velocity": any(one.values["velocity"]), "angular_velocity": one.rotates, "pivot": one.rotates}
     return f"{type(one).__name__}({', '.join(f'{k}={v!r}' for k, v in one.values.items() if moves.get(k, True))})"
 
 

@@ -1,27 +1,53 @@
-"""`gen-art list`: the presets and the palettes that are there."""
+"""`gen-art list`: presets, and everything that a preset can name."""
 
 import click
 
 __all__ = ["command"]
 
+_REGISTRIES = ("forces", "shapes", "velocities", "emitters", "interactions", "colliders")
+
 
 @click.command("list")
-@click.argument("what", type=click.Choice(["presets", "course", "palettes"]), default="presets")
-def command(what):
-    """Name the presets, each with the first line of its file.
+@click.argument(
+    "what", type=click.Choice(["presets", "course", *_REGISTRIES, "integrators", "palettes"]), default="presets"
+)
+@click.option("--plugin", "plugins", multiple=True, metavar="FILE.py", help="Include a plugin's forces and emitters.")
+def command(what, plugins):
+    """Name the presets, or what a preset can name, a line each.
 
-    `course` names the small ones that show one law each; `palettes` the palettes, each with what it is made for.
+    `course` names the small presets that show one law each. The others are the words that YAML takes under forces:,
+    shape:, velocity:, interactions:, colliders: and integrator:, and for palettes; docs/forces.md has their formulas.
     """
+    from gen_art.plugins import load_plugin
+
+    for path in plugins:
+        load_plugin(path)
+    rows = _rows(what)
+    width = max(12, *(len(name) for name, _ in rows))
+    for name, words in rows:
+        click.echo(f"{name:{width}} {words}")
+
+
+def _rows(what: str) -> list[tuple[str, str]]:
+    if what in _REGISTRIES:
+        from gen_art.preset.registered import registry
+
+        classes = registry(what)
+        return [
+            (name, " ".join((classes[name].__doc__ or "").strip().split("\n\n")[0].split())) for name in sorted(classes)
+        ]
+    if what == "integrators":
+        from gen_art.integrators import INTEGRATORS
+
+        return [(name, f"order {scheme.order}; {scheme.doc}") for name, scheme in INTEGRATORS.items()]
     if what == "palettes":
         from gen_art.preset.palettes import PALETTES, PERCEPTUAL
 
-        for name in PALETTES:
-            click.echo(f"{name:12} {'perceptual: lighter from end to end' if name in PERCEPTUAL else 'artistic'}")
-        return
+        return [(n, "perceptual: lighter from end to end" if n in PERCEPTUAL else "artistic") for n in PALETTES]
     from gen_art.preset.shipped import course_names, preset_names, presets_folder
 
-    names = course_names() if what == "course" else preset_names()
-    width = max(12, *map(len, names))
-    for name in names:
+    rows = []
+    for name in course_names() if what == "course" else preset_names():
         with open(presets_folder() / f"{name}.yaml", encoding="utf-8") as file:
-            click.echo(f"{name:{width}} {file.readline().lstrip('# ').strip()}")
+            rows.append((name, file.readline().lstrip("# ").strip()))
+    return rows

@@ -19,7 +19,20 @@ from gen_art.errors import GenArtError, PresetError
 
 __all__ = ["cli", "main", "run"]
 
-COMMANDS = ("render", "still", "rerun", "list", "show", "schema", "validate", "inspect", "audit", "gallery", "bench")
+COMMANDS = (
+    "render",
+    "still",
+    "rerun",
+    "list",
+    "show",
+    "new",
+    "schema",
+    "validate",
+    "inspect",
+    "audit",
+    "gallery",
+    "bench",
+)
 _SCREEN = 8  # problems shown by commands other than validate
 
 

@@ -2,6 +2,7 @@
 
 import functools
 import re
+from typing import Any
 
 import click
 
@@ -187,7 +188,7 @@ film_options = _stack(
     click.option(
         "--codec",
         type=_Word(["h264", "h265", "prores", "ffv1", "vp9", "av1"]),
-        help="How a film is encoded; by its ending when left out.",
+        help="How a film is encoded; the default of its file extension when left out.",
     ),
     click.option(
         "--profile",
@@ -198,13 +199,18 @@ film_options = _stack(
 )
 
 
-def load(preset: str, *, seed=None, settings=(), fps=None, duration=None, plugins=()):
+def overrides(settings, fps=None, duration=None) -> dict[str, Any]:
+    """What --set, --fps and --duration change, by dotted path."""
+    from gen_art.preset.overrides import parse_setting
+
+    changed = dict(parse_setting(setting) for setting in settings)
+    return changed | {f"clock.{k}": v for k, v in (("fps", fps), ("duration", duration)) if v is not None}
+
+
+def load(preset, *, seed=None, settings=(), fps=None, duration=None, plugins=()):
     """(Preset, plugins): plugins first, as they may register keys; then the options as overrides."""
     from gen_art.plugins import load_plugin
     from gen_art.preset.load import load_preset
-    from gen_art.preset.overrides import parse_setting
 
     loaded = tuple(load_plugin(path) for path in plugins)
-    overrides = dict(parse_setting(setting) for setting in settings)
-    overrides |= {f"clock.{key}": value for key, value in (("fps", fps), ("duration", duration)) if value is not None}
-    return load_preset(preset, overrides=overrides, seed=seed), loaded
+    return load_preset(preset, overrides=overrides(settings, fps, duration), seed=seed), loaded

@@ -25,27 +25,28 @@ def command(
 
     OUT's ending says what is made: .mp4 (H.264), .mov (ProRes), .webm (VP9), .mkv (FFV1, lossless), .gif and .webp are
     films; a pattern such as out/frame_####.png (also .jpg .webp .exr) is a sequence. {preset} and {seed} in OUT are
-    filled in. A film grows as NAME.partial.EXT, which plays; it stays when the render is stopped.
+    filled in, and folders that are missing are made. While a film is written it is NAME.partial.EXT, which plays and stays
+    when the render is stopped.
     """
-    piece, loaded = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
+    preset, loaded = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     from gen_art.commands.progress import reporter
     from gen_art.output import job
     from gen_art.preset.estimate import refuse_if_too_large
 
-    frames = range(piece.clock.frames) if frames is None else frames
+    frames = range(preset.clock.frames) if frames is None else frames
     output = {
         "size": size, "scale": scale, "quality": quality, "overwrite": overwrite, "transparent": transparent,
         "frames": frames, "codec": codec, "profile": profile, "bits": int(bits) if bits else None,
     }  # fmt: skip
-    target, shape = job.check_target(piece, out, **output)
-    until = piece.clock.preroll + frames[-1] * piece.clock.speed / piece.clock.fps
+    target, shape = job.check_target(preset, out, **output)
+    until = preset.clock.preroll + frames[-1] * preset.clock.speed / preset.clock.fps
     expected = refuse_if_too_large(
-        piece, precision, shape, until, coded=target.film.codec.memory if target.film else 0.0
+        preset, precision, shape, until, coded=target.film.codec.memory if target.film else 0.0
     )
     if dry_run:
         click.echo(f"{out}: {len(frames)} frames of {shape[0]}x{shape[1]}, {expected}")
         return
     with reporter(progress) as report:
-        paths = job.render(piece, out, precision=precision, threads=threads, progress=report, plugins=loaded, **output)
+        paths = job.render(preset, out, precision=precision, threads=threads, progress=report, plugins=loaded, **output)
     for path in paths:
         click.echo(path)

@@ -12,23 +12,30 @@ __all__ = ["command"]
 @click.option("-o", "--output", "out", required=True, metavar="OUT", help="Where the picture is written.")
 @click.option("--overwrite", is_flag=True, help="Replace output that exists.")
 @click.option("--plugin", "plugins", multiple=True, metavar="FILE.py", help="The plugins of the recipe, byte for byte.")
+@click.option("--folder", metavar="DIR", help="Where the preset's own files lie.")
 @click.option(
-    "--folder", metavar="DIR", help="Where the preset's own files lie; here, or beside PICTURE, when left out."
+    "--other-version", is_flag=True, help="Go on with a picture of another version of gen-art, with a warning."
 )
 @options.process_options
-def command(picture, out, overwrite, plugins, folder, threads, progress):
+def command(picture, out, overwrite, plugins, folder, other_version, threads, progress):
     """Make PICTURE again from the recipe inside it.
 
-    The preset, seed, size and version are in its metadata; the result is the same, byte for byte.
+    The result is the same, byte for byte. It needs the version of gen-art that made PICTURE, its plugins (--plugin) and
+    the files its preset names: small ones are in the recipe, others are looked for here, beside PICTURE and in --folder.
     """
+    import warnings
+
     from gen_art.commands.progress import reporter
     from gen_art.output import job
     from gen_art.plugins import load_plugin
 
     loaded = tuple(load_plugin(path) for path in plugins)
-    with reporter(progress) as report:
+    with reporter(progress) as report, warnings.catch_warnings(record=True) as told:
         paths = job.rerun(
-            picture, out, threads=threads, overwrite=overwrite, progress=report, plugins=loaded, folder=folder
-        )
+            picture, out, threads=threads, overwrite=overwrite, progress=report, plugins=loaded, folder=folder,
+            other_version=other_version,
+        )  # fmt: skip
+    for one in told:
+        click.echo(f"gen-art: warning: {one.message}", err=True)
     for path in paths:
         click.echo(path)

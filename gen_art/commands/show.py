@@ -1,4 +1,6 @@
-"""`gen-art show`: a preset's text, or what it comes to."""
+"""`gen-art show`: the YAML of a preset, of a changed preset, or of the preset inside a picture."""
+
+from pathlib import Path
 
 import click
 
@@ -6,21 +8,49 @@ from gen_art.commands import options
 
 __all__ = ["command"]
 
+_PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".gif", ".exr", ".mp4", ".mov", ".webm", ".mkv")
+
 
 @click.command("show")
 @click.argument("preset")
 @click.option("--resolved", is_flag=True, help="As JSON, with knobs, options and --set filled in.")
 @options.preset_options
 def command(preset, resolved, seed, settings, fps, duration, plugins):
-    """Print the YAML of PRESET: the text to start your own from."""
-    changed = seed is not None or settings or fps or duration
-    if not resolved and not changed:
+    """Print the YAML of PRESET: the text to start your own from.
+
+    With --set, --seed, --fps or --duration the values are changed in it; comments and layout stay. PRESET may also be a
+    picture or film of gen-art: the preset it was made with is printed, with knobs filled in.
+    """
+    if Path(preset).suffix.lower() in _PICTURES:
+        from gen_art.output.read_recipe import read_recipe
+        from gen_art.preset.writing import yaml_text
+
+        recipe = read_recipe(preset)
+        click.echo(f"# {recipe['name']}, from {Path(preset).name}, made by gen-art {recipe['gen_art']}")
+        preset = recipe["preset"] | {"name": recipe["name"]}
+        if not (resolved or seed is not None or settings or fps or duration):
+            click.echo(yaml_text(recipe["preset"]), nl=False)
+            return
+    overrides = options.overrides(settings, fps, duration)
+    if not resolved and not isinstance(preset, dict):
         from gen_art.preset.load import open_source
+        from gen_art.preset.writing import changed_text
 
         source, _ = open_source(preset)
-        click.echo("\n".join(source.lines), nl=bool(source.lines[-1]))
+        text = "\n".join(source.lines)
+        if overrides or seed is not None:
+            drawn = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)[
+                0
+            ].seed
+            text = changed_text(text, overrides | ({"seed": drawn} if seed is not None else {})).rstrip("\n") + "\n"
+        click.echo(text, nl=bool(source.lines[-1]) and not text.endswith("\n"))
         return
-    import json
+    preset, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
+    if resolved:
+        import json
 
-    piece, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
-    click.echo(json.dumps(piece.resolved(), indent=2, ensure_ascii=False))
+        click.echo(json.dumps(preset.resolved(), indent=2, ensure_ascii=False))
+    else:
+        from gen_art.preset.writing import yaml_text
+
+        click.echo(yaml_text(preset.resolved()), nl=False)

@@ -10,7 +10,7 @@ __all__ = ["command"]
 @click.command("still")
 @click.argument("preset")
 @click.option("-o", "--output", "out", required=True, metavar="OUT", help="The picture: .png .jpg .webp .exr.")
-@click.option("--time", type=options.NOT_NEGATIVE, required=True, help="Film time, seconds.")
+@click.option("--time", type=options.NOT_NEGATIVE, help="Film time, seconds; the preset's gallery.time when left out.")
 @click.option(
     "--bits", type=options.BITS, help="Bits a channel: 8, or 16 as .png; 16 (half, default) or 32 (float) as .exr."
 )
@@ -23,9 +23,11 @@ def command(
 ):  # fmt: skip
     """Make one picture of PRESET at film time T.
 
+    Folders of OUT that are missing are made.
     .exr holds the light before it is developed (linear, premultiplied RGBA) with the layers Z and velocity.
     """
-    piece, loaded = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
+    preset, loaded = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
+    time = preset.poster_time if time is None else time
     from gen_art.commands.progress import reporter
     from gen_art.output import job
     from gen_art.preset.estimate import refuse_if_too_large
@@ -34,14 +36,14 @@ def command(
         "size": size, "scale": scale, "quality": quality, "overwrite": overwrite, "transparent": transparent,
         "bits": int(bits) if bits else None,
     }  # fmt: skip
-    _, shape = job.check_target(piece, out, moving=False, **output)
-    expected = refuse_if_too_large(piece, precision, shape, piece.clock.preroll + time * piece.clock.speed)
+    _, shape = job.check_target(preset, out, moving=False, **output)
+    expected = refuse_if_too_large(preset, precision, shape, preset.clock.preroll + time * preset.clock.speed)
     if dry_run:
         click.echo(f"{out}: {shape[0]}x{shape[1]} at {time:g} s, {expected}")
         return
     with reporter(progress) as report:
         paths = job.still(
-            piece, out, time, precision=precision, threads=threads, progress=report, plugins=loaded, **output
+            preset, out, time, precision=precision, threads=threads, progress=report, plugins=loaded, **output
         )
     for path in paths:
         click.echo(path)

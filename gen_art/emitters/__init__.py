@@ -1,4 +1,4 @@
-"""Births: shapes, velocities, scripted emitters, schedules and events."""
+"""Births of particles: shapes, velocities, scripted emitters, schedules and events."""
 
 from gen_art.emitters import galaxies, net_emitters, rigid_body, shapes, velocities
 from gen_art.emitters.base import EMITTERS, SHAPES, VELOCITIES, Emitter, Shape, Velocity, emitter

@@ -1,4 +1,4 @@
-"""The contracts of what happens at a birth: where (a shape), how fast (a velocity), or both (an emitter)."""
+"""The contracts of a birth: where a particle is born (a shape), how fast (a velocity), or both (an emitter)."""
 
 from collections.abc import Callable
 from typing import ClassVar
@@ -16,30 +16,36 @@ shape, velocity, emitter = SHAPES, VELOCITIES, EMITTERS
 class _Birth(Parametric):
     @property
     def fixed(self) -> tuple:
-        """What is generated into the birth kernel: the class and its choices. Numbers are never in it."""
+        """What the birth kernel is compiled for: the class and its choices. Numbers are never part of it."""
         values = tuple((k, self.values[k]) for k, p in self.parameters.items() if p.kind in ("bool", "choice", "text"))
         return (type(self), values)
 
 
 class Shape(_Birth):
-    """Where particles are born, relative to the emitter's origin: `place(self, r, t, q)`, a @ti.func giving (3,) m."""
+    """Where particles are born, relative to the emitter's origin.
+
+    `place(self, r, t, q)` is a @ti.func that returns (3,) m.
+    """
 
 
 class Velocity(_Birth):
-    """The velocity at birth, relative to the emitter's: `velocity(self, r, t, q, x)`, a @ti.func giving (3,) m/s.
+    """The velocity at birth, relative to the emitter's.
 
-    x is the place of birth relative to the origin; r.ordinal counts the particles of a burst and r.burst is its stream.
+    `velocity(self, r, t, q, x)` is a @ti.func that returns (3,) m/s.
+    x : the place of birth relative to the origin, m
+    r.ordinal : the number of the particle in its burst
+    r.burst : the random stream of the burst
     """
 
 
 class Emitter(_Birth):
-    """A whole birth in one place.
+    """A whole birth in one place: either `birth`, or `sample` for initial conditions.
 
-    Either `birth(self, r, t, q)`, a @ti.func returning (position, velocity) or a dict that also sets mass, charge,
-    radius, lifetime or declared attributes; or, for initial conditions, `sample(self, r, n)` in NumPy, returning a dict of
-    arrays, where r.uniform(channel), r.normal(channel) and r.sphere(channel) give one value for each of the n particles;
-    NaN leaves what the preset says.
-    `declares` : attributes that its particles have without the preset's naming them.
+    birth(self, r, t, q) : a @ti.func that returns (position, velocity), or a dict that also sets mass, charge, radius, lifetime
+        or declared attributes
+    sample(self, r, n) : NumPy, returns a dict of arrays; r.uniform(channel), r.normal(channel) and r.sphere(channel) give one
+        value for each of the n particles. NaN leaves the value that the preset gives
+    declares : attributes that its particles have without the preset naming them
     """
 
     sample: ClassVar[Callable | None] = None

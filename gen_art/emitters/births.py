@@ -1,7 +1,8 @@
-"""Emissions: what the births of one emitter are, and the making of them, whichever way they come about.
+"""Births: what an emitter's particles are, and how scheduled births are made.
 
-Keys: a scheduled birth has H(emission's key, serial), the emission's key being H(H(seed, system), emitter); a child has
-H(H(parent's key, event), ordinal). Every attribute comes from its key, so nothing depends on other emitters or on order.
+Keys: a scheduled birth has the key H(emitter's key, serial), where the emitter's key is H(H(seed, system), emitter). A child has
+H(H(parent's key, event), ordinal). Every attribute comes from the particle's key, so nothing depends on other emitters or on
+the order of births.
 """
 
 from collections.abc import Callable
@@ -25,13 +26,19 @@ __all__ = [
     "BirthKind",
     "EmitterMotion",
     "give_birth",
-    "scheduled",
+    "scheduled_births",
 ]
 
 
 @dataclass(eq=False)
 class BirthKind:
-    """One kind of particle an emitter makes: where, how fast, with what. `attributes` maps names to (low, high)."""
+    """One kind of particle that an emitter makes.
+
+    attributes : name -> (low, high)
+    weight : for the choice among several kinds
+    count : (low, high), children of an event
+    channels : declared attribute -> row of the state array
+    """
 
     name: str = ""
     tag: str | None = None
@@ -55,14 +62,21 @@ class BirthKind:
 
     def numbers(self, dtype) -> np.ndarray:
         """The run-time numbers of the birth kernel."""
-        things = [self.scripted] if self.scripted is not None else [self.shape, self.velocity]
-        numbers = [n for thing in things if thing is not None for n in thing.numbers()]
+        parts = [self.scripted] if self.scripted is not None else [self.shape, self.velocity]
+        numbers = [n for part in parts if part is not None for n in part.numbers()]
         return np.array([*numbers, *(n for bounds in self.attributes.values() for n in bounds), 0.0], dtype)
 
 
 @dataclass(frozen=True)
 class BirthEvent:
-    """Births fed by another system: `kind` is birth, death, impact or path; only parents of these tags, if any are named."""
+    """Births caused by the particles of another system.
+
+    kind : birth, death, impact or path
+    tags : only parents with one of these tags, if any are named
+    inherit : whether children get their parents' velocity
+    pairs : whether they come in pairs with opposite place and velocity
+    rate : births per second along a path
+    """
 
     system: str
     kind: str
@@ -95,7 +109,12 @@ class EmitterMotion:
 
 
 class ActiveEmitter:
-    """One emitter of one system, ready to give births: a schedule or an event, and the kinds to choose from."""
+    """One emitter of one system, ready for births: a schedule or an event, and the kinds to choose from.
+
+    key : of its random numbers
+    first_source : index of its first kind among the system's sources
+    done : how many scheduled births have been made
+    """
 
     def __init__(
         self,
@@ -113,7 +132,7 @@ class ActiveEmitter:
         self.done = 0
 
     def choose(self, keys: np.ndarray) -> np.ndarray:
-        """Which kind each key takes, by weight."""
+        """The index of the kind that each key takes, by weight."""
         if len(self.kinds) == 1:
             return np.zeros(len(keys), np.int64)
         shares = np.cumsum([k.weight for k in self.kinds])
@@ -122,7 +141,14 @@ class ActiveEmitter:
 
 @dataclass
 class BirthBatch:
-    """Births of one kind to be made together: one entry per particle."""
+    """Births of one kind to be made together; each array has one entry per particle.
+
+    when : s
+    keys, paired, burst : keys of the particle, of what a pair shares, of what a burst shares
+    sign : factor of place and velocity, 1 or -1 for the two of a pair, 0 for a particle without a partner
+    origin : (6, m) position and velocity that place and velocity are relative to
+    rank : uint64; births at the same time are ordered by rank, then by ordinal
+    """
 
     kind: BirthKind
     source: int
@@ -133,11 +159,11 @@ class BirthBatch:
     ordinal: np.ndarray
     sign: np.ndarray
     origin: np.ndarray
-    rank: np.ndarray  # ties in time go by rank (uint64), then by ordinal
+    rank: np.ndarray
 
 
 class BatchStreams:
-    """The streams of many particles in NumPy, for `Emitter.sample`: each call gives one value per particle."""
+    """The random streams of many particles in NumPy, for `Emitter.sample`: each call gives one value per particle."""
 
     def __init__(self, keys: np.ndarray):
         self.keys = keys
@@ -155,36 +181,36 @@ class BatchStreams:
         return np.stack([s * np.cos(a), s * np.sin(a), z])
 
 
-def scheduled(emission: ActiveEmitter, t1: float) -> list[BirthBatch]:
-    """The births of a scheduled emission up to and including t1 that have not been made yet."""
-    if emission.schedule is None:
+def scheduled_births(emitter: ActiveEmitter, t1: float) -> list[BirthBatch]:
+    """The births of a scheduled emitter up to and including t1 that have not been made yet."""
+    if emitter.schedule is None:
         return []
-    last = emission.schedule.until(t1)
-    first, emission.done = emission.done, max(last, emission.done)
+    last = emitter.schedule.until(t1)
+    first, emitter.done = emitter.done, max(last, emitter.done)
     if last <= first:
         return []
     serial = np.arange(first, last)
-    when = emission.schedule.times(first, last)
-    keys = derive(emission.key, serial)
+    when = emitter.schedule.times(first, last)
+    keys = derive(emitter.key, serial)
     origin = np.zeros((6, len(when)))
-    if emission.motion is not None:
-        origin[:3] = emission.motion.at(when)
-    choice = emission.choose(keys)
+    if emitter.motion is not None:
+        origin[:3] = emitter.motion.at(when)
+    choice = emitter.choose(keys)
     batches = []
     for c in np.unique(choice):
-        of = choice == c
-        one = np.ones(int(of.sum()))
+        chosen = choice == c
+        ones = np.ones(int(chosen.sum()))
         batches.append(
             BirthBatch(
-                emission.kinds[c], emission.first_source + int(c), when[of], keys[of], keys[of], keys[of],
-                serial[of], one, origin[:, of], np.full(len(one), emission.key, np.uint64),
+                emitter.kinds[c], emitter.first_source + int(c), when[chosen], keys[chosen], keys[chosen], keys[chosen],
+                serial[chosen], ones, origin[:, chosen], np.full(len(ones), emitter.key, np.uint64),
             )
         )  # fmt: skip
     return batches
 
 
 def give_birth(particles: Particles, batches: list[BirthBatch], precision: str) -> slice:
-    """Append the particles of all batches in order of (time, rank, ordinal) and draw their attributes."""
+    """Append the particles of all batches in order of (time, rank, ordinal), draw their attributes, and return their slots."""
     if not batches:
         return slice(particles.count, particles.count)
     when = np.concatenate([b.when for b in batches])
@@ -194,15 +220,15 @@ def give_birth(particles: Particles, batches: list[BirthBatch], precision: str) 
     new = particles.append(when[order], keys[order], source[order])
     slots = np.empty(len(order), np.int32)
     slots[order] = np.arange(new.start, new.stop, dtype=np.int32)
-    dtype, at = particles.floats.dtype, 0
+    dtype, done = particles.floats.dtype, 0
     for b in batches:
-        mine = slots[at : at + len(b.when)]
-        at += len(b.when)
+        batch_slots = slots[done : done + len(b.when)]
+        done += len(b.when)
         if b.kind.scripted is not None and b.kind.scripted.sample is not None:
-            _sample(particles, b, b.kind.scripted.sample, mine)
+            _sample(particles, b, b.kind.scripted.sample, batch_slots)
             continue
         make_birth(b.kind, precision)(
-            particles.floats, particles.key, mine, _words(b.paired), _words(b.burst),
+            particles.floats, particles.key, batch_slots, _words(b.paired), _words(b.burst),
             (b.ordinal & 0x7FFFFFFF).astype(np.int32), b.sign.astype(dtype), b.origin.astype(dtype),
             b.when.astype(dtype), b.kind.numbers(dtype),
         )  # fmt: skip
@@ -212,18 +238,18 @@ def give_birth(particles: Particles, batches: list[BirthBatch], precision: str) 
 
 
 def _words(keys: np.ndarray) -> np.ndarray:
+    """The high and the low 32 bits of keys, (2, m) uint32."""
     return np.stack([(keys >> np.uint64(32)).astype(np.uint32), (keys & np.uint64(0xFFFFFFFF)).astype(np.uint32)])
 
 
 def _sample(particles: Particles, batch: BirthBatch, sample: Callable, slots: np.ndarray) -> None:
-    """Births by an emitter written in NumPy; what it does not set, or sets to NaN, comes from the kind's attributes."""
+    """Births by an emitter written in NumPy. Values that it does not set, or sets to NaN, come from the kind's attributes."""
     draws = BatchStreams(batch.keys)
     rows = particles.channels
     for name, (low, high) in batch.kind.attributes.items():
         if name != "density":
-            particles.floats[rows[name], slots] = (
-                low if low == high else low + (high - low) * draws.uniform(channel_of(name))
-            )
+            value = low if low == high else low + (high - low) * draws.uniform(channel_of(name))
+            particles.floats[rows[name], slots] = value
     born = sample(draws, len(slots))
     unknown = set(born) - {"position", "velocity", *rows}
     if unknown:
@@ -234,5 +260,5 @@ def _sample(particles: Particles, batch: BirthBatch, sample: Callable, slots: np
             particles.floats[first : first + 3, slots] = np.asarray(values) + batch.origin[first : first + 3]
         else:
             values = np.asarray(values)
-            of = np.broadcast_to(~np.isnan(values), slots.shape)
-            particles.floats[rows[name], slots[of]] = np.broadcast_to(values, slots.shape)[of]
+            given = np.broadcast_to(~np.isnan(values), slots.shape)
+            particles.floats[rows[name], slots[given]] = np.broadcast_to(values, slots.shape)[given]

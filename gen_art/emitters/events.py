@@ -1,6 +1,6 @@
-"""Births fed by what happens to other particles: at their birth, at their death, along their path, where they strike.
+"""Births caused by events of other particles: their birth, their death, an impact, or their path.
 
-Children of a step are made at its end, one generation a step, in the order of their times and their parents' keys.
+The children of a step are made at its end, one generation a step, ordered by time and then by their parents' keys.
 """
 
 from dataclasses import dataclass
@@ -11,91 +11,102 @@ from gen_art.emitters.births import ActiveEmitter, BirthBatch
 from gen_art.maths.random import channel_of, derive, uniform
 from gen_art.particles.storage import Particles
 
-__all__ = ["EventWindow", "children"]
+__all__ = ["EventWindow", "event_births"]
 
-_PAIR = np.uint64(1 << 40)  # keys of balanced pairs lie beyond every ordinal
+_PAIR = np.uint64(1 << 40)  # keys of balanced pairs are beyond those of all ordinals
 
 
 @dataclass
 class EventWindow:
-    """What a step did to a system of parents: its time span, the state before it, and whose events were not seen before."""
+    """What a step did to a system of parents.
+
+    t0, t1 : the step's time span, s
+    before : (6, count) positions and velocities before the step, where paths need them
+    new_ids : (first, end); the particles with these ids were made at the end of the previous step, and their births and deaths
+        since then have not been seen yet
+    """
 
     t0: float
     t1: float
-    before: np.ndarray | None  # (6, count) positions and velocities before the step, where paths are wanted
-    behind: tuple[int, int]  # ids first .. last - 1 were made at the end of the step before
+    before: np.ndarray | None
+    new_ids: tuple[int, int]
 
-    def fresh(self, ids: np.ndarray) -> np.ndarray:
-        return (ids >= self.behind[0]) & (ids < self.behind[1])
+    def is_new(self, ids: np.ndarray) -> np.ndarray:
+        """Which of the ids belong to particles that were made at the end of the previous step."""
+        return (ids >= self.new_ids[0]) & (ids < self.new_ids[1])
 
 
-def children(emission: ActiveEmitter, system: str, parents: Particles, window: EventWindow) -> list[BirthBatch]:
-    """The births that `emission` (of the system of that name) owes to its parents in this window."""
-    event = emission.event
+def event_births(emitter: ActiveEmitter, system: str, parents: Particles, window: EventWindow) -> list[BirthBatch]:
+    """The births that the parents' events in this window cause.
+
+    emitter : fed by an event
+    system : name of the system it belongs to
+    """
+    event = emitter.event
     assert event is not None, "scheduled births have no parents"
-    of_tag = np.ones(len(parents.sources), bool)
+    has_tag = np.ones(len(parents.sources), bool)
     if event.tags:
-        of_tag = np.array([source.tag in event.tags for source in parents.sources], bool)
+        has_tag = np.array([source.tag in event.tags for source in parents.sources], bool)
     n = parents.count
     birth, death = parents.birth[:n], parents.death()
-    fresh = window.fresh(parents.id[:n])
-    eligible = of_tag[parents.source[:n]]
+    is_new = window.is_new(parents.id[:n])
+    eligible = has_tag[parents.source[:n]]
     if event.kind == "path":
-        picked = np.flatnonzero(eligible & ((death > window.t0) | fresh) & (birth <= window.t1))
-        start = np.where(fresh[picked], birth[picked], np.maximum(birth[picked], window.t0))
-        end = np.minimum(death[picked], window.t1)
-        first = np.floor((start - birth[picked]) * event.rate + 0.5).astype(np.int64)
-        last = np.floor((end - birth[picked]) * event.rate + 0.5).astype(np.int64)
+        causes = np.flatnonzero(eligible & ((death > window.t0) | is_new) & (birth <= window.t1))
+        start = np.where(is_new[causes], birth[causes], np.maximum(birth[causes], window.t0))
+        end = np.minimum(death[causes], window.t1)
+        first = np.floor((start - birth[causes]) * event.rate + 0.5).astype(np.int64)
+        last = np.floor((end - birth[causes]) * event.rate + 0.5).astype(np.int64)
         counts = np.maximum(last - first, 0)
         if not counts.any():
             return []
-        parent = np.repeat(picked, counts)
+        parent = np.repeat(causes, counts)
         ordinal = _count_up(counts) + np.repeat(first, counts)
         when = birth[parent] + (ordinal + 0.5) / event.rate
         assert window.before is not None, "paths need the state before the step"
-        origin = _along(parents, parent, when, window, window.before)
-        keys = _event_keys(emission, system, parents, parent)
-        choice = emission.choose(keys)
+        origin = _path_state(parents, parent, when, window, window.before)
+        keys = _event_keys(emitter, system, parents, parent)
+        choice = emitter.choose(keys)
     else:
         moment = death if event.kind == "death" else birth
-        if event.kind == "impact":  # the last of a step; a particle that has struck nothing has no such age
+        if event.kind == "impact":  # the last impact of a step; a particle without one has age 0
             age = parents.floats[parents.channels["impact"], :n].astype(np.float64)
             moment = np.where(age > 0, birth + age, np.inf)
-        happened = (moment <= window.t1) & ((moment > window.t0) | fresh)
-        picked = np.flatnonzero(eligible & happened & np.isfinite(moment))
-        if not len(picked):
+        happened = (moment <= window.t1) & ((moment > window.t0) | is_new)
+        causes = np.flatnonzero(eligible & happened & np.isfinite(moment))
+        if not len(causes):
             return []
-        keys = _event_keys(emission, system, parents, picked)
-        kind = emission.choose(keys)
-        low = np.array([k.count[0] for k in emission.kinds])[kind]
-        high = np.array([k.count[1] for k in emission.kinds])[kind]
+        keys = _event_keys(emitter, system, parents, causes)
+        kind_index = emitter.choose(keys)
+        low = np.array([k.count[0] for k in emitter.kinds])[kind_index]
+        high = np.array([k.count[1] for k in emitter.kinds])[kind_index]
         counts = low
         if (high > low).any():
             counts = low + np.floor(uniform(keys, channel_of("count")) * (high - low + 1)).astype(np.int64)
-        parent, keys, choice = np.repeat(picked, counts), np.repeat(keys, counts), np.repeat(kind, counts)
+        parent, keys, choice = np.repeat(causes, counts), np.repeat(keys, counts), np.repeat(kind_index, counts)
         ordinal = _count_up(counts)
         when = moment[parent]
         origin = parents.floats[:6, parent].astype(np.float64)
-        if event.kind == "impact":  # it has flown on since
+        if event.kind == "impact":  # the parent has moved on since the impact: back along its velocity
             origin[:3] -= origin[3:] * (np.minimum(window.t1, death[parent]) - when)
     if not len(parent):
         return []
     if not event.inherit:
         origin[3:] = 0.0
-    own = derive(keys, ordinal)
-    paired, sign = own, np.ones(len(own))
+    child_keys = derive(keys, ordinal)
+    paired, sign = child_keys, np.ones(len(child_keys))
     if event.pairs:
         paired = derive(keys, _PAIR + (ordinal // 2).astype(np.uint64))
-        alone = np.repeat(counts, counts) - 1 == ordinal
-        sign = np.where(ordinal % 2 == 1, -1.0, np.where(alone, 0.0, 1.0))
+        unpaired = np.repeat(counts, counts) - 1 == ordinal
+        sign = np.where(ordinal % 2 == 1, -1.0, np.where(unpaired, 0.0, 1.0))
     rank = _key_from_words(parents.key[:, parent])
     batches = []
     for c in np.unique(choice):
-        of = choice == c
+        mask = choice == c
         batches.append(
             BirthBatch(
-                emission.kinds[c], emission.first_source + int(c), when[of], own[of], paired[of], keys[of],
-                ordinal[of], sign[of], origin[:, of], rank[of],
+                emitter.kinds[c], emitter.first_source + int(c), when[mask], child_keys[mask], paired[mask], keys[mask],
+                ordinal[mask], sign[mask], origin[:, mask], rank[mask],
             )
         )  # fmt: skip
     return batches
@@ -105,22 +116,22 @@ def _key_from_words(words: np.ndarray) -> np.ndarray:
     return (words[0].astype(np.uint64) << np.uint64(32)) | words[1].astype(np.uint64)
 
 
-def _event_keys(emission: ActiveEmitter, system: str, parents: Particles, slots: np.ndarray) -> np.ndarray:
-    return derive(_key_from_words(parents.key[:, slots]), channel_of(f"{system}.{emission.name}"))
+def _event_keys(emitter: ActiveEmitter, system: str, parents: Particles, slots: np.ndarray) -> np.ndarray:
+    return derive(_key_from_words(parents.key[:, slots]), channel_of(f"{system}.{emitter.name}"))
 
 
 def _count_up(counts: np.ndarray) -> np.ndarray:
-    """0 .. c - 1 for each count c, one after the other."""
+    """0 .. c - 1 for each count c, concatenated."""
     ends = np.cumsum(counts)
     return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - counts, counts)
 
 
-def _along(
+def _path_state(
     parents: Particles, parent: np.ndarray, when: np.ndarray, window: EventWindow, before: np.ndarray
 ) -> np.ndarray:
-    """Position and velocity (6, m) on the cubic through both ends of each parent's step."""
+    """Position and velocity (6, m) at times `when`, on the cubic through both ends of each parent's step."""
     t0 = np.maximum(parents.birth[parent], window.t0)
-    t0 = np.where(window.fresh(parents.id[parent]), window.t0, t0)
+    t0 = np.where(window.is_new(parents.id[parent]), window.t0, t0)
     t1 = np.minimum(parents.death()[parent], window.t1)
     h = np.maximum(t1 - t0, 1e-300)
     s = (when - t0) / h

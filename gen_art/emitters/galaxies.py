@@ -1,7 +1,7 @@
 """Initial conditions of a disc galaxy in near-equilibrium: an exponential disc and a Hernquist sphere, inside a halo.
 
-Both need the mass of all three components, for their circular speed: the disc's is Freeman's, the bulge's and the halo's
-Hernquist's. Sources: Freeman (1970), ApJ 160, 811; Hernquist (1993), ApJS 86, 389; Abramowitz & Stegun 9.8 (Bessel).
+Both need the mass of all three components for their circular speed: Freeman's for the disc, Hernquist's for bulge and halo.
+Sources: Freeman (1970), ApJ 160, 811; Hernquist (1993), ApJS 86, 389; Abramowitz & Stegun 9.8 (Bessel).
 """
 
 import numpy as np
@@ -59,7 +59,7 @@ def bessel_products(y: np.ndarray) -> np.ndarray:
 
 
 class _Galaxy(Emitter):
-    """The masses of a galaxy's parts, and its circular speed."""
+    """The masses and scales of a galaxy's components, and its circular speed."""
 
     G: float = param(4.30091e-6, min=0, doc="constant of gravitation in the preset's units")
     disc_mass: float = param(4e10, min=0, doc="mass of the disc")
@@ -82,10 +82,12 @@ class _Galaxy(Emitter):
 class ExponentialDisc(_Galaxy):
     """A disc of stars: exponential, of a given thickness and a chosen Toomre Q.
 
-    Sigma = disc_mass / (2 pi R_d^2) exp(-R / R_d), R_d = disc_scale; across it sech^2(z / z_0), z_0 = thickness
-    sigma_R = Q 3.36 G Sigma / kappa, sigma_phi = sigma_R kappa / (2 Omega), sigma_z^2 = pi G Sigma z_0, the mean rotation
-    less the asymmetric drift. The mass of each is disc_mass / n; 0 if massless. With `arms`, the azimuths are drawn together
-    along logarithmic spirals: phi += -(arm_strength / arms) sin(arms (phi - ln(R / R_d) / tan pitch)), at constant R.
+    Sigma = disc_mass / (2 pi R_d^2) exp(-R / R_d), R_d = disc_scale
+    across the disc sech^2(z / z_0), z_0 = thickness
+    sigma_R = Q 3.36 G Sigma / kappa, sigma_phi = sigma_R kappa / (2 Omega), sigma_z^2 = pi G Sigma z_0
+    The mean rotation is reduced by the asymmetric drift. The mass of each particle is disc_mass / n, or 0 if massless.
+    With `arms`, the azimuths are shifted towards logarithmic spirals at constant R:
+    phi += -(arm_strength / arms) sin(arms (phi - ln(R / R_d) / tan pitch))
     Source: Hernquist (1993), ApJS 86, 389; Toomre (1964), ApJ 139, 1217.
     """
 
@@ -94,30 +96,30 @@ class ExponentialDisc(_Galaxy):
     massless: bool = param(False, doc="test particles without mass")
     edge: float = param(6.0, min=0.5, max=50, doc="radius of the edge, in scale lengths")
     arms: int = param(0, min=0, max=12, doc="seeded spiral arms")
-    arm_strength: float = param(0.0, min=0, max=1, doc="how strongly they are seeded")
+    arm_strength: float = param(0.0, min=0, max=1, doc="how strongly the arms are seeded")
     pitch: float = param(0.35, unit="rad", min=0.02, max=1.5, doc="angle between arms and circles")
 
     def sample(self, r, n):
         v = self.values
         scale = v["disc_scale"]
         x = np.linspace(0, v["edge"], 4001)
-        inside = 1 - (1 + x) * np.exp(-x)
-        R = np.maximum(np.interp(r.uniform(1) * inside[-1], inside, x), 1e-4) * scale
+        mass_fraction = 1 - (1 + x) * np.exp(-x)
+        R = np.maximum(np.interp(r.uniform(1) * mass_fraction[-1], mass_fraction, x), 1e-4) * scale
         phi = 2 * np.pi * r.uniform(2)
         if v["arms"]:
             phase = v["arms"] * (phi + np.log(R / scale) / np.tan(v["pitch"]))
-            grown = v["arm_strength"] * np.clip(R / scale - 0.4, 0, 1)
-            phi = phi - grown / v["arms"] * np.sin(phase)
+            amplitude = v["arm_strength"] * np.clip(R / scale - 0.4, 0, 1)
+            phi = phi - amplitude / v["arms"] * np.sin(phase)
         z = v["thickness"] * np.arctanh(np.clip(2 * r.uniform(3) - 1, -0.9999, 0.9999))
         vc2, kappa, omega = self._frequencies(R)
         sigma = v["disc_mass"] / (2 * np.pi * scale**2) * np.exp(-R / scale)
-        spread = np.minimum(v["toomre_q"] * 3.36 * v["G"] * sigma / np.maximum(kappa, 1e-30), 0.5 * np.sqrt(vc2))
-        shape = kappa / (2 * np.maximum(omega, 1e-30))
-        mean = np.sqrt(np.maximum(vc2 + spread**2 * (1 - shape**2 - 2 * R / scale), 0.05 * vc2))
-        vR, vphi = spread * r.normal(4), mean + spread * shape * r.normal(5)
+        sigma_R = np.minimum(v["toomre_q"] * 3.36 * v["G"] * sigma / np.maximum(kappa, 1e-30), 0.5 * np.sqrt(vc2))
+        axis_ratio = kappa / (2 * np.maximum(omega, 1e-30))
+        mean_vphi = np.sqrt(np.maximum(vc2 + sigma_R**2 * (1 - axis_ratio**2 - 2 * R / scale), 0.05 * vc2))
+        vR, vphi = sigma_R * r.normal(4), mean_vphi + sigma_R * axis_ratio * r.normal(5)
         vz = np.sqrt(np.pi * v["G"] * sigma * v["thickness"]) * r.normal(6)
         c, s = np.cos(phi), np.sin(phi)
-        # y is up: the disc turns anticlockwise seen from above (+y)
+        # y is up: the disc rotates anticlockwise seen from above (+y)
         return {
             "position": np.stack([R * c, z, -R * s]),
             "velocity": np.stack([vR * c - vphi * s, vz, -vR * s - vphi * c]),
@@ -135,11 +137,13 @@ class ExponentialDisc(_Galaxy):
 
 @emitter("hernquist_sphere")
 class HernquistSphere(_Galaxy):
-    """A bulge after Hernquist, with isotropic velocities from Jeans's equation in the whole field.
+    """A bulge after Hernquist, with isotropic velocities from Jeans's equation in the whole galaxy's field.
 
     rho ~ a / (r (r + a)^3), a = bulge_scale
-    sigma^2(r) = (1 / rho) integral from r of rho v_c^2 / r dr, normal, cut at 0.95 of the local escape speed.
-    The mass of each is bulge_mass / n. Source: Hernquist (1990), ApJ 356, 359.
+    sigma^2(r) = (1 / rho) integral from r of rho v_c^2 / r dr
+    Each velocity component is normal with this sigma; speeds are limited to 0.95 of the local escape speed.
+    The mass of each particle is bulge_mass / n.
+    Source: Hernquist (1990), ApJ 356, 359.
     """
 
     edge: float = param(20.0, min=1, max=1000, doc="radius of the edge, in scale lengths")
@@ -153,16 +157,17 @@ class HernquistSphere(_Galaxy):
         radius = np.maximum(a * root / (1 - root), 1e-4 * a)
         grid = np.geomspace(1e-4 * a, 200 * edge * a, 4000)
         rho = 1 / (grid * (grid + a) ** 3)
-        pull = self.circular_speed_squared(grid) / grid
-        steps = 0.5 * (rho[1:] * pull[1:] + rho[:-1] * pull[:-1]) * np.diff(grid)
-        pressure = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
-        fall = np.append(np.cumsum((0.5 * (pull[1:] + pull[:-1]) * np.diff(grid))[::-1])[::-1], 0.0)
+        acceleration = self.circular_speed_squared(grid) / grid
+        areas = 0.5 * (rho[1:] * acceleration[1:] + rho[:-1] * acceleration[:-1]) * np.diff(grid)
+        pressure = np.append(np.cumsum(areas[::-1])[::-1], 0.0)
+        drops = 0.5 * (acceleration[1:] + acceleration[:-1]) * np.diff(grid)
+        potential_drop = np.append(np.cumsum(drops[::-1])[::-1], 0.0)
         sigma = np.sqrt(np.interp(radius, grid, pressure / rho))
-        speed = sigma * np.stack([r.normal(2), r.normal(3), r.normal(4)])
-        limit = 0.95 * np.sqrt(2 * np.interp(radius, grid, fall))
-        total = np.maximum(np.linalg.norm(speed, axis=0), 1e-30)
+        velocity = sigma * np.stack([r.normal(2), r.normal(3), r.normal(4)])
+        speed_limit = 0.95 * np.sqrt(2 * np.interp(radius, grid, potential_drop))
+        speed = np.maximum(np.linalg.norm(velocity, axis=0), 1e-30)
         return {
             "position": radius * r.sphere(5),
-            "velocity": speed * np.minimum(1.0, limit / total),
+            "velocity": velocity * np.minimum(1.0, speed_limit / speed),
             "mass": np.full(n, v["bulge_mass"] / n),
         }

@@ -1,4 +1,4 @@
-"""Chains, ropes and cloths, laid at the start with the springs that join their particles (`interactions: springs`)."""
+"""Chains, ropes and cloths: initial conditions with the springs that join their particles (`interactions: springs`)."""
 
 import numpy as np
 
@@ -10,8 +10,8 @@ from gen_art.registry import param
 __all__ = ["Chain", "Cloth", "Rope"]
 
 
-class _Laid(Emitter):
-    """A net that is laid once, at the start: `births` particles; where pinned they are fixed."""
+class _NetEmitter(Emitter):
+    """A net that is placed once, at the start: `births` particles, of which the pinned ones are fixed."""
 
     net: spring_nets.Net
 
@@ -20,7 +20,7 @@ class _Laid(Emitter):
         return len(self.net.position)
 
     @property
-    def declares(self) -> tuple[str, ...]:  # type: ignore[override]  # of the instance: only with a load
+    def declares(self) -> tuple[str, ...]:  # type: ignore[override]  # depends on the instance: only with a load
         return () if self.values.get("load") is None else ("along",)
 
     def sample(self, r, n):
@@ -31,25 +31,28 @@ class _Laid(Emitter):
             born["lifetime"][pinned] = FIXED
         if self.declares:
             born["along"] = np.linspace(0.0, 1.0, n)
-            born["mass"] = np.full(n, np.nan)  # the others' is the preset's
+            born["mass"] = np.full(n, np.nan)  # NaN: the mass that the preset gives
             born["mass"][-1] = self.values["load"]
         return born
 
 
 @emitter("chain")
-class Chain(_Laid):
+class Chain(_NetEmitter):
     """Particles in a row, each joined to the next by a spring whose rest length is their distance.
 
-    x_k = start + k (end - start) / (count - 1);  start, end : (3,) m     count : at least 2
-    pinned : which stay in place: none, start, end or ends     load : kg, mass of the last particle; with it, all have the
-    attribute `along`, from 0 at the start to 1 at the end
+    x_k = start + k (end - start) / (count - 1)
+    start, end : (3,) m
+    count : at least 2
+    pinned : which particles stay in place: none, start, end or ends
+    load : kg, mass of the last particle. With a load, all particles have the attribute `along`, from 0 at the start to 1 at the
+        end
     """
 
     start: tuple = param((0.0, 0.0, 0.0), unit="m")
     end: tuple = param((1.0, 0.0, 0.0), unit="m")
     count: int = param(20, min=2, max=10_000_000)
     pinned: str = param("ends", choices=("none", "start", "end", "ends"))
-    load: float = param(None, unit="kg", min=1e-300, doc="mass of the last particle; that of the others when left out")
+    load: float = param(None, unit="kg", min=1e-300, doc="mass of the last particle; default: as the others")
 
     def prepare(self):
         v = self.values
@@ -57,13 +60,17 @@ class Chain(_Laid):
 
 
 @emitter("rope")
-class Rope(_Laid):
-    """A rope of a given length between two points, laid as a V where it is longer than their distance.
+class Rope(_NetEmitter):
+    """A rope of a given length between two points, in the form of a V if it is longer than their distance.
 
-    rest length of each spring = length / (count - 1);  start, end : (3,) m     count : at least 2
-    length : m, at least the distance, which it is when left out     bend : share of the stiffness that resists folding
-    pinned : which stay in place: none, start, end or ends     load : kg, mass of the last particle; with it, all have the
-    attribute `along`, from 0 at the start to 1 at the end
+    rest length of each spring = length / (count - 1)
+    start, end : (3,) m
+    count : at least 2
+    length : m, at least the distance of start and end, which is the default
+    bend : share of the stiffness that resists folding
+    pinned : which particles stay in place: none, start, end or ends
+    load : kg, mass of the last particle. With a load, all particles have the attribute `along`, from 0 at the start to 1 at the
+        end
     """
 
     start: tuple = param((0.0, 0.0, 0.0), unit="m")
@@ -72,7 +79,7 @@ class Rope(_Laid):
     length: float = param(None, unit="m", min=0)
     bend: float = param(0.0, min=0, max=1)
     pinned: str = param("ends", choices=("none", "start", "end", "ends"))
-    load: float = param(None, unit="kg", min=1e-300, doc="mass of the last particle; that of the others when left out")
+    load: float = param(None, unit="kg", min=1e-300, doc="mass of the last particle; default: as the others")
 
     def prepare(self):
         v = self.values
@@ -80,12 +87,14 @@ class Rope(_Laid):
 
 
 @emitter("cloth")
-class Cloth(_Laid):
+class Cloth(_NetEmitter):
     """A sheet of particles joined by springs along its threads, its diagonals and over every other point.
 
-    x = corner + column / (columns - 1) across + row / (rows - 1) down;  corner, across, down : (3,) m
-    columns, rows : at least 2     shear, bend : share of the stiffness that diagonals, and springs against folding, have
-    pinned : which stay in place: none, top (row 0), left (column 0), corners (of the top) or four corners
+    x = corner + column / (columns - 1) across + row / (rows - 1) down
+    corner, across, down : (3,) m
+    columns, rows : at least 2
+    shear, bend : share of the stiffness of the diagonals, and of the springs against folding
+    pinned : which particles stay in place: none, top (row 0), left (column 0), corners (of the top) or four corners
     """
 
     corner: tuple = param((-0.5, 0.5, 0.0), unit="m")

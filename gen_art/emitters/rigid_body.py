@@ -1,4 +1,4 @@
-"""Rigid bodies, laid at the start as the particles that stand for them (`interactions: rigid`)."""
+"""Rigid bodies: initial conditions as the particles that represent them (`interactions: rigid`)."""
 
 import numpy as np
 
@@ -9,28 +9,33 @@ from gen_art.registry import param
 
 __all__ = ["RigidBody"]
 
-_GOLDEN = (5**0.5 - 1) / 2  # its multiples fill a range evenly, neighbours far apart
+_GOLDEN = (5**0.5 - 1) / 2  # its multiples modulo 1 fill a range evenly, with neighbours far apart
 
 
 @emitter("body")
 class RigidBody(Emitter):
-    """A rigid body, or a grid of bodies alike, as particles on its surface or along its edges that carry its whole mass.
+    """A rigid body, or a grid of equal bodies, as particles on its surface or along its edges that have its whole mass.
 
-    mass = density volume (or density area, where hollow);  centres at position + (i, j, k) pitch, 0 <= (i, j, k) < grid
+    mass = density volume (or density area, if hollow)
+    centres at position + (i, j, k) pitch, 0 <= (i, j, k) < grid
 
-    shape : {sphere: radius}, {capsule: [length of the straight part, radius]} along y, {box: [x, y, z]}, in m; or a list of such
-    for a compound, each with `at` (m), `turn` (degrees) and `density` (relative to the others) beside it
-    velocity : m/s, of the centre of mass     spin : rad/s, (3,)     turn : rotation vector, axis times angle
-    pivot : a point (3,) that stays in place     axle : (3,) the body turns about this axis alone, through the pivot or, without
-    one, the centre of mass     static : it never moves     points : particles a body, about; six more carry mass inside, with
-    radius 0     grain : m, radius of the particles
-    Its particles have the attributes normal_x, normal_y, normal_z (outward), area (m^2, half the surface that a point stands
-    for), shade (0 to 1, how much it looks towards the lamp of `rigid`) and tint.
+    shape : {sphere: radius}, {capsule: [length of the straight part, radius]} along y, {box: [x, y, z]}, in m; or a list of
+        these for a compound, each with optional `at` (m), `turn` (degrees) and `density` (relative to the others)
+    velocity : m/s, of the centre of mass
+    spin : rad/s, (3,)
+    turn : rotation vector, axis times angle
+    pivot : a point (3,) of the body that stays in place
+    axle : (3,), the body can only rotate about this axis, through the pivot or, without one, the centre of mass
+    static : the body never moves
+    points : approximate number of particles of a body; six more, with radius 0, have mass inside it
+    grain : m, radius of the particles
+    Its particles have the attributes normal_x, normal_y, normal_z (outward), area (m^2, half the surface that a point
+    represents), shade (0 to 1, how much it faces the lamp of `rigid`) and tint.
     """
 
-    shape: object = param(doc="sphere, capsule, box, or a list of such")
+    shape: object = param(doc="sphere, capsule, box, or a list of these")
     density: float = param(1000.0, unit="kg/m^3", min=1e-300)
-    mass: float = param(None, unit="kg", min=1e-300, doc="of each body; by its density when left out")
+    mass: float = param(None, unit="kg", min=1e-300, doc="of each body; default: from its density")
     hollow: bool = param(False, doc="the mass is on the surface; density is then in kg/m^2")
     position: tuple = param((0.0, 0.0, 0.0), unit="m")
     turn: tuple = param((0.0, 0.0, 0.0), unit="rad")
@@ -43,7 +48,7 @@ class RigidBody(Emitter):
         "cloud", choices=("cloud", "wire"), doc="points over the surface, or along edges and great circles"
     )
     points: int = param(400, min=8, max=10_000_000)
-    grain: float = param(None, unit="m", min=0, doc="three quarters of the points' spacing when left out")
+    grain: float = param(None, unit="m", min=0, doc="default: three quarters of the points' spacing")
     tint: tuple = param(
         (0.0, 0.0), kind="range", doc="a number to colour by; a range is spread over the bodies of the grid"
     )
@@ -62,12 +67,12 @@ class RigidBody(Emitter):
         if any(n != g for n, g in zip(grid, self.values["grid"])):
             raise UsageError(f"grid must be three whole numbers, not {list(self.values['grid'])}")
         start, count = np.array(v.pop("position")), int(np.prod(grid))
-        places = [(i, j, k) for j in range(grid[1]) for k in range(grid[2]) for i in range(grid[0])]
+        cells = [(i, j, k) for j in range(grid[1]) for k in range(grid[2]) for i in range(grid[0])]
         if v["pivot"] is not None and count > 1:
             raise UsageError("a pivot is for one body: leave out grid, or the pivot")
         self.group = Group(
-            body(position=start + pitch * place, tint=low + (high - low) * (n * _GOLDEN % 1.0), **v)
-            for n, place in enumerate(places)
+            body(position=start + pitch * cell, tint=low + (high - low) * (n * _GOLDEN % 1.0), **v)
+            for n, cell in enumerate(cells)
         )
 
     @property

@@ -1,4 +1,4 @@
-"""Where particles are born. Channels 1 to 9 of the particle's random stream belong to shapes."""
+"""Shapes: where particles are born. Channels 1 to 9 of the particle's random stream belong to shapes."""
 
 from gen_art.backend.runtime import real, ti
 from gen_art.emitters.base import Shape, shape
@@ -8,7 +8,7 @@ from gen_art.registry import param
 
 @ti.func
 def across(axis):
-    """Two unit vectors that complete a right-handed frame with `axis` (any length > 0); also the unit axis."""
+    """Two unit vectors that complete a right-handed frame with `axis` (any length > 0), and the unit axis."""
     n = axis / ti.max(axis.norm(), 1e-30)
     helper = ti.select(ti.abs(n[1]) < 0.9, ti.Vector([0.0, 1.0, 0.0]), ti.Vector([1.0, 0.0, 0.0]))
     e = helper.cross(n)
@@ -20,7 +20,8 @@ def across(axis):
 class Point(Shape):
     """One point.
 
-    x = at;  at : (3,) m
+    x = at
+    at : (3,) m
     """
 
     at: tuple = param((0.0, 0.0, 0.0), unit="m")
@@ -34,7 +35,8 @@ class Point(Shape):
 class Line(Shape):
     """A segment, uniformly.
 
-    x = start + s (end - start), s uniform;  start, end : (3,) m
+    x = start + s (end - start), s uniform in 0..1
+    start, end : (3,) m
     """
 
     start: tuple = param((0.0, 0.0, 0.0), unit="m")
@@ -49,7 +51,9 @@ class Line(Shape):
 class Ball(Shape):
     """The inside of a ball, uniformly in volume.
 
-    abs(x - center) = radius s^(1/3);  radius : m, >= 0;  center : (3,) m
+    abs(x - center) = radius s^(1/3), s uniform in 0..1
+    radius : m, >= 0
+    center : (3,) m
     """
 
     radius: float = param(1.0, unit="m", min=0)
@@ -64,7 +68,9 @@ class Ball(Shape):
 class Sphere(Shape):
     """The surface of a sphere, uniformly.
 
-    abs(x - center) = radius;  radius : m, >= 0;  center : (3,) m
+    abs(x - center) = radius
+    radius : m, >= 0
+    center : (3,) m
     """
 
     radius: float = param(1.0, unit="m", min=0)
@@ -79,7 +85,10 @@ class Sphere(Shape):
 class Disc(Shape):
     """A flat disc or annulus, uniformly in area.
 
-    inner <= abs(x - center) <= radius, across `axis`;  radius, inner : m, >= 0;  center, axis : (3,)
+    inner <= abs(x - center) <= radius, perpendicular to `axis`
+    radius, inner : m, >= 0
+    center : (3,) m
+    axis : (3,)
     """
 
     radius: float = param(1.0, unit="m", min=0)
@@ -97,16 +106,20 @@ class Disc(Shape):
 
 @shape("ring")
 class Ring(Shape):
-    """A circle, uniformly, or `spokes` points evenly spread on it.
+    """A circle, uniformly, or `spokes` points evenly spaced on it.
 
-    abs(x - center) = radius, across `axis`;  radius : m, >= 0;  center, axis : (3,);  spokes : 0 for the whole circle
+    abs(x - center) = radius, perpendicular to `axis`
+    radius : m, >= 0
+    center : (3,) m
+    axis : (3,)
+    spokes : 0 for the whole circle
     """
 
     radius: float = param(1.0, unit="m", min=0)
     center: tuple = param((0.0, 0.0, 0.0), unit="m")
     axis: tuple = param((0.0, 1.0, 0.0))
     spokes: int = param(0, min=0, max=100000, doc="points on the circle; 0 is all of it")
-    phase: float = param(0.0, unit="rad", doc="where the first spoke stands")
+    phase: float = param(0.0, unit="rad", doc="angle of the first spoke")
 
     @ti.func
     def place(self, r, t, q):
@@ -121,7 +134,8 @@ class Ring(Shape):
 class Box(Shape):
     """The inside of a box, uniformly.
 
-    min <= x <= max, component by component;  min, max : (3,) m
+    min <= x <= max, component by component
+    min, max : (3,) m
     """
 
     min: tuple = param((-0.5, -0.5, -0.5), unit="m")
@@ -136,7 +150,8 @@ class Box(Shape):
 class Gaussian(Shape):
     """A normal cloud.
 
-    x = center + sigma (n1, n2, n3), each n standard normal, axis by axis;  sigma, center : (3,) m
+    x = center + sigma (n1, n2, n3), component by component, each n standard normal
+    sigma, center : (3,) m
     """
 
     sigma: tuple = param((1.0, 1.0, 1.0), unit="m", min=0)

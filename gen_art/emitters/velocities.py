@@ -1,4 +1,4 @@
-"""How fast particles are born. Channels 11 to 19 of the random stream belong to velocities."""
+"""Velocities of particles at birth. Channels 11 to 19 of the random stream belong to velocities."""
 
 from gen_art.backend.runtime import real, ti
 from gen_art.emitters.base import Velocity, velocity
@@ -11,7 +11,8 @@ from gen_art.registry import param
 class Constant(Velocity):
     """The same velocity for all.
 
-    v = velocity;  (3,) m/s
+    v = value
+    value : (3,) m/s
     """
 
     value: tuple = param((0.0, 0.0, 0.0), unit="m/s")
@@ -25,7 +26,10 @@ class Constant(Velocity):
 class Cone(Velocity):
     """Directions uniform over the cap of half-angle `angle` around an axis.
 
-    v = speed n, cos(n, axis) uniform in [cos angle, 1];  axis (3,), angle degrees in YAML (radians in Python), speed m/s
+    v = speed n, cos(n, axis) uniform in [cos angle, 1]
+    axis : (3,)
+    angle : degrees in YAML (radians in Python)
+    speed : m/s
     """
 
     axis: tuple = param((0.0, 1.0, 0.0))
@@ -37,15 +41,16 @@ class Cone(Velocity):
         e, f, n = across(q.axis)
         c = 1.0 - r.uniform(11) * (1.0 - cos(q.angle))
         s = ti.sqrt(ti.max(1.0 - c * c, 0.0))
-        turn = 6.283185307179586 * r.uniform(12)
-        return (n * c + (e * cos(turn) + f * sin(turn)) * s) * r.range(q.speed, 13)
+        azimuth = 6.283185307179586 * r.uniform(12)
+        return (n * c + (e * cos(azimuth) + f * sin(azimuth)) * s) * r.range(q.speed, 13)
 
 
 @velocity("sphere")
 class Isotropic(Velocity):
     """Directions uniform over the sphere.
 
-    v = speed n, n isotropic;  speed m/s
+    v = speed n, n isotropic
+    speed : m/s
     """
 
     speed: tuple = param((1.0, 1.0), unit="m/s", kind="range")
@@ -57,10 +62,13 @@ class Isotropic(Velocity):
 
 @velocity("pitched")
 class Pitched(Velocity):
-    """Along an axis at a fixed pitch angle, the part across it turned as the place of birth is: ions on field lines.
+    """Along an axis at a fixed pitch angle, rotated about the axis as the place of birth is: ions on field lines.
 
     v = speed (cos(pitch) n + sin(pitch) e_phi), e_phi around the axis n at the place of birth; plus a spread
-    speed m/s;  pitch degrees in YAML (radians in Python), 0 along the axis;  spread m/s, normal in each direction
+    axis : (3,)
+    speed : m/s
+    pitch : degrees in YAML (radians in Python), 0 along the axis
+    spread : m/s, standard deviation, normal in each direction
     """
 
     axis: tuple = param((0.0, 1.0, 0.0))
@@ -80,11 +88,14 @@ class Pitched(Velocity):
 
 @velocity("orbit")
 class Orbit(Velocity):
-    """Round a centre of attraction, from the place of birth: a circle, or an ellipse.
+    """An orbit around a centre of attraction, from the place of birth: a circle or an ellipse.
 
     v = mean + sqrt(GM (1 + e) / abs(r)) n x r / abs(n x r),  r = x - center, n along the axis, e the eccentricity
-    GM : m^3/s^2     eccentricity : above 0 born at the pericentre of an ellipse, below 0 at its apocentre; the semi-major
-    axis is abs(r) / (1 - e)     mean : (3,) m/s, velocity of the centre.  Source: Murray & Dermott, Solar System Dynamics, ch. 2.
+    GM : m^3/s^2
+    eccentricity : above 0 the particle is born at the pericentre of an ellipse, below 0 at its apocentre; the semi-major axis is
+        abs(r) / (1 - e)
+    mean : (3,) m/s, velocity of the centre
+    Source: Murray & Dermott, Solar System Dynamics, ch. 2.
     """
 
     GM: float = param(1.0, unit="m^3/s^2", min=0)
@@ -96,11 +107,11 @@ class Orbit(Velocity):
     @ti.func
     def velocity(self, r, t, q, x):
         e, _, n = across(q.axis)
-        arm = x - q.center
-        around = n.cross(arm)
+        offset = x - q.center
+        around = n.cross(offset)
         length = around.norm()
         around = ti.select(length > 1e-12, around / ti.max(length, 1e-30), e)
-        speed = ti.sqrt(q.GM * (1.0 + r.range(q.eccentricity, 13)) / ti.max(arm.norm(), 1e-30))
+        speed = ti.sqrt(q.GM * (1.0 + r.range(q.eccentricity, 13)) / ti.max(offset.norm(), 1e-30))
         return q.mean + speed * around
 
 
@@ -108,7 +119,8 @@ class Orbit(Velocity):
 class Radial(Velocity):
     """Away from the emitter's origin, through the place of birth.
 
-    v = speed x / abs(x);  speed m/s
+    v = speed x / abs(x)
+    speed : m/s
     """
 
     speed: tuple = param((1.0, 1.0), unit="m/s", kind="range")
@@ -122,7 +134,9 @@ class Radial(Velocity):
 class Thermal(Velocity):
     """Maxwell's distribution about a mean.
 
-    v = mean + sigma (normal, normal, normal);  sigma m/s, >= 0: sqrt(kT/m);  mean (3,) m/s
+    v = mean + sigma (normal, normal, normal)
+    sigma : m/s, >= 0, sqrt(kT/m)
+    mean : (3,) m/s
     """
 
     sigma: float = param(1.0, unit="m/s", min=0)
@@ -135,9 +149,10 @@ class Thermal(Velocity):
 
 @velocity("cross")
 class Cross(Velocity):
-    """The particles of a burst leave at right angles in one randomly turned plane.
+    """The particles of a burst leave at right angles in one random plane.
 
-    v = speed (cos(k pi/2) e + sin(k pi/2) f), k the ordinal in the burst, e and f from the burst's stream;  speed m/s
+    v = speed (cos(k pi/2) e + sin(k pi/2) f), k the ordinal in the burst, e and f from the burst's stream
+    speed : m/s
     """
 
     speed: tuple = param((1.0, 1.0), unit="m/s", kind="range")
@@ -145,15 +160,17 @@ class Cross(Velocity):
     @ti.func
     def velocity(self, r, t, q, x):
         e, f, _ = across(r.burst.sphere(15))
-        turn = 1.5707963267948966 * ti.cast(r.ordinal % 4, real())
-        return (e * cos(turn) + f * sin(turn)) * r.burst.range(q.speed, 13)
+        azimuth = 1.5707963267948966 * ti.cast(r.ordinal % 4, real())
+        return (e * cos(azimuth) + f * sin(azimuth)) * r.burst.range(q.speed, 13)
 
 
 @velocity("ring")
 class RingBurst(Velocity):
-    """The particles of a burst leave in one plane, evenly spread or at random angles.
+    """The particles of a burst leave in one plane, at random angles.
 
-    v = speed (cos a e + sin a f), a uniform, e and f across the axis; axis (0, 0, 0) turns the plane at random per burst
+    v = speed (cos a e + sin a f), a uniform, e and f perpendicular to the axis
+    speed : m/s
+    axis : (0, 0, 0) gives each burst a random plane
     """
 
     speed: tuple = param((1.0, 1.0), unit="m/s", kind="range")
@@ -163,5 +180,5 @@ class RingBurst(Velocity):
     def velocity(self, r, t, q, x):
         n = ti.select(q.axis.norm() > 0.0, q.axis, r.burst.sphere(15))
         e, f, _ = across(n)
-        turn = 6.283185307179586 * r.uniform(12)
-        return (e * cos(turn) + f * sin(turn)) * r.range(q.speed, 13)
+        azimuth = 6.283185307179586 * r.uniform(12)
+        return (e * cos(azimuth) + f * sin(azimuth)) * r.range(q.speed, 13)

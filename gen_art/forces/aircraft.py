@@ -1,4 +1,4 @@
-"""An aeroplane as a point with wings: lift, drag and thrust under control."""
+"""An aeroplane as a point with wings: lift, drag and thrust, with control inputs over time."""
 
 import math
 
@@ -15,14 +15,22 @@ class Aircraft(Controlled):
     """An aeroplane in co-ordinated flight: a point with wings, an engine, and a pilot's recorded inputs.
 
     F = 1/2 density w^2 area (C_L n - C_D w / abs(w)) + throttle max_thrust w / abs(w),  w = v - u(x, t)
-    C_L = lift_slope angle_of_attack, and no more than at `stall`,  C_D = drag_coefficient + C_L^2 / (pi efficiency aspect_ratio)
-    n across w, upwards in the vertical plane of w, turned about w by `bank`
+    C_L = lift_slope angle_of_attack, limited to its value at `stall`
+    C_D = drag_coefficient + C_L^2 / (pi efficiency aspect_ratio)
+    n perpendicular to w, upwards in the vertical plane of w, rotated about w by `bank`
 
-    angle_of_attack, bank : degrees in YAML and in the file (radians in Python); from zero lift, positive to the right
-    throttle : 0 to 1     max_thrust : N     area : m^2, of the wings     lift_slope : 1/rad     up : (3,), away from the ground
-    controls : a .csv file with the columns time (s) and any of angle_of_attack, bank, throttle: they take the place of the
-    parameters. density : kg/m^3; the medium's when left out.  `trim` finds the inputs of level flight. Straight up or down
-    it has no bank, and flies as a projectile. Use rk4. Sources: Anderson, Introduction to Flight, chapter 6; McCormick.
+    angle_of_attack : degrees in YAML and in the file (radians in Python), from zero lift
+    bank : degrees in YAML and in the file (radians in Python), positive to the right
+    throttle : 0 to 1
+    max_thrust : N
+    area : m^2, of the wings
+    lift_slope : 1/rad
+    up : (3,), away from the ground
+    controls : a .csv file with the columns time (s) and any of angle_of_attack, bank, throttle, which replace the parameters
+    density : kg/m^3; the medium's when left out
+    `trim` finds the inputs of level flight. In vertical flight the bank is undefined, and the aeroplane has no lift.
+    Use the `rk4` integrator.
+    Source: Anderson, Introduction to Flight, chapter 6; McCormick.
     """
 
     area: float = param(16.0, unit="m^2", min=0)
@@ -51,35 +59,40 @@ class Aircraft(Controlled):
     def force(self, p, t, q):
         w = p.velocity - p.flow
         speed = ti.max(w.norm(), 1e-12)
-        ahead = w / speed
+        forward = w / speed
         up = q.up / q.up.norm()
-        above = up - ahead * up.dot(ahead)
-        above /= ti.max(above.norm(), 1e-12)
+        lift_up = up - forward * up.dot(forward)
+        lift_up /= ti.max(lift_up.norm(), 1e-12)
         bank = self.recorded(1, t, q)
-        across = above * cos(bank) + ahead.cross(above) * sin(bank)
-        attack = ti.min(ti.max(self.recorded(0, t, q), -q.stall), q.stall)
-        lift = q.lift_slope * attack
+        lift_direction = lift_up * cos(bank) + forward.cross(lift_up) * sin(bank)
+        angle = ti.min(ti.max(self.recorded(0, t, q), -q.stall), q.stall)
+        lift = q.lift_slope * angle
         drag = q.drag_coefficient + lift * lift / (3.141592653589793 * q.efficiency * q.aspect_ratio)
         pressure = 0.5 * q.density * speed * speed * q.area
-        return across * (pressure * lift) + ahead * (self.recorded(2, t, q) * q.max_thrust - pressure * drag)
+        return lift_direction * (pressure * lift) + forward * (self.recorded(2, t, q) * q.max_thrust - pressure * drag)
 
     def trim(self, speed: float, mass: float, density: float, gravity: float = 9.81) -> tuple[float, float]:
-        """(angle_of_attack in radians, throttle) that keep `mass` (kg) level at `speed` (m/s) in air of `density` (kg/m^3).
+        """(angle_of_attack in radians, throttle) that keep the aeroplane in level flight.
 
-        C_L = m g / (1/2 density speed^2 area), thrust = drag. Raises UsageError where the wings or the engine are too weak.
+        C_L = m g / (1/2 density speed^2 area), thrust = drag
+        speed : m/s
+        mass : kg
+        density : kg/m^3, of the air
+        gravity : m/s^2
+        Raises UsageError where the wings or the engine are too weak.
         """
         v = self.values
         pressure = 0.5 * density * speed**2 * v["area"]
         lift = mass * gravity / pressure
-        attack = lift / v["lift_slope"]
+        angle = lift / v["lift_slope"]
         drag = v["drag_coefficient"] + lift**2 / (math.pi * v["efficiency"] * v["aspect_ratio"])
-        if attack > v["stall"]:
+        if angle > v["stall"]:
             raise UsageError(
-                f"at {speed:g} m/s the wings stall: level flight would need {math.degrees(attack):.1f} degrees"
+                f"at {speed:g} m/s the wings stall: level flight would need {math.degrees(angle):.1f} degrees"
             )
         throttle = pressure * drag / v["max_thrust"] if v["max_thrust"] else math.inf
         if throttle > 1:
             raise UsageError(
                 f"at {speed:g} m/s level flight needs {pressure * drag:.4g} N, and the engine gives {v['max_thrust']:g} N"
             )
-        return attack, throttle
+        return angle, throttle

@@ -1,4 +1,4 @@
-"""The contract of a force: what a class may declare, and what the kernels ask of it."""
+"""The contract of a force: what a class may declare, and what the kernels use of it."""
 
 from typing import ClassVar
 
@@ -6,32 +6,51 @@ from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.registry import Parametric, Registry
 
-__all__ = ["FORCES", "Force", "burns", "force", "is_steady", "pushes", "term_acceleration", "term_mass_rate"]
+__all__ = [
+    "FORCES",
+    "Force",
+    "force",
+    "has_acceleration",
+    "is_steady",
+    "loses_mass",
+    "term_acceleration",
+    "term_mass_rate",
+]
 
 FORCES = Registry("force")
 force = FORCES  # as a decorator: @ga.force("swirl")
 
 
 class Force(Parametric):
-    """Acts on one particle from its own state, the time and parameters.
+    """A force that acts on one particle, from the particle's own state, the time and parameters.
 
-    A subclass declares parameters by `name: float = ga.param(...)` and any of these @ti.func methods, each called as
-    `(self, p, t, q)` with p the particle (position, velocity, mass, charge, radius, age, lifetime, key, declared
-    attributes), t the time in seconds and q the run-time parameters:
+    A subclass declares parameters by `name: float = ga.param(...)` and any of the @ti.func methods below. Each is called as
+    `(self, p, t, q)`:
 
-    acceleration  (3,) m/s^2            force     (3,) N, divided by the particle's mass
-    electric      (3,) V/m              magnetic  (3,) T
-    damping       (2,) rate in 1/s and quadratic rate in 1/m, taken into the integrator exactly
+    p : the particle (position, velocity, mass, charge, radius, age, lifetime, key, declared attributes)
+    t : time, s
+    q : the run-time parameters
+
+    acceleration  (3,) m/s^2
+    force         (3,) N, divided by the particle's mass
+    electric      (3,) V/m
+    magnetic      (3,) T
+    damping       (2,) rate in 1/s and quadratic rate in 1/m, which the integrator solves exactly
     potential     J, time-independent; -gradient is the force
-    mass_rate     kg/s that the particle's mass falls by, held over a step; p.since, p.step: age at its start, its length, s
-                  (`mass_loss`, the same by another name, where mass_rate is a parameter)
+    mass_rate     kg/s by which the particle's mass falls, constant over a step; p.since is the age at the step's start, p.step
+                  its length, s (`mass_loss` is the same under another name, for classes with a parameter mass_rate)
 
-    Flags, which the ledger and `inspect` read: `conservative` (has a time-independent potential), `reciprocal`,
-    `dissipative`, `does_work`. `repeat` names an int parameter: the term is summed for q.index in 0 .. q.<repeat> - 1.
-    `depends_on_velocity` tells the integrators that a plain kick loses an order. `steady`: its vectors, and the rates of its
-    damping, depend on neither time, age nor velocity, as those of a conservative force do not; leapfrog then keeps what its
-    last kick found for the next step's first, where nothing has moved. `reads_medium` gives `p.flow` (3,) m/s,
-    the velocity of the system's medium where the particle is. `needs` names attributes that particles must have.
+    Flags, which the ledger and `inspect` read:
+    conservative : has a time-independent potential
+    reciprocal, dissipative, does_work : as their names say
+    repeat : the name of an int parameter; the term is summed for q.index in 0 .. q.<repeat> - 1
+    depends_on_velocity : tells the integrators that a plain kick loses an order
+    steady : its vectors, and the rates of its damping, depend on neither time, age nor velocity (those of a conservative force
+        never do). Leapfrog then reuses the accelerations of its last kick for the next step's first, where nothing has moved
+    reads_medium : gives `p.flow` (3,) m/s, the velocity of the system's medium at the particle
+    drags_on_mass : the rates of `damping` are divided by the mass
+    needs : attributes that particles must have
+    quadratic_damping : False if the second number of `damping` is always 0
     """
 
     repeat: ClassVar[str | None] = None
@@ -42,9 +61,9 @@ class Force(Parametric):
     depends_on_velocity: ClassVar[bool] = False
     steady: ClassVar[bool] = False
     reads_medium: ClassVar[bool] = False
-    drags_on_mass: ClassVar[bool] = False  # True where the rates of `damping` are divided by the mass
+    drags_on_mass: ClassVar[bool] = False
     needs: ClassVar[tuple[str, ...]] = ()
-    quadratic_damping: ClassVar[bool] = True  # False where the second number of `damping` is always 0
+    quadratic_damping: ClassVar[bool] = True
 
     def __init_subclass__(cls, **kwargs):
         super().__init_subclass__(**kwargs)
@@ -60,12 +79,12 @@ class Force(Parametric):
 
     @property
     def fixed(self) -> tuple:
-        """What is generated into the kernel: the class and its choices and flags. Numbers are never in it."""
+        """What the kernel is compiled for: the class and its choices and flags. Numbers are never part of it."""
         values = tuple((k, self.values[k]) for k, p in self.parameters.items() if p.kind in ("bool", "choice", "text"))
         return (type(self), values)
 
     def check_mass(self, lightest: float) -> None:
-        """UsageError if the lightest particle of a system, in kg, is too light for this force."""
+        """Raises UsageError if the lightest particle of a system, in kg, is too light for this force."""
         in_newtons = self.drags_on_mass or any(self.provides(k) for k in ("force", "electric", "magnetic"))
         if lightest <= 0 and in_newtons:
             raise UsageError(
@@ -74,7 +93,10 @@ class Force(Parametric):
             )
 
     def bound_numbers(self, medium) -> list[float]:
-        """The run-time numbers, once the medium the particle moves in is known: a `density` left out is the medium's."""
+        """The run-time numbers in a medium: a `density` that was left out is the medium's.
+
+        Raises UsageError if this force needs a density and neither gives one.
+        """
         numbers = self.numbers()
         if "density" in self.parameters and self.values["density"] is None:
             if self.needs_density and not medium.density:
@@ -84,13 +106,13 @@ class Force(Parametric):
 
     @property
     def needs_density(self) -> bool:
-        """Whether it can do nothing without the density of the fluid, where it has a parameter for it."""
+        """Whether a force with the parameter `density` has no effect without it."""
         return True
 
 
 @ti.func
 def term_acceleration(term: ti.template(), p, t, q):
-    """The acceleration (3,) of one term, whichever way the class states it (magnetic part left out)."""
+    """The acceleration (3,) of one term, whichever method the class defines; without the magnetic part."""
     a = ti.Vector([0.0, 0.0, 0.0])
     if ti.static(term.provides("acceleration")):
         a += term.acceleration(p, t, q)
@@ -101,14 +123,14 @@ def term_acceleration(term: ti.template(), p, t, q):
     return a
 
 
-def pushes(term) -> bool:
+def has_acceleration(term) -> bool:
     """Whether a term has a part that acts as an acceleration."""
     return any(term.provides(n) for n in ("acceleration", "force", "electric"))
 
 
 @ti.func
 def term_mass_rate(term: ti.template(), p, t, q):
-    """The mass in kg/s that one term burns."""
+    """The mass rate of one term, kg/s."""
     rate = p.mass * 0.0
     if ti.static(term.provides("mass_rate")):
         rate = term.mass_rate(p, t, q)
@@ -118,10 +140,10 @@ def term_mass_rate(term: ti.template(), p, t, q):
 
 
 def is_steady(term) -> bool:
-    """Whether a term gives the same vectors again where a particle has not moved."""
+    """Whether a term gives the same vectors again if a particle has not moved."""
     return (term.steady or term.conservative) and not term.depends_on_velocity
 
 
-def burns(term) -> bool:
-    """Whether a term takes mass from the particle."""
+def loses_mass(term) -> bool:
+    """Whether a term reduces the particle's mass."""
     return term.provides("mass_rate") or term.provides("mass_loss")

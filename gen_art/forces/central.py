@@ -13,7 +13,9 @@ class CentralForce(Force):
     a = -strength s^(exponent - 1) r,  s^2 = abs(r)^2 + softening^2,  r = x - center;  times charge / mass if per_charge
     U = m strength s^(exponent + 1) / (exponent + 1), or m strength ln s for exponent -1
 
-    strength : m^(1 - exponent) / s^2 (N m^-exponent / C per charge)     exponent : -6 to 6     softening : m, >= 0
+    strength : m^(1 - exponent) / s^2 (N m^-exponent / C if per_charge)
+    exponent : -6 to 6
+    softening : m, >= 0
     Conservative. Source: Landau & Lifshitz, Mechanics, section 14.
     """
 
@@ -28,10 +30,10 @@ class CentralForce(Force):
     def force(self, p, t, q):
         r = p.position - q.center
         s = ti.sqrt(r.dot(r) + q.softening * q.softening)
-        return r * (-self.amount(p) * q.strength * power(s, q.exponent - 1.0))
+        return r * (-self.mass_or_charge(p) * q.strength * power(s, q.exponent - 1.0))
 
     @ti.func
-    def amount(self, p):
+    def mass_or_charge(self, p):
         return p.charge if ti.static(self.values["per_charge"]) else p.mass
 
     @ti.func
@@ -39,8 +41,9 @@ class CentralForce(Force):
         r = p.position - q.center
         s = ti.sqrt(r.dot(r) + q.softening * q.softening)
         n = q.exponent + 1.0
-        flat = ti.abs(n) < 1e-12
-        return self.amount(p) * q.strength * ti.select(flat, log(s), power(s, n) / ti.select(flat, 1.0, n))
+        logarithmic = ti.abs(n) < 1e-12
+        u = ti.select(logarithmic, log(s), power(s, n) / ti.select(logarithmic, 1.0, n))
+        return self.mass_or_charge(p) * q.strength * u
 
 
 @force("point_gravity")
@@ -49,7 +52,9 @@ class PointGravity(Force):
 
     a = -GM r / s^3,  U = -m GM / s,  s^2 = abs(r)^2 + softening^2,  r = x - center
 
-    GM : m^3/s^2     softening : m, >= 0.  Conservative.
+    GM : m^3/s^2
+    softening : m, >= 0
+    Conservative.
     """
 
     center: tuple = param((0.0, 0.0, 0.0), unit="m")
@@ -75,7 +80,9 @@ class Hernquist(Force):
 
     a = -GM r / (abs(r) (abs(r) + scale)^2),  U = -m GM / (abs(r) + scale),  r = x - center
 
-    GM : m^3/s^2     scale : m, > 0.  Conservative. Source: Hernquist (1990), ApJ 356, 359.
+    GM : m^3/s^2
+    scale : m, > 0
+    Conservative. Source: Hernquist (1990), ApJ 356, 359.
     """
 
     GM: float = param(1.0, unit="m^3/s^2", min=0)

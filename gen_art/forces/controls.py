@@ -1,4 +1,4 @@
-"""Control inputs recorded over time: a table of numbers that a force reads as it goes."""
+"""Control inputs recorded over time, as a table that a force reads."""
 
 import csv
 import math
@@ -15,13 +15,14 @@ from gen_art.registry import param
 
 __all__ = ["Controlled", "read_controls"]
 
-LARGEST = 1_000_000  # rows
+MAX_ROWS = 1_000_000  # rows
 
 
 def read_controls(given, names: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """{"time": (n,), name: (n,)} float64 of a .csv file, whose first line names the columns, or of a mapping of arrays.
+    """{"time": (n,), name: (n,)} float64 from a .csv file, whose first line names the columns, or from a mapping of arrays.
 
-    time in s, rising; of `names` those that are there. Raises UsageError for what is no such table.
+    time : s, increasing
+    Only those of `names` that are present are returned. Raises UsageError if it is not such a table.
     """
     columns = dict(given) if isinstance(given, Mapping) else _read(given)
     label = "controls" if isinstance(given, Mapping) else str(given)
@@ -34,14 +35,14 @@ def read_controls(given, names: tuple[str, ...]) -> dict[str, np.ndarray]:
     table = {name: np.asarray(column, np.float64) for name, column in columns.items()}
     time = table["time"]
     for name, column in table.items():
-        if column.ndim != 1 or len(column) != len(time) or not 1 <= len(column) <= LARGEST:
-            raise UsageError(f"{label}: columns must be lists of one length, from 1 to {LARGEST:,}: {name} is not")
+        if column.ndim != 1 or len(column) != len(time) or not 1 <= len(column) <= MAX_ROWS:
+            raise UsageError(f"{label}: columns must be lists of one length, from 1 to {MAX_ROWS:,}: {name} is not")
         if not np.isfinite(column).all():
             raise UsageError(f"{label}: {name} holds numbers that are not finite")
     if (np.diff(time) <= 0).any():
-        at = int(np.flatnonzero(np.diff(time) <= 0)[0])
+        row = int(np.flatnonzero(np.diff(time) <= 0)[0])
         raise UsageError(
-            f"{label}: times must rise from row to row, but {time[at]:g} s is followed by {time[at + 1]:g} s"
+            f"{label}: times must rise from row to row, but {time[row]:g} s is followed by {time[row + 1]:g} s"
         )
     return table
 
@@ -74,9 +75,9 @@ def _read(given) -> dict[str, list[float]]:
 
 
 class Controlled(Force):
-    """What forces with control inputs have in common. Each name in `inputs` is a parameter, and may be a column.
+    """The base of forces with control inputs. Each name in `inputs` is a parameter, and may be a column of the table.
 
-    The value between two rows is on the line through them; before the first and after the last it is theirs.
+    Between two rows the value is linear; before the first and after the last row it is theirs.
     """
 
     controls: object = param(
@@ -108,7 +109,7 @@ class Controlled(Force):
         self._table = np.concatenate([[len(table["time"])], table["time"], *columns])
 
     @property
-    def steady(self) -> bool:  # type: ignore[override]  # of the instance: only a table changes with time
+    def steady(self) -> bool:  # type: ignore[override]  # depends on the instance: only a table changes with time
         return self.values["controls"] is None
 
     @property
@@ -120,7 +121,7 @@ class Controlled(Force):
 
     @ti.func
     def recorded(self, k: ti.template(), t, q):
-        """Input number k at time t."""
+        """Control input number k at time t."""
         n = ti.cast(q.table(0), ti.i32)
         low, high = 0, n - 1
         while high - low > 1:
@@ -129,8 +130,8 @@ class Controlled(Force):
                 low = middle
             else:
                 high = middle
-        begin, end = q.table(1 + low), q.table(1 + high)
-        share = ti.select(end > begin, (t - begin) / ti.select(end > begin, end - begin, 1.0), 0.0)
-        share = ti.min(ti.max(share, 0.0), 1.0)
-        at = 1 + n * (k + 1)
-        return q.table(at + low) * (1.0 - share) + q.table(at + high) * share
+        start, end = q.table(1 + low), q.table(1 + high)
+        fraction = ti.select(end > start, (t - start) / ti.select(end > start, end - start, 1.0), 0.0)
+        fraction = ti.min(ti.max(fraction, 0.0), 1.0)
+        row = 1 + n * (k + 1)
+        return q.table(row + low) * (1.0 - fraction) + q.table(row + high) * fraction

@@ -13,8 +13,11 @@ class Drag(Force):
 
     F = -linear w - (quadratic + 1/2 density cd pi radius^2) abs(w) w,  w = v - u(x, t)
 
-    linear : kg/s, >= 0     quadratic : kg/m, >= 0     cd : drag coefficient of the particle's sphere, >= 0
-    density : kg/m^3 of the fluid, for cd; the medium's when left out.     medium : a ga.Medium, the system's when left out.
+    linear : kg/s, >= 0
+    quadratic : kg/m, >= 0
+    cd : drag coefficient of the particle's sphere, >= 0
+    density : kg/m^3 of the fluid, for cd; the medium's when left out
+    medium : a ga.Medium; the system's when left out
     Dissipative. Source: Landau & Lifshitz, Fluid Mechanics, sections 20 and 45.
     """
 
@@ -41,9 +44,11 @@ class Drag(Force):
 class Damping(Force):
     """Relaxation towards the medium's velocity, whatever the particle's mass.
 
-    a = -rate (v - u(x, t));  1/rate is the time to close all but 1/e of the difference
+    a = -rate (v - u(x, t));  after the time 1/rate, 1/e of the difference is left
 
-    rate : 1/s, >= 0.     medium : a ga.Medium, the system's when left out.  Dissipative.
+    rate : 1/s, >= 0
+    medium : a ga.Medium; the system's when left out
+    Dissipative.
     """
 
     steady = True

@@ -13,7 +13,10 @@ class Driver(Force):
 
     F = amplitude cos(2 pi frequency t + phase) n,  n = direction / abs(direction)
 
-    amplitude : N     frequency : Hz, >= 0     phase : rad (degrees in YAML)     direction : (3,).
+    amplitude : N
+    frequency : Hz, >= 0
+    phase : rad (degrees in YAML)
+    direction : (3,)
     Does work; time-dependent, no potential.
     """
 

@@ -10,9 +10,9 @@ from gen_art.registry import param
 COULOMB = 8.9875517923e9  # 1 / (4 pi epsilon0), N m^2 / C^2
 
 
-def _needs_axis(one):
-    if not any(one.values["axis"]):
-        raise UsageError(f"{type(one).__name__}: axis must not be the null vector")
+def _check_axis(source):
+    if not any(source.values["axis"]):
+        raise UsageError(f"{type(source).__name__}: axis must not be the null vector")
 
 
 @force("electric_dipole")
@@ -22,8 +22,9 @@ class ElectricDipole(Force):
     E = k (3 (d . r) r / s^5 - d / s^3),  U = q k d . r / s^3,  s^2 = abs(r)^2 + softening^2,  r = x - center,
     k = 1 / (4 pi epsilon0)
 
-    moment : d, (3,) C m, from the negative to the positive charge     softening : m, >= 0.  Conservative.
-    Source: Jackson, Classical Electrodynamics, section 4.1.
+    moment : d, (3,) C m, from the negative to the positive charge
+    softening : m, >= 0
+    Conservative. Source: Jackson, Classical Electrodynamics, section 4.1.
     """
 
     moment: tuple = param((0.0, 1e-10, 0.0), unit="C m")
@@ -47,13 +48,16 @@ class ElectricDipole(Force):
 
 @force("electric_wire")
 class ElectricWire(Force):
-    """The field about a long straight charged wire.
+    """The field of a long straight charged wire.
 
     E = 2 k charge_density rho / (abs(rho)^2 + core^2),  U = -q k charge_density ln(abs(rho)^2 + core^2),
     rho the distance vector from the wire,  k = 1 / (4 pi epsilon0)
 
-    charge_density : C/m     core : m, > 0, thickness of the wire     center, axis : (3,).  Conservative.
-    Source: Jackson, Classical Electrodynamics, section 1.3.
+    charge_density : C/m
+    core : m, > 0, thickness of the wire
+    center : (3,) m, a point of the wire
+    axis : (3,), its direction
+    Conservative. Source: Jackson, Classical Electrodynamics, section 1.3.
     """
 
     charge_density: float = param(1e-10, unit="C/m")
@@ -63,34 +67,37 @@ class ElectricWire(Force):
     conservative = True
 
     def prepare(self):
-        _needs_axis(self)
+        _check_axis(self)
 
     @ti.func
-    def away(self, p, q):
+    def _distance_vector(self, p, q):
         n = q.axis / q.axis.norm()
         r = p.position - q.center
         return r - n * r.dot(n)
 
     @ti.func
     def electric(self, p, t, q):
-        rho = self.away(p, q)
+        rho = self._distance_vector(p, q)
         return rho * (2.0 * COULOMB * q.charge_density / (rho.dot(rho) + q.core * q.core))
 
     @ti.func
     def potential(self, p, t, q):
-        rho = self.away(p, q)
+        rho = self._distance_vector(p, q)
         return -p.charge * COULOMB * q.charge_density * log(rho.dot(rho) + q.core * q.core)
 
 
 @force("electric_quadrupole")
 class ElectricQuadrupole(Force):
-    """The field of a Penning trap's electrodes: it holds charges along its axis and pushes them out across it.
+    """The field of a Penning trap's electrodes: it confines charges along its axis and accelerates them away from it.
 
     E = -voltage / (2 size^2) (2 z n - rho),  U = q voltage / (2 size^2) (z^2 - abs(rho)^2 / 2),  r = x - center = z n + rho
     w_z^2 = q voltage / (m size^2); in a magnetic field B along n, w+- = w_c / 2 +- sqrt(w_c^2 / 4 - w_z^2 / 2), w_c = q B / m
 
-    voltage : V     size : m, > 0, the trap's characteristic length     center, axis : (3,).  Conservative.
-    Source: Brown & Gabrielse (1986), Rev. Mod. Phys. 58, 233.
+    voltage : V
+    size : m, > 0, the trap's characteristic length
+    center : (3,) m
+    axis : (3,), the direction n
+    Conservative. Source: Brown & Gabrielse (1986), Rev. Mod. Phys. 58, 233.
     """
 
     voltage: float = param(1.0, unit="V")
@@ -100,7 +107,7 @@ class ElectricQuadrupole(Force):
     conservative = True
 
     def prepare(self):
-        _needs_axis(self)
+        _check_axis(self)
 
     @ti.func
     def electric(self, p, t, q):
@@ -120,10 +127,13 @@ class ElectricQuadrupole(Force):
 class ElectricGrid(Sampled):
     """An electric field sampled on a grid.
 
-    E = strength V(x), V the trilinear blend of the grid's vectors in V/m, the first and last at the corners of `bounds`
+    E = strength V(x), V the trilinear interpolation of the grid's vectors in V/m
 
-    field : a .npy file, picture or array, as of vector_field     bounds : m     strength : factor     outside : zero, or the
-    vectors of the edge.  Does work (no potential is kept). Source: Press and others, Numerical Recipes, section 3.6.
+    field : a .npy file, picture or array, as of vector_field
+    bounds : m, the corners at which the first and the last vector stand
+    strength : factor
+    outside : zero, or the vectors of the edge
+    Does work (no potential is kept). Source: Press and others, Numerical Recipes, section 3.6.
     """
 
     @ti.func

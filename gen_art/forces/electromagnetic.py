@@ -1,4 +1,4 @@
-"""Electric and magnetic fields on charges."""
+"""Electric and magnetic fields that act on charges."""
 
 from gen_art.backend.runtime import ti
 from gen_art.forces.base import Force, force
@@ -10,8 +10,10 @@ from gen_art.registry import param
 class ElectricField(Force):
     """A uniform electric field.
 
-    F = q E,  U = -q E . x;  field : (3,) V/m.  Conservative.
-    In Python `field` may be a source instead: a force with an electric field, a @ti.func of (p, t, q), or a grid's path or array.
+    F = q E,  U = -q E . x
+    field : (3,) V/m
+    Conservative. In Python `field` may also be a source: a force with an electric field, a @ti.func of (p, t, q), or a grid's
+    path or array.
     """
 
     def __new__(cls, field=None, *args, **options):
@@ -33,8 +35,10 @@ class ElectricField(Force):
 class MagneticField(Force):
     """A uniform magnetic field.
 
-    F = q v x B;  field : (3,) T.  Does no work. Use the `boris` integrator.
-    In Python `field` may be a source instead: a force with a magnetic field, a @ti.func of (p, t, q), or a grid's path or array.
+    F = q v x B
+    field : (3,) T
+    Does no work. Use the `boris` integrator. In Python `field` may also be a source: a force with a magnetic field, a @ti.func of
+    (p, t, q), or a grid's path or array.
     """
 
     def __new__(cls, field=None, *args, **options):
@@ -51,11 +55,15 @@ class MagneticField(Force):
 
 @force("magnetic_mirror")
 class MagneticMirror(Force):
-    """A magnetic bottle: a field along an axis that tightens on either side of the centre, to second order in the distance.
+    """A magnetic bottle: a field along an axis that grows on either side of the centre, to second order in the distance.
 
     B_z = strength (1 + z^2 / L^2 - rho^2 / (2 L^2)),  B_rho = -strength rho z / L^2: curl-free and divergence-free
 
-    strength : T, in the middle     length : L, m, > 0     center, axis : (3,).  Does no work. Use the `boris` integrator.
+    strength : T, at the centre
+    length : L, m, > 0
+    center : (3,) m
+    axis : (3,)
+    Does no work. Use the `boris` integrator.
     Source: the vacuum field on an axis, expanded; Chen, Introduction to Plasma Physics, section 2.3.
     """
 

@@ -1,4 +1,4 @@
-"""What ElectricField and MagneticField make of a source that is not three numbers: an object, a function, a grid."""
+"""Forces from sources given to ElectricField and MagneticField: an object, a function or a grid."""
 
 from functools import cache
 from pathlib import Path
@@ -15,7 +15,7 @@ __all__ = ["field_of"]
 @cache
 def _magnetic_of(function) -> Force:
     class MagneticFunction(Force):
-        """A user's own magnetic field, B = f(p, t, q)."""
+        """A magnetic field from a user's function, B = f(p, t, q)."""
 
         does_work = False
         depends_on_velocity = True
@@ -30,7 +30,7 @@ def _magnetic_of(function) -> Force:
 @cache
 def _electric_of(function) -> Force:
     class ElectricFunction(Force):
-        """A user's own electric field, E = f(p, t, q)."""
+        """An electric field from a user's function, E = f(p, t, q)."""
 
         @ti.func
         def electric(self, p, t, q):
@@ -40,10 +40,13 @@ def _electric_of(function) -> Force:
 
 
 def field_of(quantity: str, source, options: dict) -> Force | None:
-    """The force of a source of the quantity, electric or magnetic; None where `source` is three numbers or left out.
+    """The force of a source of an electric or magnetic field; None if `source` is three numbers or left out.
 
-    A force that gives the quantity is taken as it is, a @ti.func of (p, t, q) is called, a path or an array (nx, ny, nz, 3) is a
-    grid, with the options of vector_field. Raises UsageError for a force that gives no such field.
+    quantity : "electric" or "magnetic"
+    source : a Force that provides the quantity is returned as it is; a @ti.func of (p, t, q) is called; a path or an array
+        (nx, ny, nz, 3) is a grid
+    options : of a grid, as of vector_field
+    Raises UsageError for a force that provides no such field.
     """
     from gen_art.forces.electric_sources import ElectricGrid
     from gen_art.forces.magnetic_sources import MagneticGrid

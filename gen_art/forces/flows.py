@@ -1,4 +1,4 @@
-"""Velocity fields with a shape: vortices and the flow through an aperture. Meant for a medium."""
+"""Velocity fields for a medium: vortices and the flow through an aperture."""
 
 from gen_art.backend.runtime import ti
 from gen_art.forces.base import Force, force
@@ -11,7 +11,11 @@ class Vortex(Force):
 
     u = circulation / (2 pi) n x rho / (abs(rho)^2 + core_radius^2),  rho the distance vector from the axis n
 
-    circulation : m^2/s     core_radius : m, > 0     center, axis : (3,).  A velocity in a medium, else an acceleration.
+    circulation : m^2/s
+    core_radius : m, > 0
+    center : (3,) m, a point of the axis
+    axis : (3,), its direction
+    As a term of a medium a velocity; as a force an acceleration.
     Source: Kaufmann (Scully) vortex, Saffman, Vortex Dynamics.
     """
 
@@ -31,13 +35,16 @@ class Vortex(Force):
 
 @force("aperture")
 class Aperture(Force):
-    """Ideal flow through a round hole in a thin wall: it gathers, passes the throat, and spreads again.
+    """Ideal flow through a round hole in a thin wall: it converges, passes the hole, and spreads again.
 
     u = speed (c n + s rho / (1 + s^2)) / (s^2 + c^2) in units of the hole's radius b, with z = s c and
     abs(rho)^2 = (1 + s^2)(1 - c^2): oblate spheroidal coordinates. On the axis u = speed / (1 + z^2 / b^2).
-    The gradient of speed b atan(s): no divergence, no curl; the edge of the hole is rounded off.
+    It is the gradient of speed b atan(s), without divergence and curl; the singular edge of the hole is smoothed.
 
-    speed : m/s at the centre of the hole     radius : b, m, > 0     center, axis : (3,).
+    speed : m/s at the centre of the hole
+    radius : b, m, > 0
+    center : (3,) m
+    axis : (3,)
     Source: Lamb, Hydrodynamics, section 108.
     """
 

@@ -10,9 +10,9 @@ from gen_art.registry import param
 class Gravity(Force):
     """A uniform field.
 
-    a = g;  U = -m g . x
-
-    field : (3,) m/s^2.  Conservative. Source: Landau & Lifshitz, Mechanics, section 5.
+    a = g,  U = -m g . x
+    field : g, (3,) m/s^2
+    Conservative. Source: Landau & Lifshitz, Mechanics, section 5.
     """
 
     field: tuple = param((0.0, -9.81, 0.0), unit="m/s^2", doc="acceleration")
@@ -30,13 +30,16 @@ class Gravity(Force):
 
 @force("height_gravity")
 class HeightGravity(Force):
-    """Gravity that weakens with the height above the ground: of a globe, or of a flat ground with a globe's strength.
+    """Gravity that decreases with the height above the ground: of a globe, or of a flat ground with a globe's field strength.
 
     a = -surface (radius / (radius + h))^2 n,  U = -m surface radius^2 / (radius + h)
     globe: h = abs(x - c) - radius, n = (x - c) / abs(x - c), c = point - radius up; below ground a falls linearly to 0 at c
     flat: h = (x - point) . up, n = up; below ground a is that of the ground
 
-    surface : m/s^2, at the ground, >= 0     radius : m, > 0     point : (3,) m, of the ground     up : (3,)
+    surface : m/s^2, at the ground, >= 0
+    radius : m, > 0
+    point : (3,) m, a point of the ground
+    up : (3,)
     Conservative. Source: Landau & Lifshitz, Mechanics, section 15.
     """
 
@@ -44,7 +47,7 @@ class HeightGravity(Force):
     radius: float = param(6.371e6, unit="m", min=1e-30)
     point: tuple = param((0.0, 0.0, 0.0), unit="m")
     up: tuple = param((0.0, 1.0, 0.0))
-    ground: str = param("flat", choices=("flat", "globe"), doc="which of the two")
+    ground: str = param("flat", choices=("flat", "globe"), doc="the form of the ground")
     conservative = True
 
     def prepare(self):

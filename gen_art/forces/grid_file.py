@@ -1,4 +1,4 @@
-"""Grids of vectors from a .npy file, a picture's two channels or an array, checked before they are used."""
+"""Grids of vectors from a .npy file, from two channels of a picture, or from an array, with their checks."""
 
 from pathlib import Path
 
@@ -8,26 +8,25 @@ from gen_art.errors import UsageError
 
 __all__ = ["read_array", "read_grid"]
 
-LARGEST = 2**24  # vectors: 256^3
+MAX_VECTORS = 2**24  # vectors: 256^3
 _SHAPE = "(nx, ny, nz, 3): a vector for each place of a grid"
 
 
 def read_grid(given) -> np.ndarray:
-    """(nx, ny, nz, 3) float64 of a path or an array. Raises UsageError for what is no such grid.
+    """(nx, ny, nz, 3) float64 from a path or an array.
 
     A .npy file or array has that shape. A picture gives (width, height, 1, 3): red is x, green is y, 0 to 255 for -1 to 1 with
-    128 for 0, its bottom row the lowest y.
+    128 for 0; its bottom row has the lowest y. Raises UsageError if it is not such a grid.
     """
     if not isinstance(given, (str, Path)):
         return _checked(np.asarray(given), "field")
     path = Path(getattr(given, "place", given))
-    return _checked(
-        _picture(path, given) if _exists(path, given).suffix.lower() != ".npy" else read_array(given), str(given)
-    )
+    is_array = _exists(path, given).suffix.lower() == ".npy"
+    return _checked(read_array(given) if is_array else _picture(path, given), str(given))
 
 
 def read_array(given) -> np.ndarray:
-    """The array in a .npy file, not yet read. Raises UsageError for what is none."""
+    """The array in a .npy file, memory-mapped. Raises UsageError if the file is not one."""
     path = _exists(Path(getattr(given, "place", given)), given)
     try:
         return np.load(path, mmap_mode="r", allow_pickle=False)
@@ -46,8 +45,8 @@ def _picture(path: Path, name) -> np.ndarray:
 
     try:
         with Image.open(path) as picture:
-            if picture.width * picture.height > LARGEST:
-                raise UsageError(f"{name}: has more than {LARGEST:,} pixels")
+            if picture.width * picture.height > MAX_VECTORS:
+                raise UsageError(f"{name}: has more than {MAX_VECTORS:,} pixels")
             pixels = np.asarray(picture.convert("RGB"), np.float64)
     except (UnidentifiedImageError, OSError, SyntaxError, Image.DecompressionBombError) as error:
         raise UsageError(f"{name}: is neither a NumPy array (.npy) nor a picture") from error
@@ -59,8 +58,8 @@ def _picture(path: Path, name) -> np.ndarray:
 def _checked(array: np.ndarray, name: str) -> np.ndarray:
     if array.ndim != 4 or array.shape[3] != 3 or 0 in array.shape:
         raise UsageError(f"{name}: a grid must have the shape {_SHAPE}, not {array.shape}")
-    if array.size > 3 * LARGEST:
-        raise UsageError(f"{name}: a grid has at most {LARGEST:,} vectors, not {array.size // 3:,}")
+    if array.size > 3 * MAX_VECTORS:
+        raise UsageError(f"{name}: a grid has at most {MAX_VECTORS:,} vectors, not {array.size // 3:,}")
     if array.dtype.kind not in "fiu":
         raise UsageError(f"{name}: a grid holds real numbers, not {array.dtype}")
     numbers = np.array(array, np.float64)

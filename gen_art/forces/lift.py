@@ -1,4 +1,4 @@
-"""Lift on a wing, across the stream."""
+"""Lift on a wing, perpendicular to the flow."""
 
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
@@ -8,14 +8,17 @@ from gen_art.registry import param
 
 @force("lift")
 class Lift(Force):
-    """Lift on a wing: across the stream and across the span.
+    """Lift on a wing: perpendicular to the flow and to the span.
 
-    F = 1/2 density abs(w)^2 area coefficient n x w / abs(n x w),  w = v - u(x, t),  n along span_axis; none where w is along n
+    F = 1/2 density abs(w)^2 area coefficient n x w / abs(n x w),  w = v - u(x, t),  n along span_axis; 0 where w is along n
 
-    coefficient : lift coefficient, its sign too     area : m^2, of the wing, >= 0     span_axis : (3,), towards the wing tip on
-    the right of a pilot: flying along x with the axis along z, lift is up, along y.     density : kg/m^3; the medium's when
-    left out.     medium : a ga.Medium, the system's when left out.  Does no work in still air. A plain kick takes it at order 1:
-    use `rk2` or `rk4`. Source: Anderson, Fundamentals of Aerodynamics, section 1.5.
+    coefficient : lift coefficient, with its sign
+    area : m^2, of the wing, >= 0
+    span_axis : (3,), towards the wing tip on the right of a pilot: in flight along x with the axis along z, lift is up, along y
+    density : kg/m^3; the medium's when left out
+    medium : a ga.Medium; the system's when left out
+    Does no work in still air. A plain kick integrates it at order 1: use `rk2` or `rk4`.
+    Source: Anderson, Fundamentals of Aerodynamics, section 1.5.
     """
 
     coefficient: float = param(1.0)
@@ -33,5 +36,5 @@ class Lift(Force):
     @ti.func
     def force(self, p, t, q):
         w = p.velocity - p.flow
-        across = q.span_axis.cross(w)
-        return across * (0.5 * q.density * w.dot(w) * q.area * q.coefficient / ti.max(across.norm(), 1e-30))
+        normal = q.span_axis.cross(w)
+        return normal * (0.5 * q.density * w.dot(w) * q.area * q.coefficient / ti.max(normal.norm(), 1e-30))

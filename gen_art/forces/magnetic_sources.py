@@ -7,22 +7,25 @@ from gen_art.forces.vector_field import Sampled
 from gen_art.registry import param
 
 MU0_4PI = 1e-7  # mu0 / (4 pi), T m / A, to 2e-10
-_MEANS = 6  # steps of the arithmetic-geometric mean: float64 down to a complementary modulus of 1e-4
+_AGM_STEPS = 6  # steps of the arithmetic-geometric mean: float64 down to a complementary modulus of 1e-4
 
 
-def _needs_axis(one):
-    if not any(one.values["axis"]):
-        raise UsageError(f"{type(one).__name__}: axis must not be the null vector")
+def _check_axis(source):
+    if not any(source.values["axis"]):
+        raise UsageError(f"{type(source).__name__}: axis must not be the null vector")
 
 
 @force("magnetic_dipole")
 class MagneticDipole(Force):
-    """The field of a small magnet, or of a planet from afar.
+    """The field of a small magnet, or of a planet at a distance.
 
     B = mu0 / (4 pi) (3 (m . r) r + (2 softening^2 - r^2) m) / s^5 = curl (mu0 / (4 pi) m x r / s^3),
     s^2 = r^2 + softening^2,  r = x - center
 
-    moment : m, (3,) A m^2     softening : m, >= 0     center : (3,) m.  Divergence-free. Does no work. Use `boris`.
+    moment : m, (3,) A m^2
+    softening : m, >= 0
+    center : (3,) m
+    Divergence-free. Does no work. Use the `boris` integrator.
     Source: Jackson, Classical Electrodynamics, section 5.6.
     """
 
@@ -43,12 +46,15 @@ class MagneticDipole(Force):
 
 @force("magnetic_wire")
 class MagneticWire(Force):
-    """The field about a long straight wire.
+    """The field of a long straight wire.
 
     B = mu0 current / (2 pi) n x rho / (abs(rho)^2 + core^2),  rho the distance vector from the wire, n along its axis
 
-    current : A, along the axis     core : m, >= 0, thickness of the wire     center, axis : (3,).  Divergence-free. Does no work.
-    Use the `boris` integrator. Source: Jackson, Classical Electrodynamics, section 5.2.
+    current : A, along the axis
+    core : m, >= 0, thickness of the wire
+    center : (3,) m, a point of the wire
+    axis : (3,), its direction
+    Divergence-free. Does no work. Use the `boris` integrator. Source: Jackson, Classical Electrodynamics, section 5.2.
     """
 
     current: float = param(1.0, unit="A")
@@ -59,7 +65,7 @@ class MagneticWire(Force):
     depends_on_velocity = True
 
     def prepare(self):
-        _needs_axis(self)
+        _check_axis(self)
 
     @ti.func
     def magnetic(self, p, t, q):
@@ -71,13 +77,17 @@ class MagneticWire(Force):
 
 @force("magnetic_loop")
 class MagneticLoop(Force):
-    """The field of a round loop of current, everywhere: a coil; two of them make a bottle.
+    """The field of a circular loop of current, everywhere: a coil; two of them make a magnetic bottle.
 
     B_z = b (K + (a^2 - rho^2 - z^2) / d^2 E),  B_rho = b z / rho ((a^2 + rho^2 + z^2) / d^2 E - K),  a the radius,
     b = mu0 current / (2 pi) / D,  D^2 = (a + rho)^2 + z^2,  d^2 = (a - rho)^2 + z^2,  K and E of the modulus 4 a rho / D^2;
     on the axis B_z = mu0 current a^2 / (2 (a^2 + z^2)^(3/2)).  A `core` adds core^2 to z^2 in D, d and B_z.
 
-    current : A, right-handed about the axis     radius : m, > 0     core : m, >= 0, thickness of the wire     center, axis : (3,)
+    current : A, right-handed about the axis
+    radius : m, > 0
+    core : m, >= 0, thickness of the wire
+    center : (3,) m
+    axis : (3,)
     Divergence-free. Does no work. Use the `boris` integrator. K and E by the arithmetic-geometric mean.
     Source: Smythe, Static and Dynamic Electricity, section 7.10; Abramowitz & Stegun, section 17.6.
     """
@@ -91,7 +101,7 @@ class MagneticLoop(Force):
     depends_on_velocity = True
 
     def prepare(self):
-        _needs_axis(self)
+        _check_axis(self)
 
     @ti.func
     def magnetic(self, p, t, q):
@@ -101,37 +111,40 @@ class MagneticLoop(Force):
         rho = r - n * z
         rho2 = rho.dot(rho)
         distance = ti.sqrt(rho2)
-        zz = z * z + (q.core / q.radius) ** 2
-        far = (1.0 + distance) ** 2 + zz
-        near = ti.max((1.0 - distance) ** 2 + zz, 1e-20)
-        k2 = 4.0 * distance / far
-        other = near / far  # 1 - k2
-        # agm(1, sqrt(other)); E / K = 1 - k2 / 2 - k2^2 tail, so that B_rho loses no digits where rho is small
-        a, b = 0.5 * (1.0 + ti.sqrt(other)), ti.sqrt(ti.sqrt(other))
-        part = 0.25 / (1.0 + ti.sqrt(other)) ** 2  # c_n^2 / k2^2
-        tail, weight = part, 1.0
-        for _ in ti.static(range(_MEANS)):
+        z2 = z * z + (q.core / q.radius) ** 2
+        far2 = (1.0 + distance) ** 2 + z2
+        near2 = ti.max((1.0 - distance) ** 2 + z2, 1e-20)
+        k2 = 4.0 * distance / far2
+        complement = near2 / far2  # 1 - k2
+        # agm(1, sqrt(complement)); E / K = 1 - k2 / 2 - k2^2 tail, so that B_rho loses no digits at small rho
+        a, b = 0.5 * (1.0 + ti.sqrt(complement)), ti.sqrt(ti.sqrt(complement))
+        term = 0.25 / (1.0 + ti.sqrt(complement)) ** 2  # c_n^2 / k2^2
+        tail, weight = term, 1.0
+        for _ in ti.static(range(_AGM_STEPS)):
             mean = 0.5 * (a + b)
-            part *= part * k2 * k2 / (16.0 * mean * mean)
+            term *= term * k2 * k2 / (16.0 * mean * mean)
             weight *= 2.0
-            tail += weight * part
+            tail += weight * term
             b = ti.sqrt(a * b)
             a = mean
         K = 1.5707963267948966 / a
-        scale = 2.0 * MU0_4PI * q.current * K / (q.radius * ti.sqrt(far))
-        along = (2.0 - 2.0 * distance - (1.0 - rho2 - zz) * (0.5 * k2 + k2 * k2 * tail)) / near
-        across = z * (0.5 - (1.0 + other) * tail) * 8.0 / (far * near)
-        return scale * (along * n + across * rho)
+        scale = 2.0 * MU0_4PI * q.current * K / (q.radius * ti.sqrt(far2))
+        b_z = (2.0 - 2.0 * distance - (1.0 - rho2 - z2) * (0.5 * k2 + k2 * k2 * tail)) / near2
+        b_rho_over_rho = z * (0.5 - (1.0 + complement) * tail) * 8.0 / (far2 * near2)
+        return scale * (b_z * n + b_rho_over_rho * rho)
 
 
 @force("magnetic_grid")
 class MagneticGrid(Sampled):
     """A magnetic field sampled on a grid.
 
-    B = strength V(x), V the trilinear blend of the grid's vectors in T, the first and last at the corners of `bounds`
+    B = strength V(x), V the trilinear interpolation of the grid's vectors in T
 
-    field : a .npy file, picture or array, as of vector_field     bounds : m     strength : factor     outside : zero, or the
-    vectors of the edge.  Does no work. Divergence-free only as far as the grid is fine. Use the `boris` integrator.
+    field : a .npy file, picture or array, as of vector_field
+    bounds : m, the corners at which the first and the last vector stand
+    strength : factor
+    outside : zero, or the vectors of the edge
+    Does no work. Its divergence vanishes only in the limit of a fine grid. Use the `boris` integrator.
     Source: Press and others, Numerical Recipes, section 3.6.
     """
 

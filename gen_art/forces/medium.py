@@ -1,4 +1,4 @@
-"""The medium that drag pulls towards: one velocity field u(x, t), summed from named terms."""
+"""The medium that drag acts against: one velocity field u(x, t), the sum of named terms."""
 
 from gen_art.errors import UsageError
 from gen_art.forces.base import FORCES, Force
@@ -11,9 +11,12 @@ __all__ = ["Medium"]
 class Medium:
     """A velocity field u(x, t), the sum of its terms, and the density of the fluid.
 
-    density : kg/m^3, >= 0     wind : (3,) m/s, or a Wind     curl_noise : a CurlNoise, a mapping of its parameters, or a
-    list of either     vortices : a list of Vortex     field : any force whose vectors are taken as velocities, or a list.
-    Raises UsageError for a term that is no vector field.
+    density : kg/m^3, >= 0
+    wind : (3,) m/s, or a Wind
+    curl_noise : a CurlNoise, a mapping of its parameters, or a list of either
+    vortices : a list of Vortex
+    field : any force whose vectors are taken as velocities, or a list
+    Raises UsageError for a term that is not a vector field.
     """
 
     def __init__(self, density: float = 0.0, wind=None, curl_noise=None, vortices=(), field=()):

@@ -7,15 +7,20 @@ from gen_art.registry import param
 
 @force("panel")
 class Panel(Force):
-    """Lift and drag on a thin panel, by the angle at which the stream meets it.
+    """Lift and drag on a thin panel, by the angle between panel and flow.
 
     F = 1/2 density abs(w)^2 area (C_L l - C_D w / abs(w)),  w = v - u(x, t),  sin a = abs(w.n) / abs(w)
-    C_L = lift sin a cos a,  C_D = drag sin^2 a + friction;  l across w, in the plane of w and n, away from the stream
+    C_L = lift sin a cos a,  C_D = drag sin^2 a + friction
+    l perpendicular to w, in the plane of w and n, towards the side of the panel that faces away from the flow
 
-    Needs particles with the attributes area, m^2, and normal_x, normal_y, normal_z, such as those of rigid bodies; a normal of 0
-    is no panel. lift : 2 for a plate in a fast stream; 2 pi is a thin aerofoil at small angles     drag : 2 makes
-    the force of both perpendicular to the plate     friction : along the stream at any angle     density : kg/m^3; the medium's
-    when left out     medium : a ga.Medium, the system's when left out.  Order 1 in a plain kick.
+    Needs particles with the attributes area, m^2, and normal_x, normal_y, normal_z, such as those of rigid bodies. Particles
+    with a normal of 0 are not panels.
+    lift : 2 for a plate in a fast flow; 2 pi for a thin aerofoil at small angles
+    drag : 2 makes the force of both perpendicular to the plate
+    friction : drag coefficient at any angle
+    density : kg/m^3; the medium's when left out
+    medium : a ga.Medium; the system's when left out
+    A plain kick integrates it at order 1.
     Source: Hoerner, Fluid-Dynamic Drag (1965), chapter 3; Anderson, Fundamentals of Aerodynamics, section 4.7.
     """
 
@@ -33,9 +38,9 @@ class Panel(Force):
         w = p.velocity - p.flow
         n = ti.Vector([p.normal_x, p.normal_y, p.normal_z])
         speed = ti.max(w.norm(), 1e-30)
-        way = w / speed
-        sine = way.dot(n)
-        # across the stream, of length abs(cos a) sin a: away from the side that the stream meets
-        lift = (way * sine - n) * sine
-        drag = way * -(q.drag * sine * sine + q.friction * n.dot(n))
+        direction = w / speed
+        sine = direction.dot(n)
+        # perpendicular to the flow, of length abs(cos a) sin a, away from the side that faces the flow
+        lift = (direction * sine - n) * sine
+        drag = direction * -(q.drag * sine * sine + q.friction * n.dot(n))
         return (lift * q.lift + drag) * (0.5 * q.density * speed * speed * p.area)

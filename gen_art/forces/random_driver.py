@@ -5,12 +5,14 @@ from gen_art.forces.base import Force, force
 from gen_art.maths.elementary import cos, log
 from gen_art.registry import param
 
-_FREQUENCY = 1.2533141373155003  # sqrt(pi / 2): spread of the angular frequencies for a correlation time of 1
+_FREQUENCY = (
+    1.2533141373155003  # sqrt(pi / 2): standard deviation of the angular frequencies for a correlation time of 1
+)
 
 
 @ti.func
-def _mixed(h):
-    """A 32-bit bijection in which every input bit reaches every output bit (the finaliser of MurmurHash3)."""
+def _mix_bits(h):
+    """A 32-bit bijection in which every input bit affects every output bit (the finaliser of MurmurHash3)."""
     h = (h ^ (h >> ti.u32(16))) * ti.u32(0x85EBCA6B)
     h = (h ^ (h >> ti.u32(13))) * ti.u32(0xC2B2AE35)
     return h ^ (h >> ti.u32(16))
@@ -19,22 +21,25 @@ def _mixed(h):
 @ti.func
 def _uniform(h, channel: ti.template()):
     """Uniform in (0, 1), of 24 bits, from a hash and a channel: the same number in float32 and float64."""
-    bits = _mixed(h + ti.u32((channel * 0x9E3779B9) & 0xFFFFFFFF)) >> ti.u32(8)
+    bits = _mix_bits(h + ti.u32((channel * 0x9E3779B9) & 0xFFFFFFFF)) >> ti.u32(8)
     return (ti.cast(ti.cast(bits, ti.i32), real()) + 0.5) * (2.0**-24)
 
 
 @force("random_driver")
 class RandomDriver(Force):
-    """A stationary random force, each particle's its own: noise with a memory.
+    """A stationary random force, independent for each particle: noise with a correlation time.
 
     F = strength sqrt(2 / (3 harmonics)) sum over k of cos(w_k t + phase_k) for each component, phases uniform,
-    w_k normal with spread sqrt(pi / 2) / correlation_time: mean 0, <F . F> = strength^2 and
+    w_k normal with standard deviation sqrt(pi / 2) / correlation_time: mean 0, <F . F> = strength^2 and
     <F(t) . F(t + s)> = strength^2 exp(-pi / 4 (s / correlation_time)^2), whose integral over s > 0 is correlation_time
 
-    strength : N, root mean square of its length     correlation_time : s, > 0     seed : another force
-    harmonics : 1 to 64; with many, each component is normal. A function of time and the particle's key alone: no state, and
-    smooth, so that every integrator keeps its order. Does work. For times short against a step it acts as white noise of
-    <v^2> = 2 strength^2 correlation_time t / m^2 on a free particle.
+    strength : N, root mean square of the force's length
+    correlation_time : s, > 0
+    seed : selects another force
+    harmonics : 1 to 64; with many, each component is normally distributed
+    It is a smooth function of time and the particle's key alone, without state, so every integrator keeps its order. Does work.
+    If the correlation time is short compared with the step, it acts on a free particle as white noise of
+    <v^2> = 2 strength^2 correlation_time t / m^2.
     Source: Rice (1944), Mathematical analysis of random noise, Bell System Tech. J. 23, 282.
     """
 
@@ -47,8 +52,8 @@ class RandomDriver(Force):
     @ti.func
     def force(self, p, t, q):
         wave = ti.cast(q.seed * 64 + q.index, ti.u32) * ti.u32(0x165667B1)
-        h = _mixed(_mixed(p.key[0] ^ wave) ^ p.key[1])
-        spread = ti.sqrt(-2.0 * log(_uniform(h, 0))) * cos(6.283185307179586 * _uniform(h, 1))
-        turn = spread * (_FREQUENCY / q.correlation_time) * t
+        h = _mix_bits(_mix_bits(p.key[0] ^ wave) ^ p.key[1])
+        normal = ti.sqrt(-2.0 * log(_uniform(h, 0))) * cos(6.283185307179586 * _uniform(h, 1))
+        angle = normal * (_FREQUENCY / q.correlation_time) * t
         phases = ti.Vector([_uniform(h, 2), _uniform(h, 3), _uniform(h, 4)]) * 6.283185307179586
-        return cos(phases + turn) * (q.strength * ti.sqrt(2.0 / 3.0 / ti.cast(q.harmonics, real())))
+        return cos(phases + angle) * (q.strength * ti.sqrt(2.0 / 3.0 / ti.cast(q.harmonics, real())))

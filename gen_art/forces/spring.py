@@ -1,4 +1,4 @@
-"""A spring to a fixed point, and one to a hand that moves."""
+"""A spring to a fixed point, and a spring to a moving hand."""
 
 from gen_art.backend.runtime import ti
 from gen_art.forces.base import Force, force
@@ -8,18 +8,21 @@ from gen_art.registry import param
 
 @force("spring")
 class Spring(Force):
-    """A linear spring from a fixed point.
+    """A linear spring to a fixed point.
 
     F = -stiffness (abs(r) - rest_length) n,  n = r / abs(r),  r = x - center
-    U = stiffness (abs(r) - rest_length)^2 / 2;  slack: both are 0 where abs(r) < rest_length, as of an elastic cord
+    U = stiffness (abs(r) - rest_length)^2 / 2
+    slack: both are 0 where abs(r) < rest_length, as for an elastic cord
 
-    stiffness : N/m, >= 0     rest_length : m, >= 0.  Conservative.
+    stiffness : N/m, >= 0
+    rest_length : m, >= 0
+    Conservative.
     """
 
     center: tuple = param((0.0, 0.0, 0.0), unit="m")
     stiffness: float = param(1.0, unit="N/m", min=0)
     rest_length: float = param(0.0, unit="m", min=0)
-    slack: bool = param(False, doc="it pulls and never pushes, as a cord")
+    slack: bool = param(False, doc="no force when shorter than rest_length, as a cord")
     conservative = True
 
     @ti.func
@@ -41,13 +44,16 @@ class Spring(Force):
 
 @force("hand")
 class Hand(Controlled):
-    """A spring, or a cord, from a hand that moves along a recorded path: what it holds is dragged behind it.
+    """A spring, or a cord, to a hand that moves along a recorded path and drags the particles behind it.
 
-    F = -stiffness (abs(r) - rest_length) n,  n = r / abs(r),  r = p - (x, y, z)(t);  none where abs(r) < rest_length
+    F = -stiffness (abs(r) - rest_length) n,  n = r / abs(r),  r = p - (x, y, z)(t);  0 where abs(r) < rest_length
 
-    stiffness : N/m, >= 0     rest_length : m, >= 0; 0 is a spring     x, y, z : m, the place of the hand
-    controls : a .csv file with the columns time (s) and any of x, y, z, straight between its rows. Books the hand's work.
-    Behind a hand of steady velocity v, under drag of c kg/s, it comes to lag by c v / stiffness.
+    stiffness : N/m, >= 0
+    rest_length : m, >= 0; 0 for a spring
+    x, y, z : m, position of the hand
+    controls : a .csv file with the columns time (s) and any of x, y, z, linear between its rows
+    The ledger records the hand's work. Behind a hand of constant velocity v, under drag of c kg/s, the lag becomes
+    c v / stiffness.
     Source: Feynman, Lectures on Physics I, chapter 23, for the oscillator with a driven end.
     """
 

@@ -1,4 +1,4 @@
-"""A submarine: a hull that floats, tanks that flood, and a propeller."""
+"""A submarine: a buoyant hull, ballast tanks that flood, and a propeller."""
 
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
@@ -10,15 +10,21 @@ from gen_art.registry import param
 
 @force("ballast")
 class Ballast(Controlled):
-    """Upthrust on a hull with ballast tanks, at depth and where it comes out of the water.
+    """Buoyancy of a hull with ballast tanks, submerged and at the surface.
 
-    F = -density gravity (volume - flooded tanks) s,  s = 1/2 + (surface - y) / height from 0 (dry) to 1 (covered),
-    y the particle's place along -gravity: a flooded tank is counted as water, not as hull (lost buoyancy)
+    F = -density gravity (volume - flooded tanks) s
+    s = 1/2 + (surface - y) / height, limited to 0 (dry) .. 1 (submerged),  y the particle's coordinate along -gravity
+    A flooded tank counts as water, not as hull (lost buoyancy).
 
-    volume, tanks : m^3, of the hull and of the tanks in it     flooded : 0 (blown) to 1 (full)     density : kg/m^3, of the water
-    gravity : (3,) m/s^2     surface : m, the height of the surface     height : m, of the hull, along gravity
-    controls : a .csv file with the columns time (s) and flooded.  It hovers where mass = density (volume - flooded tanks), and
-    bobs at w^2 = density g (volume - flooded tanks) / (mass height). Books its work.
+    volume, tanks : m^3, of the hull and of the tanks in it
+    flooded : 0 (blown) to 1 (full)
+    density : kg/m^3, of the water
+    gravity : (3,) m/s^2
+    surface : m, height of the surface
+    height : m, of the hull, along gravity
+    controls : a .csv file with the columns time (s) and flooded
+    It hovers where mass = density (volume - flooded tanks), and oscillates at the surface with
+    w^2 = density g (volume - flooded tanks) / (mass height). The ledger records its work.
     Source: Rawson & Tupper, Basic Ship Theory, chapter 3.
     """
 
@@ -44,19 +50,22 @@ class Ballast(Controlled):
     def force(self, p, t, q):
         g = q.gravity.norm()
         y = -p.position.dot(q.gravity) / g
-        share = ti.min(ti.max(0.5 + (q.surface - y) / q.height, 0.0), 1.0)
-        return q.gravity * (-q.density * (q.volume - self.recorded(0, t, q) * q.tanks) * share)
+        submerged = ti.min(ti.max(0.5 + (q.surface - y) / q.height, 0.0), 1.0)
+        return q.gravity * (-q.density * (q.volume - self.recorded(0, t, q) * q.tanks) * submerged)
 
 
 @force("propeller")
 class Propeller(Controlled):
-    """A propeller's push, in a heading and at a pitch that are steered.
+    """A propeller's thrust, with a controlled heading and pitch.
 
     F = throttle max_thrust (cos(pitch) cos(heading), sin(pitch), -cos(pitch) sin(heading))
 
-    throttle : -1 (astern) to 1     max_thrust : N     heading : degrees in YAML and in the file (radians in Python), from x
-    towards -z, to the left seen from above     pitch : degrees, upwards
-    controls : a .csv file with the columns time (s) and any of throttle, heading, pitch. Takes no mass; books its work.
+    throttle : -1 (astern) to 1
+    max_thrust : N
+    heading : degrees in YAML and in the file (radians in Python), from x towards -z (to the left, seen from above)
+    pitch : degrees, upwards
+    controls : a .csv file with the columns time (s) and any of throttle, heading, pitch
+    It uses up no mass. The ledger records its work.
     """
 
     max_thrust: float = param(100.0, unit="N", min=0)
@@ -67,6 +76,6 @@ class Propeller(Controlled):
 
     @ti.func
     def force(self, p, t, q):
-        push, heading, pitch = self.recorded(0, t, q) * q.max_thrust, self.recorded(1, t, q), self.recorded(2, t, q)
-        level = cos(pitch)
-        return ti.Vector([level * cos(heading), sin(pitch), -level * sin(heading)]) * push
+        thrust, heading, pitch = self.recorded(0, t, q) * q.max_thrust, self.recorded(1, t, q), self.recorded(2, t, q)
+        horizontal = cos(pitch)
+        return ti.Vector([horizontal * cos(heading), sin(pitch), -horizontal * sin(heading)]) * thrust

@@ -10,8 +10,8 @@ class Wind(Force):
     """A uniform, steady velocity of the medium.
 
     u = velocity
-
-    velocity : (3,) m/s. Meant for `medium:`; as a force it is a uniform acceleration in m/s^2 without a potential.
+    velocity : (3,) m/s
+    Meant for `medium:`; as a force it is a uniform acceleration in m/s^2 without a potential.
     """
 
     steady = True

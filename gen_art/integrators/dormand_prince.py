@@ -1,7 +1,7 @@
-"""Dormand and Prince's Runge-Kutta pair of orders 5 and 4: its numbers, its control of the step, and the kernel of slopes.
+"""Dormand and Prince's Runge-Kutta pair of orders 5 and 4: its coefficients, its step size control, and the kernel of slopes.
 
-The step is carried on with the fifth order; the difference of both is the estimate of the error. The seventh slope is the
-next step's first. Source: Dormand & Prince (1980), J. Comput. Appl. Math. 6, 19; Hairer, Norsett & Wanner, Solving Ordinary
+The step continues with the fifth order; the difference of both orders is the error estimate. The seventh slope is the first
+of the next step. Source: Dormand & Prince (1980), J. Comput. Appl. Math. 6, 19; Hairer, Norsett & Wanner, Solving Ordinary
 Differential Equations I, sections II.4 (step size) and II.5 (the pair).
 """
 
@@ -12,14 +12,14 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.integrators.kernel_terms import KernelTerms
-from gen_art.integrators.mass_loss import apply_mass_loss, find_mass_loss
+from gen_art.integrators.mass_loss import apply_mass_loss, compute_mass_loss
 from gen_art.integrators.step_kernels import BLOCK, advance_stage
-from gen_art.integrators.tile import WIDTH, TileTerms, accumulate, lifespan, load, tile
+from gen_art.integrators.tile import STATE, WIDTH, TileTerms, accumulate, lane_steps, load, tile
 
 __all__ = ["ERROR", "STAGES", "TIMES", "first_step", "make_slopes", "next_step"]
 
 TIMES = (0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0)
-STAGES = (  # the weights of the slopes so far in each stage's state; those of the last are the step's
+STAGES = (  # weights of the slopes so far in each stage's state; the last row is the step itself
     (),
     (1 / 5,),
     (3 / 40, 9 / 40),
@@ -28,22 +28,22 @@ STAGES = (  # the weights of the slopes so far in each stage's state; those of t
     (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
     (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84),
 )
-ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)  # fifth order less fourth
+ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)  # fifth order minus fourth
 
-_SAFETY, _LEAST, _MOST = 0.9, 0.2, 10.0
-_DAMPING = 0.04  # of the proportional-integral control
+_SAFETY, _MIN_FACTOR, _MAX_FACTOR = 0.9, 0.2, 10.0  # of the change of the step from one to the next
+_INTEGRAL = 0.04  # the exponent of the last error in the proportional-integral control
 
 
 def next_step(error: float, before: float, rejected: bool) -> float:
-    """The factor from one step to the next, by its error and the last accepted one's, both relative to the tolerance."""
+    """The factor from one step to the next, from its error and that of the last accepted step, relative to the tolerance."""
     if not error < np.inf:
-        return _LEAST
-    factor = _SAFETY * max(error, 1e-10) ** -(0.2 - 0.75 * _DAMPING) * max(before, 1e-4) ** _DAMPING
-    return float(np.clip(factor, _LEAST, 1.0 if rejected else _MOST))
+        return _MIN_FACTOR
+    factor = _SAFETY * max(error, 1e-10) ** -(0.2 - 0.75 * _INTEGRAL) * max(before, 1e-4) ** _INTEGRAL
+    return float(np.clip(factor, _MIN_FACTOR, 1.0 if rejected else _MAX_FACTOR))
 
 
 def first_step(slope: float, change: float, guess: float) -> float:
-    """A first step, from the size of the slope and its change over the step `guess`."""
+    """The length of the first step, from the size of the slope and its change over the step `guess`."""
     largest = max(slope, change)
     step = max(1e-6 * guess, guess * 1e-3) if largest <= 1e-15 else (0.01 / largest) ** 0.2
     return min(100 * guess, step)
@@ -51,10 +51,13 @@ def first_step(slope: float, change: float, guess: float) -> float:
 
 @cache
 def make_slopes(composition: KernelTerms, pairs: int, channels: tuple, precision: str):
-    """slopes(S, birth, K, A, Y, Q, out, n, first, dt, tau, last): d(x, v) / d tau of each lane, tau its own step from 0 to 1.
+    """slopes(S, birth, K, A, Y, Q, out, n, first, dt, tau, last): d(x, v) / d tau of each lane, with tau from 0 to 1.
 
-    As make_step's kernel: S is the state at the start of the step, Y (6, capacity) the state at tau, out (6, capacity).
-    `last`: take what burnt in the step off the masses in S.
+    S : the state at the start of the step; birth, K, A, Q, n, first and dt as of make_step's kernel
+    Y (6, capacity) : positions and velocities at tau
+    out (6, capacity) : the slopes
+    tau : fraction of each lane's own step
+    last : not 0 to subtract the mass lost in the step from the masses in S
     """
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
@@ -71,13 +74,13 @@ def make_slopes(composition: KernelTerms, pairs: int, channels: tuple, precision
             for s in range(BLOCK // WIDTH):
                 i = b * BLOCK + s * WIDTH
                 if i < n:
-                    X = tile("x0 x1 x2 v0 v1 v2")
-                    Z = tile("x0 x1 x2 v0 v1 v2")
+                    X = tile(STATE)
+                    Z = tile(STATE)
                     L = tile(names)
                     load(X, S, i)
-                    lifespan(L, S, birth, i, first * dt, dt, 0.0, real)
+                    lane_steps(L, S, birth, i, first * dt, dt, 0.0, real)
                     if ti.static(len(terms.mass_loss_terms) > 0):
-                        find_mass_loss(terms, L, X, S, K, Q, i)
+                        compute_mass_loss(terms, L, X, S, K, Q, i)
                     load(X, Y, i)
                     accumulate(terms, L, X, S, K, A, Q, i, tau)
                     advance_stage(terms, L, X, X, Z, S, i, 1.0, 0.0)

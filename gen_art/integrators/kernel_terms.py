@@ -1,32 +1,36 @@
-"""The forces, medium and colliders of one system, laid out for the kernels: which terms there are, and where their numbers lie.
+"""The forces, media and colliders of one system, laid out for the kernels: the terms, and the offsets of their numbers.
 
-Two compositions of the same classes and fixed choices are equal, whatever their numbers: kernels are cached by them.
+Two compositions of the same classes and fixed choices are equal, whatever their numbers, because kernels are cached by them.
 """
 
 import numpy as np
 
 from gen_art.colliders.base import Collider
 from gen_art.errors import UsageError
-from gen_art.forces.base import Force, burns, pushes
+from gen_art.forces.base import Force, has_acceleration, loses_mass
 from gen_art.forces.medium import Medium
 
 __all__ = ["KernelTerms", "Term"]
 
-_SURFACES = 31  # bits of a mask
+_MAX_SURFACES = 31  # bits of the mask of surfaces that a particle rests on
 
 
 class Term:
-    """One force, or collider, in a composition: the object that is traced, and the offset of its numbers."""
+    """One force or collider in a composition.
 
-    def __init__(self, force: Force, offset: int, name: str, medium: int = -1):
-        self.force, self.offset, self.name, self.medium = force, offset, name, medium
-        self.repeat = force.repeat
+    force : the object whose methods are traced
+    offset : of its numbers in the parameter array
+    name : its label in the ledger
+    medium : index of the medium it depends on, or -1
+    ledger_row : its row in the ledger, or -1
+    count_offset : where the number of its repeats is stored in the parameter array, or -1 if it is evaluated once
+    """
 
-    def count_offset(self) -> int:
-        """Where the number of repeats lies in the parameter array (-1: the term is taken once)."""
-        if self.repeat is None:
-            return -1
-        return self.offset + next(o for k, o, _ in self.force.layout() if k == self.repeat)
+    def __init__(self, force: Force, offset: int, name: str, medium: int = -1, ledger_row: int = -1):
+        self.force, self.offset, self.name, self.medium, self.ledger_row = force, offset, name, medium, ledger_row
+        self.count_offset = -1
+        if force.repeat is not None:
+            self.count_offset = offset + next(o for k, o, _ in force.layout() if k == force.repeat)
 
 
 class KernelTerms:
@@ -45,19 +49,20 @@ class KernelTerms:
                 raise UsageError(f"forces must be gen_art forces such as ga.forces.Gravity(...), not {force!r}")
             index = -1
             if force.provides("damping") or force.reads_medium:
-                own = force.values.get("medium") or default
-                if own not in known:
-                    known.append(own)
-                    self.media.append(tuple(self._place(term, own, term.name) for term in own.terms))
-                index = known.index(own)
+                used = force.values.get("medium") or default
+                if used not in known:
+                    known.append(used)
+                    self.media.append(tuple(self._place(term, used, term.name) for term in used.terms))
+                index = known.index(used)
             base = force.name or type(force).__name__.lower()
             names[base] = names.get(base, 0) + 1
             name = base if names[base] == 1 else f"{base}_{names[base]}"
-            self.terms.append(self._place(force, force.values.get("medium") or default, name, index))
-        self.colliders = [self._wall(one, default, colliders) for one in colliders]
-        if sum(t.force.sides for t in self.colliders) > _SURFACES:
+            used = force.values.get("medium") or default
+            self.terms.append(self._place(force, used, name, index, len(self.terms)))
+        self.colliders = [self._place_collider(one, default, colliders) for one in colliders]
+        if sum(t.force.sides for t in self.colliders) > _MAX_SURFACES:
             raise UsageError(
-                f"a system can have {_SURFACES} surfaces to collide with (a box counts six): describe more as one sdf"
+                f"a system can have {_MAX_SURFACES} surfaces to collide with (a box counts six): describe more as one sdf"
             )
         self.signature = (
             tuple((t.force.fixed, t.medium) for t in self.terms),
@@ -65,15 +70,16 @@ class KernelTerms:
             tuple(t.force.fixed for t in self.colliders),
         )
 
-    def _place(self, force: Force, medium: Medium, name: str, index: int = -1) -> Term:
-        term = Term(force, len(self._numbers), name, index)
+    def _place(self, force: Force, medium: Medium, name: str, index: int = -1, row: int = -1) -> Term:
+        """Append the numbers of a force or collider to the parameter array."""
+        term = Term(force, len(self._numbers), name, index, row)
         self._numbers += force.bound_numbers(medium)
         if force.tabled:
             self._tables.append((len(self._numbers), force.table()))
-            self._numbers += [0.0, 0.0]  # where the table lies: tables stand last, so that their sizes are in no kernel
+            self._numbers += [0.0, 0.0]  # the table's start; tables come last, so that no kernel depends on their sizes
         return term
 
-    def _wall(self, one, medium: Medium, colliders) -> Term:
+    def _place_collider(self, one, medium: Medium, colliders) -> Term:
         if not isinstance(one, Collider):
             raise UsageError(f"colliders must be such as ga.colliders.Plane(...), not {one!r}")
         same = [other for other in colliders if isinstance(other, Collider) and other.name == one.name]
@@ -81,16 +87,16 @@ class KernelTerms:
         return self._place(one, medium, one.name if which == 0 else f"{one.name}_{which + 1}")
 
     def numbers(self, dtype) -> np.ndarray:
-        """All run-time numbers, in the order of the terms' offsets, then the tables."""
+        """The parameter array: all numbers in the order of the terms' offsets, then the tables."""
         head, start = list(self._numbers or [0.0]), len(self._numbers)
-        for place, table in self._tables:
-            head[place : place + 2] = divmod(start, 4096)  # in two parts: float32 holds whole numbers up to 2^24
+        for offset, table in self._tables:
+            head[offset : offset + 2] = divmod(start, 4096)  # in two parts, because float32 is exact only up to 2^24
             start += len(table)
         return np.concatenate([np.array(head, dtype), *(table.astype(dtype) for _, table in self._tables)])
 
     @property
-    def pushes(self) -> list[Term]:
-        return [t for t in self.terms if pushes(t.force)]
+    def accelerations(self) -> list[Term]:
+        return [t for t in self.terms if has_acceleration(t.force)]
 
     @property
     def magnetics(self) -> list[Term]:
@@ -102,7 +108,7 @@ class KernelTerms:
 
     @property
     def mass_loss_terms(self) -> list[Term]:
-        return [t for t in self.terms if burns(t.force)]
+        return [t for t in self.terms if loses_mass(t.force)]
 
     @property
     def potentials(self) -> list[Term]:

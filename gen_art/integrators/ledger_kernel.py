@@ -1,9 +1,9 @@
-"""The booking kernel: what each force does to the particles in a step, for the ledger.
+"""The ledger kernel: what each force does to the particles in a step.
 
-It repeats the step of kernels.py on local copies, with the same functions and so the same bits, and stores no state: work
-m a.(v0 + v1)/2 h of each push (stage weights in Runge-Kutta), what drag takes and what its medium gives, all impulses.
-With a speed of light the momentum is m u, u = gamma v, and a push works at (u0 + u1) / (gamma0 + gamma1): the change of
-(gamma - 1) m c^2 is exactly m (u1 - u0) times it.
+It repeats the step of step_kernels.py on local copies, with the same functions and therefore the same bits, and stores no
+state. It records the work m a.(v0 + v1)/2 h of each term (stage weights in Runge-Kutta), the energy that drag takes and that
+its medium gives, and all impulses. With a speed of light the momentum is m u, u = gamma v, and the work is the impulse times
+(u0 + u1) / (gamma0 + gamma1): the change of (gamma - 1) m c^2 is exactly m (u1 - u0) times it.
 """
 
 from functools import cache
@@ -15,23 +15,23 @@ from gen_art.forces.base import term_acceleration
 from gen_art.integrators.collisions import resolve_collisions
 from gen_art.integrators.kernel_terms import KernelTerms
 from gen_art.integrators.ledger_rows import LEDGER_COLUMNS, add_entry
-from gen_art.integrators.mass_loss import add_exhaust_entries, find_mass_loss
+from gen_art.integrators.mass_loss import add_exhaust_entries, compute_mass_loss
 from gen_art.integrators.pushers import gamma_at
+from gen_art.integrators.schemes import AHEAD, DRIFT, FIRST_DRIFT, KICK, STAGE, TIME, WEIGHT
 from gen_art.integrators.step_kernels import BLOCK, advance_stage, drift, load_stage
 from gen_art.integrators.tile import (
+    STATE,
     WIDTH,
     TileTerms,
     accumulate,
     copy,
-    flow,
+    flow_velocity,
     kick,
-    lifespan,
+    lane_steps,
     load,
     repeats,
-    step_of,
+    stage_view,
     tile,
-    view,
-    weight,
 )
 from gen_art.particles.rows import CHARGE, MASS
 
@@ -44,7 +44,7 @@ def _add_kick_entries(
     S: ti.template(), K: ti.template(), A: ti.template(), Q: ti.template(), i, n, tau, fraction, kicked: ti.template(),
     C: ti.template(), light,
 ):  # fmt: skip
-    """Book a kick (kicked: old velocities in O, new in X) or a Runge-Kutta stage (slopes at X) over a fraction of the step."""
+    """Record a kick (kicked: from the velocities in O to those in X), or a Runge-Kutta stage (slopes at X)."""
     for j in range(WIDTH):
         if i + j < n and L.h[j] > 0.0:
             m = S[MASS, i + j]
@@ -57,11 +57,9 @@ def _add_kick_entries(
             mean = new
             if ti.static(kicked):
                 mean = 0.5 * (old + new)
-            p = view(
-                terms, S, K, i + j, x, old, L.age[j] + tau * L.h[j], None, weight(terms, L, j), step_of(terms, L, j)
-            )
+            p = stage_view(terms, S, K, L, i, j, x, old, L.age[j] + tau * L.h[j])
             t = L.t[j] + tau * L.h[j]
-            rest = m * (new - old)  # what the kick changed, less what the pushes account for, is the drag's
+            rest = m * (new - old)  # what the terms below do not account for is due to drag
             if ti.static(terms.relativistic):
                 g0, g1 = gamma_at(old, light), gamma_at(new, light)
                 mean = (old * g0 + new * g1) / (g0 + g1)
@@ -71,46 +69,45 @@ def _add_kick_entries(
                 impulse = a * (m * h)
                 rest -= impulse
                 add_entry(B, b, terms.count + k, impulse.dot(mean), 0.0, impulse)
-                if ti.static(len(terms.walls) > 0 and terms.mutual[k]):
+                if ti.static(len(terms.colliders) > 0 and terms.mutual[k]):
                     C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
-            for force, offset, count, row, medium in ti.static(terms.pushes):
-                seen = view(
-                    terms, S, K, i + j, x, old, L.age[j] + tau * L.h[j], flow(L, medium, j),
-                    weight(terms, L, j), step_of(terms, L, j),
-                )  # fmt: skip
-                for repeat in range(repeats(Q, count)):
-                    a = term_acceleration(force, seen, t, parameters(Q, force, offset, repeat))
+            for term in ti.static(terms.accelerations):
+                age = L.age[j] + tau * L.h[j]
+                seen = stage_view(terms, S, K, L, i, j, x, old, age, flow_velocity(L, term.medium, j))
+                for repeat in range(repeats(Q, term.count_offset)):
+                    a = term_acceleration(term.force, seen, t, parameters(Q, term.force, term.offset, repeat))
                     impulse = a * (m * h)
                     rest -= impulse
-                    add_entry(B, b, row, impulse.dot(mean), 0.0, impulse)
-                    if ti.static(len(terms.walls) > 0 and force.conservative):
+                    add_entry(B, b, term.ledger_row, impulse.dot(mean), 0.0, impulse)
+                    if ti.static(len(terms.colliders) > 0 and term.force.conservative):
                         C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
-            for force, offset, count, row in ti.static(terms.magnetics):
-                for repeat in range(repeats(Q, count)):
-                    field = force.magnetic(p, t, parameters(Q, force, offset, repeat))
+            for term in ti.static(terms.magnetics):
+                for repeat in range(repeats(Q, term.count_offset)):
+                    field = term.force.magnetic(p, t, parameters(Q, term.force, term.offset, repeat))
                     impulse = mean.cross(field) * (S[CHARGE, i + j] * h)
                     rest -= impulse
-                    add_entry(B, b, row, 0.0, 0.0, impulse)
-            if ti.static(terms.turns_alone and kicked):  # what the pusher turns otherwise than each field by itself
-                add_entry(B, b, terms.magnetics[0][3], 0.0, 0.0, rest)
+                    add_entry(B, b, term.ledger_row, 0.0, 0.0, impulse)
+            if ti.static(terms.magnetic_without_damping and kicked):
+                # the pusher's rotation differs from the sum over the fields
+                add_entry(B, b, terms.magnetics[0].ledger_row, 0.0, 0.0, rest)
             if ti.static(len(terms.dampings) > 0):
                 total = h * 0.0
-                pull = ti.Vector([0.0, 0.0, 0.0])
-                for d in ti.static(range(len(terms.dampings))):
-                    u = medium_velocity(terms, L, d, j)
+                drive = ti.Vector([0.0, 0.0, 0.0])
+                for d, term in ti.static(enumerate(terms.dampings)):
+                    u = flow_velocity(L, term.medium, j)
                     k = L.at("k", d)[j] + L.at("q", d)[j] * (mean - u).norm()
                     total += k
-                    pull += k * u
-                met = mean  # the mean velocity the drag has acted at
+                    drive += k * u
+                drag_velocity = mean  # the mean velocity that the drag has acted at
                 if ti.static(kicked):
-                    if total * h != 0.0:  # a part of a step may lead back
-                        met = (pull - rest / (m * h)) / total
-                for d in ti.static(range(len(terms.dampings))):
-                    u = medium_velocity(terms, L, d, j)
+                    if total * h != 0.0:  # h may be below 0 within a step
+                        drag_velocity = (drive - rest / (m * h)) / total
+                for d, term in ti.static(enumerate(terms.dampings)):
+                    u = flow_velocity(L, term.medium, j)
                     k = L.at("k", d)[j] + L.at("q", d)[j] * (mean - u).norm()
-                    impulse = (u - met) * (k * m * h)
+                    impulse = (u - drag_velocity) * (k * m * h)
                     work = impulse.dot(u)
-                    add_entry(B, b, ti.static(terms.dampings[d][3]), work, work - impulse.dot(mean), impulse)
+                    add_entry(B, b, term.ledger_row, work, work - impulse.dot(mean), impulse)
 
 
 @ti.func
@@ -118,7 +115,7 @@ def drift_with_exhaust(
     terms: ti.template(), B: ti.template(), b, L: ti.template(), X: ti.template(),
     S: ti.template(), K: ti.template(), Q: ti.template(), i, n, tau, fraction,
 ):  # fmt: skip
-    """A drift; what burns meanwhile leaves in halves, before and after it."""
+    """A drift. Half of the mass lost during it leaves before it, and half after it."""
     if ti.static(len(terms.mass_loss_terms) > 0):
         add_exhaust_entries(terms, B, b, L, X, S, K, Q, i, n, tau, 0.5 * fraction)
     drift(L, X, fraction)
@@ -126,24 +123,19 @@ def drift_with_exhaust(
         add_exhaust_entries(terms, B, b, L, X, S, K, Q, i, n, tau + fraction, 0.5 * fraction)
 
 
-@ti.func
-def medium_velocity(terms: ti.template(), L: ti.template(), d: ti.template(), j):
-    m = ti.static(terms.dampings[d][2])
-    return ti.Vector([L.at("u", m, 0)[j], L.at("u", m, 1)[j], L.at("u", m, 2)[j]])
-
-
 @cache
 def make_ledger_kernel(
-    composition: KernelTerms, kind: str, rotates: tuple, mutual: tuple, staged: bool, channels: tuple, precision: str
+    composition: KernelTerms, kind: str, rotation: tuple, mutual: tuple, staged: bool, channels: tuple, precision: str
 ):
-    """The booking kernel of one system: as make_step's kernel, for one step, with B (blocks, rows x 5) f64 at the end.
+    """The ledger kernel of one system: as make_step's kernel, for one step, with two more arrays at the end.
 
-    `mutual` says of each array of pair accelerations whether it is conservative. M (3, capacity) keeps, for colliders, the
-    change of velocity that conservative forces made in the stages so far.
+    mutual : for each array of pair accelerations, whether it is conservative
+    B (blocks, rows x LEDGER_COLUMNS) f64 : the entries
+    M (3, capacity) : with colliders, the change of velocity by conservative forces in the stages so far
     """
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = TileTerms(composition, channels, len(mutual), rotates, real)
+    terms = TileTerms(composition, channels, len(mutual), rotation, real)
     terms.mutual = mutual
     names = terms.vectors
     splitting = kind == "splitting"
@@ -159,71 +151,53 @@ def make_ledger_kernel(
             for s in range(BLOCK // WIDTH):
                 i = begin + b * BLOCK + s * WIDTH
                 if i < n:
-                    X = tile("x0 x1 x2 v0 v1 v2")
-                    Y = tile("x0 x1 x2 v0 v1 v2")
-                    Z = tile("x0 x1 x2 v0 v1 v2")
-                    G = tile(terms.start)
+                    X = tile(STATE)
+                    Y = tile(STATE)
+                    Z = tile(STATE)
+                    G = tile(terms.start_vectors)
                     C = tile("c0 c1 c2")
                     L = tile(names)
                     load(X, S, i)
                     load(Y, S, i)
-                    if ti.static(len(terms.walls) > 0):
+                    if ti.static(len(terms.colliders) > 0):
                         if stage0 <= 0:
                             for j in range(WIDTH):
                                 M[0, i + j], M[1, i + j], M[2, i + j] = 0.0, 0.0, 0.0
                         for j in range(WIDTH):
                             C.c0[j], C.c1[j], C.c2[j] = M[0, i + j], M[1, i + j], M[2, i + j]
-                    lifespan(L, S, birth, i, first * dt, dt, earliest, real)
+                    lane_steps(L, S, birth, i, first * dt, dt, earliest, real)
                     if ti.static(len(terms.mass_loss_terms) > 0):
-                        find_mass_loss(terms, L, X, S, K, Q, i)
+                        compute_mass_loss(terms, L, X, S, K, Q, i)
                     if ti.static(splitting):
-                        if ti.static(len(terms.walls) > 0):
+                        if ti.static(len(terms.colliders) > 0):
                             copy(G, X)
                             if ti.static(staged):
-                                if stage0 > 0 or (stage0 == 0 and P[0] != 0.0):
+                                if stage0 > 0 or (stage0 == 0 and P[FIRST_DRIFT] != 0.0):
                                     load(G, R, i)
                         if stage0 < 0:
-                            drift_with_exhaust(terms, B, b, L, X, S, K, Q, i, n, 0.0, P[0])
+                            drift_with_exhaust(terms, B, b, L, X, S, K, Q, i, n, 0.0, P[FIRST_DRIFT])
                         for g in range(ti.max(stage0, 0), stage1):
                             for j in range(WIDTH):
                                 Y.v0[j], Y.v1[j], Y.v2[j] = X.v0[j], X.v1[j], X.v2[j]
-                            accumulate(terms, L, X, S, K, A, Q, i, P[2 + 3 * g])
-                            kick(terms, L, X, S, i, P[1 + 3 * g], P[P.shape[0] - 1])
-                            _add_kick_entries(
-                                terms,
-                                B,
-                                b,
-                                L,
-                                X,
-                                Y,
-                                S,
-                                K,
-                                A,
-                                Q,
-                                i,
-                                n,
-                                P[2 + 3 * g],
-                                P[1 + 3 * g],
-                                True,
-                                C,
-                                P[P.shape[0] - 1],
-                            )
-                            drift_with_exhaust(terms, B, b, L, X, S, K, Q, i, n, P[2 + 3 * g], P[3 + 3 * g])
+                            time, length, light = P[TIME + STAGE * g], P[KICK + STAGE * g], P[P.shape[0] - 1]
+                            accumulate(terms, L, X, S, K, A, Q, i, time)
+                            kick(terms, L, X, S, i, length, light)
+                            _add_kick_entries(terms, B, b, L, X, Y, S, K, A, Q, i, n, time, length, True, C, light)
+                            drift_with_exhaust(terms, B, b, L, X, S, K, Q, i, n, time, P[DRIFT + STAGE * g])
                     else:
                         if stage0 > 0:
                             load_stage(Y, Z, R, i)
                         for g in range(ti.max(stage0, 0), stage1):
-                            accumulate(terms, L, Y, S, K, A, Q, i, P[2 + 3 * g])
-                            _add_kick_entries(
-                                terms, B, b, L, Y, Y, S, K, A, Q, i, n, P[2 + 3 * g], P[1 + 3 * g], False, C, 0.0
-                            )
+                            time, weight = P[TIME + STAGE * g], P[WEIGHT + STAGE * g]
+                            accumulate(terms, L, Y, S, K, A, Q, i, time)
+                            _add_kick_entries(terms, B, b, L, Y, Y, S, K, A, Q, i, n, time, weight, False, C, 0.0)
                             if ti.static(len(terms.mass_loss_terms) > 0):
-                                add_exhaust_entries(terms, B, b, L, Y, S, K, Q, i, n, P[2 + 3 * g], P[1 + 3 * g])
-                            advance_stage(terms, L, X, Y, Z, S, i, P[1 + 3 * g], P[3 + 3 * g])
-                    if ti.static(len(terms.walls) > 0):
+                                add_exhaust_entries(terms, B, b, L, Y, S, K, Q, i, n, time, weight)
+                            advance_stage(terms, L, X, Y, Z, S, i, weight, P[AHEAD + STAGE * g])
+                    if ti.static(len(terms.colliders) > 0):
                         for j in range(WIDTH):
                             M[0, i + j], M[1, i + j], M[2, i + j] = C.c0[j], C.c1[j], C.c2[j]
-                        if stage1 == (P.shape[0] - 1) // 3:
+                        if stage1 == (P.shape[0] - 1) // STAGE:
                             if ti.static(not splitting):
                                 copy(G, X)
                                 for j in range(WIDTH):

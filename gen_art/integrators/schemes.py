@@ -1,8 +1,8 @@
-"""The integrators, as data: what they compose and the order of the whole.
+"""The integrators as data.
 
-A splitting scheme is an initial drift and then stages of a kick followed by a drift, all fractions of dt; the kick is the
-closed form of constant acceleration with drag (kernels.py). A Runge-Kutta scheme is explicit: each stage has a weight, the
-fraction of dt that leads to the next stage's state, and its time.
+A splitting scheme is an initial drift followed by stages of a kick and a drift, all in fractions of dt; the kick is the closed
+form of constant acceleration with drag (tile.py). A Runge-Kutta scheme is explicit: each stage has a weight, its time, and the
+fraction of dt that leads to the next stage's state.
 Sources: Hairer, Lubich, Wanner, Geometric Numerical Integration; Yoshida (1990), Phys. Lett. A 150, 262; Boris (1970).
 """
 
@@ -12,12 +12,28 @@ from dataclasses import dataclass, replace
 from gen_art.errors import UsageError
 from gen_art.registry import suggest
 
-__all__ = ["INTEGRATORS", "Scheme", "charged", "stability_limit", "scheme"]
+__all__ = [
+    "AHEAD", "DRIFT", "FIRST_DRIFT", "INTEGRATORS", "KICK", "STAGE", "Scheme", "TIME", "WEIGHT", "charged", "scheme",
+]  # fmt: skip
+
+# Places in P, the scheme's numbers: the first drift, then stage g from STAGE g on, and the speed of light as the last number.
+FIRST_DRIFT, STAGE = 0, 3
+KICK, TIME, DRIFT = 1, 2, 3  # fractions of dt, of a splitting scheme
+WEIGHT, AHEAD = 1, 3  # of Runge-Kutta: the stage's weight, and the fraction of dt that leads to the next stage's state
 
 
 @dataclass(frozen=True)
 class Scheme:
-    """One integrator. `stages` are (kick, time, drift) for splitting, (weight, time, next) for Runge-Kutta."""
+    """One integrator.
+
+    stages : (kick, time, drift) for splitting, (weight, time, ahead) for Runge-Kutta, fractions of dt
+    first_drift : fraction of dt
+    pusher : "boris", "vay" or "higuera_cary"; "" for a plain kick
+    light : speed of light, m/s; 0 for Newtonian mechanics
+    exact : whether the rotation in a magnetic field has the exact phase
+    stability_limit : the largest w dt at which the energy of an oscillator stays bounded; 0 if it grows at any step. rk2's
+        growth, (w dt)^4 / 8 a step, counts as bounded up to 0.5
+    """
 
     name: str
     order: int
@@ -28,15 +44,16 @@ class Scheme:
     light: float = 0.0
     exact: bool = False
     doc: str = ""
+    stability_limit: float = 2.0
 
     @property
-    def rotates(self) -> tuple[str, bool, bool]:
-        """What turns the velocity in a magnetic field: (pusher, relativistic, exact phase); no pusher: a plain kick."""
+    def rotation(self) -> tuple[str, bool, bool]:
+        """How a magnetic field rotates the velocity: (pusher, relativistic, exact phase)."""
         return self.pusher, self.light > 0, self.exact
 
     @property
     def numbers(self) -> list[float]:
-        """The scheme's run-time numbers for its kernel: the first drift, then each stage's three, then the speed of light."""
+        """P, the scheme's run-time numbers: the first drift, three numbers of each stage, the speed of light."""
         return [self.first_drift, *(c for stage in self.stages for c in stage), self.light]
 
 
@@ -48,15 +65,25 @@ _KDK = ((0.5, 0.0, 1.0), (0.5, 1.0, 0.0))
 INTEGRATORS = {
     s.name: s
     for s in (
-        Scheme("euler", 1, "runge_kutta", ((1.0, 0.0, 0.0),), doc="explicit; gains energy, for comparison"),
+        Scheme(
+            "euler",
+            1,
+            "runge_kutta",
+            ((1.0, 0.0, 0.0),),
+            doc="explicit; gains energy, for comparison",
+            stability_limit=0.0,
+        ),
         Scheme("semi_implicit_euler", 1, "splitting", ((1.0, 0.0, 1.0),), doc="kick, then drift; symplectic"),
-        Scheme("rk2", 2, "runge_kutta", ((0.0, 0.0, 0.5), (1.0, 0.5, 0.0)), doc="explicit midpoint"),
+        Scheme(
+            "rk2", 2, "runge_kutta", ((0.0, 0.0, 0.5), (1.0, 0.5, 0.0)), doc="explicit midpoint", stability_limit=0.5
+        ),
         Scheme(
             "rk4",
             4,
             "runge_kutta",
             ((1 / 6, 0.0, 0.5), (1 / 3, 0.5, 0.5), (1 / 3, 0.5, 1.0), (1 / 6, 1.0, 0.0)),
             doc="classical; drag is inside its stages",
+            stability_limit=2.8284,
         ),
         Scheme(
             "position_verlet", 2, "splitting", ((1.0, 0.5, 0.5),), 0.5, doc="drift-kick-drift; one evaluation a step"
@@ -74,6 +101,7 @@ INTEGRATORS = {
             ),
             _W1 / 2,
             doc="three drift-kick-drifts; symplectic",
+            stability_limit=1.5734,
         ),
         Scheme(
             "boris",
@@ -107,7 +135,7 @@ INTEGRATORS = {
 
 
 def charged(used: Scheme, forces, light: float | None, exact: bool, interactions=(), colliders=()) -> Scheme:
-    """The scheme with a speed of light, m/s, and the exact phase. Raises UsageError for what cannot be combined."""
+    """The scheme with a speed of light, m/s, and the exact phase. Raises UsageError for combinations that are impossible."""
     pushers = ", ".join(name for name, s in INTEGRATORS.items() if s.pusher)
     if (light is not None or exact) and not used.pusher:
         what = "speed_of_light" if light is not None else "exact_gyration"
@@ -132,16 +160,8 @@ def charged(used: Scheme, forces, light: float | None, exact: bool, interactions
     return replace(used, light=float(light or 0.0), exact=bool(exact))
 
 
-def stability_limit(used: Scheme) -> float:
-    """The largest w dt at which an oscillator's energy stays bounded; 0 where it grows at any step.
-
-    rk2's growth, (w dt)^4 / 8 a step, is counted as bounded up to 0.5.
-    """
-    return {"euler": 0.0, "rk2": 0.5, "rk4": 2.8284, "yoshida4": 1.5734}.get(used.name, 2.0)
-
-
 def scheme(name: str) -> Scheme:
-    """The integrator of that name; UsageError names the nearest."""
+    """The integrator of that name. Raises UsageError, which suggests the most similar name."""
     if name not in INTEGRATORS:
         raise UsageError(f"unknown integrator '{name}'{suggest(name, INTEGRATORS)} (one of {', '.join(INTEGRATORS)})")
     return INTEGRATORS[name]

@@ -18,9 +18,12 @@ interaction = INTERACTIONS
 class ForceRequest:
     """What an interaction is asked for at one stage of a step.
 
-    rows : (6 or more, capacity): position and velocity at this stage     state : the particles acted on, for the rest
-    n : how many there are     source_rows, sources, m : the same of those that act (this very system, or another)
-    span : s, the length of the kick that the accelerations serve; 0 for a stage of Runge-Kutta     dt : s, the whole step
+    rows : (6 or more, capacity), position and velocity at this stage
+    state : the particles that the forces act on, for everything else
+    n : their number
+    source_rows, sources, m : the same of the particles that exert the forces, of this system or of another
+    span : s, the length of the kick that the accelerations serve; 0 for a stage of Runge-Kutta
+    dt : s, the whole step
     """
 
     rows: np.ndarray
@@ -36,10 +39,13 @@ class ForceRequest:
 
 @dataclass
 class ImplicitStage:
-    """The part of a step that an implicit interaction takes: what stands around its change of the velocities.
+    """The part of a step in which an implicit interaction changes velocities: after a kick, before a drift.
 
-    old : (3, n) velocities before the forces' kick     kick, drift : s, how long the forces kicked, and the drift that follows
-    time : s, at the start of the step     dt : s, the whole step     booked : the ledger reads the velocities before the drift
+    old : (3, n) m/s, velocities before the forces' kick
+    kick, drift : s, the length of the kick, and of the drift that follows
+    time : s, at the start of the step
+    dt : s, the whole step
+    with_ledger : whether a ledger is kept, which reads the velocities before the drift
     """
 
     old: np.ndarray
@@ -48,57 +54,57 @@ class ImplicitStage:
     time: float
     dt: float
     precision: str
-    booked: bool
+    with_ledger: bool
 
 
 class Interaction(Parametric):
-    """Acts between particles.
+    """Forces between particles.
 
-    `accelerate(pull, out)` writes accelerations, m/s^2, of the first pull.n particles into out, (3 len(parts), capacity):
-    three rows for each of `parts`, which the ledger books apart: "" by the class's flags, any other name as dissipated.
-    `energy(state, slots, precision)` gives the potential energy, J, that the particles in these slots have together.
-    Where `implicit`, `solve(state, turn)` changes velocities instead, between each kick of a step and the drift after it.
-    Where it `carries` the particles, `drift(state, turn)` moves them too, in the place of the kernel's drift; the system's
-    colliders are then its own, by `take_colliders`, and the ledger asks for their `impulses` and for its `shifts`.
-    Where it `breaks`, `break_bonds(state, precision)` is called at the end of each step.
-    `saved_arrays` is what a snapshot must keep beside the particles and the parameters, arrays by name;
-    `restore_arrays(saved_arrays, time)` restores it.
+    `accelerate(request, out)` writes accelerations, m/s^2, of the first request.n particles into out, (3 len(parts), capacity):
+    three rows for each of `parts`, which the ledger records separately: "" by the class's flags, any other name as dissipated.
+    `energy(state, slots, precision)` returns the potential energy, J, of the particles in these slots together.
+    If `implicit`, `solve(state, stage)` changes velocities instead, between each kick of a step and the drift after it.
+    If `moves_particles`, `drift(state, stage)` moves the particles too, in place of the kernel's drift. It then handles the
+    system's colliders (`take_colliders`), and the ledger reads `collider_impulses` and `drift_displacement`.
+    If `breaks`, `break_bonds(state, precision)` is called at the end of each step.
+    `saved_arrays` are the arrays by name that a snapshot stores beside the particles and the parameters;
+    `restore_arrays(saved_arrays, time)` restores them.
     """
 
     parts: ClassVar[tuple[str, ...]] = ("",)
-    attributes: tuple[str, ...] = ()  # declared attributes that its particles have
+    attributes: tuple[str, ...] = ()  # declared attributes that its particles need
     conservative: ClassVar[bool] = True
     reciprocal: ClassVar[bool] = True
     implicit: bool = False
     breaks: bool = False
-    carries: ClassVar[bool] = False
+    moves_particles: ClassVar[bool] = False
 
     @property
     def source_system(self) -> str | None:
-        """The other system whose particles act, or None: the particles of the system act on each other."""
+        """The other system whose particles exert the forces; None if the system's particles act on each other."""
         return self.values.get("sources")
 
     def attach(self, system, dt: float) -> None:
-        """Called when the particles of the start have been born: learn who they are, refuse by UsageError, or warn."""
+        """Called once the particles of the start exist: prepare for them, raise UsageError, or warn."""
 
     def accelerate(self, request: ForceRequest, out: np.ndarray) -> None:
         raise NotImplementedError
 
-    def solve(self, state: Particles, turn: ImplicitStage) -> None:
+    def solve(self, state: Particles, stage: ImplicitStage) -> None:
         raise NotImplementedError
 
-    def drift(self, state: Particles, turn: ImplicitStage) -> None:
+    def drift(self, state: Particles, stage: ImplicitStage) -> None:
         raise NotImplementedError
 
     def take_colliders(self, colliders) -> None:
         raise NotImplementedError
 
-    def impulses(self) -> dict[str, tuple[np.ndarray, float]]:
-        """(N s (3,), J) that each collider gave in the last solve, by name: impulse, and work where it moves."""
+    def collider_impulses(self) -> dict[str, tuple[np.ndarray, float]]:
+        """The impulse (3,), N s, and the work, J, of each collider in the last solve, by name."""
         raise NotImplementedError
 
-    def shifts(self):
-        """(3, n) m that the coming drift moves particles by, beside their velocities; or 0."""
+    def drift_displacement(self):
+        """(3, n) m, how far the coming drift moves the particles beside their velocities; or 0."""
         raise NotImplementedError
 
     @property
@@ -109,7 +115,7 @@ class Interaction(Parametric):
         raise NotImplementedError
 
     def break_bonds(self, state: Particles, precision: str) -> float | None:
-        """Let go of what breaks at these positions: the energy it held, J, or None when nothing broke."""
+        """Break bonds that are overstretched at the present positions; their energy, J, or None if none breaks."""
         raise NotImplementedError
 
     def energy(self, state: Particles, slots: np.ndarray, precision: str) -> float:

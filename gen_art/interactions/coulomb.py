@@ -9,16 +9,17 @@ __all__ = ["Coulomb"]
 
 @interaction("coulomb")
 class Coulomb(DirectSum):
-    """Like charges repel, unlike ones attract, softened after Plummer.
+    """Like charges repel, unlike charges attract, with Plummer softening.
 
     a_i = k q_i / m_i sum_j q_j (x_i - x_j) / s^3,  s^2 = abs(x_i - x_j)^2 + softening^2;  U = k sum_{i<j} q_i q_j / s
 
-    k : N m^2/C^2, 1 / (4 pi epsilon_0) when left out     softening : m, >= 0
-    method : "direct", every pair; "tree", cells at a distance as a whole: forces to about 3 parts in a thousand, momentum to
-    round-off; "auto", the tree beyond 30,000 particles     theta : of the tree, 0.05 to 1: how large two cells may look from each
-    other to act as a whole; less is more exact
-    sources : the name of another system, whose field then acts without reaction (booked in the ledger)
-    Conservative and reciprocal, unless `sources` is given; magnetism and delay are left out. Source: CODATA 2018.
+    k : N m^2/C^2, 1 / (4 pi epsilon_0) when left out
+    softening : m, >= 0
+    method : "direct", all pairs; "tree", distant cells as a whole: forces to about 3 parts in a thousand, momentum to round-off;
+        "auto", the tree beyond 30,000 particles
+    theta : of the tree, 0.05 to 1: largest size of two cells, seen from each other, that act as a whole; smaller is more exact
+    sources : the name of another system, whose field then acts without reaction (recorded in the ledger)
+    Conservative and reciprocal, unless `sources` is given; magnetism and retardation are left out. Source: CODATA 2018.
     """
 
     k: float = param(8.9875517923e9, unit="N m^2/C^2")

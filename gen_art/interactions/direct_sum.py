@@ -1,8 +1,8 @@
-"""Summation of a central law over all pairs: what mutual gravity, Coulomb's law and the power laws share.
+"""Sums of a central force law over all pairs: the base of mutual gravity, Coulomb's law and the power laws.
 
-The targets are the lanes and the sources the inner run-time loop, so that it vectorises. A law is chosen when the kernel
-is generated: "square" for the inverse square, which needs no logarithm, "power" for the rest, "log" for its potential.
-Inverse squares of many particles may be summed by a tree instead.
+The targets are the lanes and the sources the inner run-time loop, so that it vectorises. The law is chosen when the kernel is
+generated: "square" for the inverse square, which needs no logarithm, "power" for other exponents, "log" for the potential of
+exponent -1. Inverse squares of many particles may be summed by a tree instead.
 """
 
 from functools import cache
@@ -20,15 +20,15 @@ from gen_art.particles.rows import MASS, POSITION
 __all__ = ["DirectSum"]
 
 _LANES = 16
-_BLOCK = 256  # targets a task
-_MANY = 30_000**2  # pairs beyond which `auto` takes the tree
-_CHUNK = 256  # sources summed before they join the total: keeps float32 sums of many thousands accurate
+_BLOCK = 256  # targets per task
+_TREE_PAIRS = 30_000**2  # `auto` uses the tree for more pairs
+_CHUNK = 256  # sources in a partial sum: keeps float32 sums over many thousands accurate
 
 
 class DirectSum(Interaction):
     """a_i = -k c_i / m_i sum_j c_j s^(n-1) (x_i - x_j), with c the mass or the charge; each pair's potential is c_i c_j phi(s).
 
-    A subclass gives `law`, which is (k, n, softening); `weight` is the row c.
+    A subclass defines `law`, which is (k, n, softening), and `weight`, the name of c.
     """
 
     weight: ClassVar[str] = "mass"
@@ -39,7 +39,7 @@ class DirectSum(Interaction):
 
     @property
     def amount(self) -> str:
-        """The row of the state that a particle acts by, and is acted on by."""
+        """The name of c, the quantity that the forces are proportional to."""
         return self.weight
 
     def prepare(self):
@@ -47,9 +47,9 @@ class DirectSum(Interaction):
             raise UsageError("sources must name a system")
 
     def by_tree(self, pairs: int) -> bool:
-        """Whether so many pairs are summed by the tree."""
+        """Whether this number of pairs is summed by the tree."""
         method = self.values.get("method", "direct")
-        return method == "tree" or (method == "auto" and pairs > _MANY)
+        return method == "tree" or (method == "auto" and pairs > _TREE_PAIRS)
 
     def accelerate(self, request: ForceRequest, out: np.ndarray) -> None:
         k, n, softening = self.law
@@ -57,14 +57,13 @@ class DirectSum(Interaction):
         if self.by_tree(request.n * request.m):
             sources = None if self.source_system is None else request.source_rows[:3, : request.m]
             out[:, : request.n] = k * self._tree(request.rows[:3, : request.n], sources, amounts, request.precision)[:3]
-            self._weigh(request, out)
+            self._to_accelerations(request, out)
             return
         sources = np.ascontiguousarray(np.concatenate([request.source_rows[:3, : request.m], amounts[None]]))
         numbers = np.array([k, softening**2, n], out.dtype)
-        _accelerator("square" if n == -2 else "power", request.precision)(
-            request.rows, sources, out, request.n, numbers
-        )
-        self._weigh(request, out)
+        kernel = _acceleration_kernel("square" if n == -2 else "power", request.precision)
+        kernel(request.rows, sources, out, request.n, numbers)
+        self._to_accelerations(request, out)
 
     def _tree(self, targets, sources, amounts, precision, valued=False):
         from gen_art.interactions.tree_sum import sum_by_tree
@@ -72,18 +71,16 @@ class DirectSum(Interaction):
         softening, theta = self.values["softening"], self.values["theta"]
         return sum_by_tree(np.ascontiguousarray(targets), sources, amounts, softening, theta, precision, valued)
 
-    def _weigh(self, request: ForceRequest, out: np.ndarray) -> None:
-        """From the field to accelerations, where it does not act on mass."""
+    def _to_accelerations(self, request: ForceRequest, out: np.ndarray) -> None:
+        """Multiply the field in `out` by charge over mass, where it does not act on mass."""
         if self.amount != "mass":
-            mass, own = (
-                request.state.floats[MASS, : request.n],
-                request.state.floats[request.state.channels[self.amount], : request.n],
-            )
-            if ((mass == 0) & (own != 0)).any():
+            state, n = request.state, request.n
+            mass, charge = state.floats[MASS, :n], state.floats[state.channels[self.amount], :n]
+            if ((mass == 0) & (charge != 0)).any():
                 raise UsageError(
                     f"{self.name}: a particle with a charge and no mass has no acceleration; give it a mass"
                 )
-            out[:, : request.n] *= np.divide(own, mass, out=np.zeros_like(own), where=mass > 0)
+            out[:, :n] *= np.divide(charge, mass, out=np.zeros_like(charge), where=mass > 0)
 
     def energy(self, state, slots, precision):
         count = len(slots)
@@ -101,10 +98,10 @@ class DirectSum(Interaction):
         potential = np.zeros(positions.shape[1], dtype)
         numbers = np.array([k, softening**2, n], dtype)
         law = "square" if n == -2 else "log" if n == -1 else "power"
-        _potential(law, precision)(positions, sources, potential, count, numbers)
+        _potential_kernel(law, precision)(positions, sources, potential, count, numbers)
         c = amounts.astype(np.float64)
-        own = 0.0 if softening == 0 else -c / softening if n == -2 else c * _phi(softening, n)
-        return float(0.5 * k * np.sum(c * (potential[:count].astype(np.float64) - own)))
+        self_potential = 0.0 if softening == 0 else -c / softening if n == -2 else c * _phi(softening, n)
+        return float(0.5 * k * np.sum(c * (potential[:count].astype(np.float64) - self_potential)))
 
 
 def _phi(s: float, n: float) -> float:
@@ -113,13 +110,13 @@ def _phi(s: float, n: float) -> float:
 
 
 @cache
-def _accelerator(law: str, precision: str):
+def _acceleration_kernel(law: str, precision: str):
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
 
     @ti.func
     def strength(r2, n):
-        """s^(n - 1) of s^2; 0 at s = 0, where there is no direction."""
+        """s^(n - 1), from r2 = s^2; 0 at s = 0, where there is no direction."""
         f = r2 * 0.0
         if ti.static(law == "square"):
             f = ti.select(r2 > 0.0, 1.0 / (r2 * ti.sqrt(r2)), 0.0)
@@ -161,13 +158,13 @@ def _accelerator(law: str, precision: str):
 
 
 @cache
-def _potential(law: str, precision: str):
+def _potential_kernel(law: str, precision: str):
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
 
     @ti.func
     def phi(r2, n):
-        """The potential at s^2 of a unit source; 0 at s = 0, a particle's own place without softening."""
+        """The potential of a unit source, from r2 = s^2; 0 at s = 0, a particle's own position without softening."""
         f = r2 * 0.0
         if ti.static(law == "square"):
             f = -1.0 / ti.sqrt(r2)

@@ -1,8 +1,8 @@
-"""Neighbours by a sorted uniform grid: particles in the order of their cells, by a counting sort of fixed order.
+"""Neighbour search by a uniform grid: the particles sorted by cell, by a counting sort of fixed order.
 
-A cell is as wide as the furthest reach of a pair, so that neighbours lie in 3 x 3 x 3 cells. Along x cells beyond the grid's
-ends are taken into the last ones; along y and z the grid wraps round: memory stays in proportion to the particles however
-far they fly, and a pair is still met once, since distances decide.
+A cell is as wide as the largest distance of an interacting pair, so that neighbours lie in 3 x 3 x 3 cells. Along x, cells
+beyond the ends of the grid count as the last ones; along y and z the grid is periodic. Memory is therefore proportional to the
+particles however far they fly, and each pair is still found once, because distances decide.
 """
 
 from dataclasses import dataclass
@@ -15,17 +15,27 @@ from gen_art.backend.runtime import ti
 from gen_art.particles.fixed import is_fixed
 from gen_art.particles.rows import LIFETIME, MASS, RADIUS
 
-__all__ = ["ROWS", "Grid", "cell_of", "run_of", "sort_into_grid"]
+__all__ = [
+    "INVERSE_MASS_AT", "POSITION_AT", "RADIUS_AT", "RECORD", "VELOCITY_AT", "Grid", "cell_of", "run_of", "sort_into_grid",
+]  # fmt: skip
 
-ROWS = 8  # of the sorted copy: position 0-2, velocity 3-5, radius, 1 / mass (0 where fixed)
-_CHUNKS = 4  # each counts and places its own share, in order: the same sort on any number of threads
+# a particle's record in the sorted copy: position, velocity, radius, 1 / mass (0 where fixed)
+POSITION_AT, VELOCITY_AT, RADIUS_AT, INVERSE_MASS_AT, RECORD = 0, 3, 6, 7, 8
+_CHUNKS = (
+    4  # of the particles, counted and placed in parallel; fixed, so that the sort is the same on any number of threads
+)
 
 
 @dataclass
 class Grid:
-    """first (cells + 1,): where each cell begins in `sorted` (n ROWS,); size: m; low, shape: the first cell and how many.
+    """Particles sorted by cell.
 
-    slots (n,): whose record stands at each place of `sorted`     rank (n,): the place of each particle's record
+    first : (cells + 1,), the place in `sorted` where each cell begins
+    sorted : (n RECORD,), the particles' records
+    slots : (n,), the slot of the particle at each place
+    rank : (n,), the place of each particle
+    size : m, width of a cell
+    low, shape : (3,), the first cell along each axis, and the number of cells
     """
 
     first: np.ndarray
@@ -38,7 +48,7 @@ class Grid:
 
 
 def sort_into_grid(rows: np.ndarray, floats: np.ndarray, n: int, size: float, precision: str) -> Grid:
-    """The first n particles, positions and velocities in `rows` and the rest in `floats`, in a grid of cells `size` wide."""
+    """A grid with cells of `size`, m, of the first n particles: positions and velocities in `rows`, the rest in `floats`."""
     low = np.array([np.floor(rows[c, :n].min() / size) for c in range(3)])
     high = np.array([np.floor(rows[c, :n].max() / size) for c in range(3)])
     shape = np.clip(high - low + 1, 3, 2**20)
@@ -47,13 +57,13 @@ def sort_into_grid(rows: np.ndarray, floats: np.ndarray, n: int, size: float, pr
     low, shape = low.astype(np.int32), shape.astype(np.int32)
     cells = int(shape.prod())
     count, place = _kernels(precision)
-    cell, ends = np.empty(n, np.int32), np.zeros((cells, _CHUNKS), np.int32)
+    cell, counts = np.empty(n, np.int32), np.zeros((cells, _CHUNKS), np.int32)
     width = np.array([size], rows.dtype)
-    count(rows, n, width, low, shape, cell, ends)
+    count(rows, n, width, low, shape, cell, counts)
     before = np.zeros(cells * _CHUNKS + 1, np.int32)
-    np.cumsum(ends.ravel(), out=before[1:])
+    np.cumsum(counts.ravel(), out=before[1:])
     first = np.ascontiguousarray(before[::_CHUNKS])
-    ordered, slots, rank = np.empty(n * ROWS, rows.dtype), np.empty(n, np.int32), np.empty(n, np.int32)
+    ordered, slots, rank = np.empty(n * RECORD, rows.dtype), np.empty(n, np.int32), np.empty(n, np.int32)
     place(rows, floats, n, cell, before[:-1].reshape(cells, _CHUNKS), ordered, slots, rank)
     return Grid(first, ordered, slots, rank, size, low, shape)
 
@@ -61,11 +71,11 @@ def sort_into_grid(rows: np.ndarray, floats: np.ndarray, n: int, size: float, pr
 @cache
 def _kernels(precision: str):
     real = runtime.DTYPES[precision]
-    matrix, whole = ti.types.ndarray(real, 2), ti.types.ndarray(ti.i32, 1)
+    matrix, ints = ti.types.ndarray(real, 2), ti.types.ndarray(ti.i32, 1)
     table, vector = ti.types.ndarray(ti.i32, 2), ti.types.ndarray(real, 1)
 
     @ti.kernel
-    def count(X: matrix, n: ti.i32, size: vector, low: whole, shape: whole, cell: whole, ends: table):
+    def count(X: matrix, n: ti.i32, size: vector, low: ints, shape: ints, cell: ints, counts: table):
         share = (n + _CHUNKS - 1) // _CHUNKS
         ti.loop_config(block_dim=1)
         for c in range(_CHUNKS):
@@ -75,35 +85,37 @@ def _kernels(precision: str):
                 z = (cell_of(X[2, i], size[0]) - low[2]) % shape[2]
                 k = ti.min(ti.max(x, 0), shape[0] - 1) + shape[0] * (y + shape[1] * z)
                 cell[i] = k
-                ends[k, c] = ends[k, c] + 1
+                counts[k, c] = counts[k, c] + 1
 
     @ti.kernel
-    def place(X: matrix, S: matrix, n: ti.i32, cell: whole, at: table, out: vector, slots: whole, rank: whole):
+    def place(X: matrix, S: matrix, n: ti.i32, cell: ints, next_place: table, out: vector, slots: ints, rank: ints):
         share = (n + _CHUNKS - 1) // _CHUNKS
         ti.loop_config(block_dim=1)
         for c in range(_CHUNKS):
             for i in range(c * share, ti.min((c + 1) * share, n)):
-                k = at[cell[i], c]
-                at[cell[i], c] = k + 1
+                k = next_place[cell[i], c]
+                next_place[cell[i], c] = k + 1
                 slots[k] = i
                 rank[i] = k
                 for r in ti.static(range(6)):
-                    out[k * ROWS + r] = X[r, i]
-                out[k * ROWS + 6] = S[RADIUS, i]
-                out[k * ROWS + 7] = ti.select(is_fixed(S[LIFETIME, i]), 0.0, 1.0 / ti.max(S[MASS, i], 1e-30))
+                    out[k * RECORD + r] = X[r, i]
+                out[k * RECORD + RADIUS_AT] = S[RADIUS, i]
+                out[k * RECORD + INVERSE_MASS_AT] = ti.select(
+                    is_fixed(S[LIFETIME, i]), 0.0, 1.0 / ti.max(S[MASS, i], 1e-30)
+                )
 
     return runtime.kernel(count, precision), runtime.kernel(place, precision)
 
 
 @ti.func
 def cell_of(x, size):
-    """The whole number of the cell that holds x along one axis."""
+    """The index of the cell that contains x along one axis."""
     return ti.cast(ti.floor(ti.min(ti.max(x / size, -1.0e9), 1.0e9)), ti.i32)
 
 
 @ti.func
 def run_of(first: ti.template(), shape, x, y, z, left, right):
-    """Where the cells x - left to x + right of the row (y, z) begin and end; y and z may be one cell beyond the grid."""
+    """The places where the cells x - left to x + right of the row (y, z) begin and end; y, z may be one cell outside the grid."""
     y = ti.select(y < 0, shape[1] - 1, ti.select(y == shape[1], 0, y))
     z = ti.select(z < 0, shape[2] - 1, ti.select(z == shape[2], 0, z))
     row, last = shape[0] * (y + shape[1] * z), shape[0] - 1

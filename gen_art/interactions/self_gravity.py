@@ -9,17 +9,20 @@ __all__ = ["SelfGravity"]
 
 @interaction("self_gravity")
 class SelfGravity(DirectSum):
-    """Every particle attracts every other, softened after Plummer.
+    """Every particle attracts every other, with Plummer softening.
 
     a_i = G sum_j m_j (x_j - x_i) / s^3,  s^2 = abs(x_j - x_i)^2 + softening^2;  U = -G sum_{i<j} m_i m_j / s
 
-    G : constant of gravitation in the preset's units, 6.6743e-11 m^3/kg/s^2 when left out     softening : m, >= 0
-    method : "direct", every pair; "tree", cells at a distance as a whole: forces to about 3 parts in a thousand, momentum to
-    round-off; "auto", the tree beyond 30,000 particles     theta : of the tree, 0.05 to 1: how large two cells may look from each
-    other to act as a whole; less is more exact     order : 3, of its expansions
-    sources : the name of another system, whose field then acts without reaction (booked in the ledger)
-    Conservative and reciprocal, unless `sources` is given. Source: Dehnen & Read, Eur. Phys. J. Plus 126, 55 (2011).
-    The tree's forces are no exact gradient: they keep energy to their own accuracy.
+    G : constant of gravitation in the preset's units, 6.6743e-11 m^3/kg/s^2 when left out
+    softening : m, >= 0
+    method : "direct", all pairs; "tree", distant cells as a whole: forces to about 3 parts in a thousand, momentum to round-off;
+        "auto", the tree beyond 30,000 particles
+    theta : of the tree, 0.05 to 1: largest size of two cells, seen from each other, that act as a whole; smaller is more exact
+    order : 3, of the tree's expansions
+    sources : the name of another system, whose field then acts without reaction (recorded in the ledger)
+    Conservative and reciprocal, unless `sources` is given. The tree's forces are not an exact gradient: they conserve energy to
+    their own accuracy.
+    Source: Dehnen & Read, Eur. Phys. J. Plus 126, 55 (2011).
     """
 
     G: float = param(6.67430e-11, min=0, doc="constant of gravitation; units.G of the preset when left out")

@@ -1,4 +1,4 @@
-"""Contacts between spheres; the kernels are in contact_kernels.py."""
+"""Contacts between spheres; the kernels are in sphere_contact_kernels.py."""
 
 import math
 import warnings
@@ -8,21 +8,21 @@ import numpy as np
 from gen_art.errors import UsageError
 from gen_art.interactions.base import ForceRequest, Interaction, interaction
 from gen_art.interactions.neighbour_grid import Grid, sort_into_grid
-from gen_art.interactions.sphere_contact_kernels import BLOCK, deepest, pushes
+from gen_art.interactions.sphere_contact_kernels import BLOCK, RESULT, contact_kernels, overlap_kernel
 from gen_art.particles.rows import MASS, RADIUS
 from gen_art.registry import param
 
 __all__ = ["Contacts"]
 
-_STEPS = 20  # of a contact whose duration is not given
-_FEWEST = 8
-_DEEP = 0.02  # of a sphere's radius: deeper overlaps at the start are a warning
-_SOFTEST = 1e-3  # restitution that stands for 0
+_DEFAULT_STEPS = 20  # the duration of a contact when it is not given
+_MIN_STEPS = 8
+_DEEP = 0.02  # relative to a sphere's radius: deeper overlaps at the start give a warning
+_MIN_RESTITUTION = 1e-3  # used for 0
 
 
 @interaction("contacts")
 class Contacts(Interaction):
-    """Spheres that touch push each other apart, as damped linear springs that every collision takes the same time on.
+    """Spheres that touch repel each other as damped linear springs, so that every collision has the same duration.
 
     d = r_i + r_j - abs(x_i - x_j) > 0,  m = 1 / (1/m_i + 1/m_j),  w = (v_i - v_j).n,  L = -ln restitution,  T = duration
     F_n = m (pi^2 + L^2) d / T^2 - 2 m L w / T,  F_t <= friction F_n against the sliding
@@ -30,19 +30,19 @@ class Contacts(Interaction):
 
     restitution : speed after over speed before, 0 to 1 (0 counts as 0.001), at any masses and speeds
     friction : Coulomb's coefficient, >= 0
-    spin : spheres turn (moment of inertia 2/5 m r^2): friction acts where they touch, and its torque goes to the attributes
-    spin_x, spin_y, spin_z, 1/s, which a particle may be born with and are 0 otherwise
     rolling : with spin, torque rolling R F_n against the rolling, 1/R = 1/r_i + 1/r_j; >= 0, and above 0 spheres spin
-    duration : s, of a collision; 20 steps when left out. A sphere sinks in by speed T / pi at most: shorter is harder
-    Diagnostics and the ledger know no spin: what friction turns into rotation counts as dissipated.
-    Reciprocal to round-off; conservative but for restitution and friction, which the ledger has as dissipated.
-    Neighbours come from a sorted uniform grid as wide as the largest sphere. Source: Cundall & Strack (1979).
+    spin : spheres rotate (moment of inertia 2/5 m r^2): friction acts where they touch, and its torque changes the attributes
+        spin_x, spin_y, spin_z, 1/s, which particles may be born with and which are 0 otherwise
+    duration : s, of a collision; 20 steps when left out. Spheres overlap by speed T / pi at most: shorter is harder
+    Diagnostics and the ledger do not include spin: energy that friction turns into rotation counts as dissipated.
+    Reciprocal to round-off; conservative except for restitution and friction, which the ledger records as dissipated.
+    Neighbours come from a sorted uniform grid with cells as wide as the largest sphere. Source: Cundall & Strack (1979).
     """
 
     restitution: float = param(0.8, min=0, max=1)
     friction: float = param(0.0, min=0)
     rolling: float = param(0.0, min=0)
-    spin: bool = param(False, doc="spheres turn; they do wherever rolling is above 0")
+    spin: bool = param(False, doc="spheres rotate; always on where rolling is above 0")
     duration: float = param(None, unit="s", min=1e-300, doc="of a collision; 20 steps when left out")
 
     @property
@@ -61,29 +61,31 @@ class Contacts(Interaction):
     def attach(self, system, dt):
         if self.spins and system.scheme.name not in ("semi_implicit_euler", "position_verlet"):
             raise UsageError(
-                f"contacts: spin is turned once a step; give '{system.name}' semi_implicit_euler or position_verlet, "
+                f"contacts: spin is advanced once a step; give '{system.name}' semi_implicit_euler or position_verlet, "
                 f"not {system.scheme.name}"
             )
-        self._duration = self.values["duration"] or _STEPS * dt
-        if self._duration < _FEWEST * dt:
+        self._duration = self.values["duration"] or _DEFAULT_STEPS * dt
+        if self._duration < _MIN_STEPS * dt:
             warnings.warn(
                 f"system '{system.name}': contacts of {self._duration:g} s last {self._duration / dt:.3g} steps; "
-                f"they need {_FEWEST}: a step of at most {self._duration / _FEWEST:.3g} s",
+                f"they need {_MIN_STEPS}: a step of at most {self._duration / _MIN_STEPS:.3g} s",
                 stacklevel=2,
             )
         self._warn_of_overlaps(system)
 
     def overlaps(self, state, precision: str) -> tuple[np.ndarray, np.ndarray]:
-        """How deep each sphere lies in another, m, at most, and in which: (n,) and (n,) slots; itself where in none."""
+        """The deepest overlap of each sphere, (n,) m, and the slot (n,) of the other; its own slot if there is none."""
         n = state.count
         depth, other = np.zeros(n, state.floats.dtype), np.arange(n, dtype=np.int32)
         grid = self._grid(state.floats, state.floats, n, precision) if n else None
         if grid is not None:
-            deepest(precision)(grid.sorted, grid.slots, grid.first, grid.low, grid.shape, grid.size, depth, other)
+            overlap_kernel(precision)(
+                grid.sorted, grid.slots, grid.first, grid.low, grid.shape, grid.size, depth, other
+            )
         return depth, other
 
     def _warn_of_overlaps(self, system) -> None:
-        """Spheres that begin inside each other would be thrown apart: name the deepest pair."""
+        """Warn of spheres that overlap at the start, because they are thrown apart; the message names the deepest pair."""
         state = system.state
         if not state.count:
             return
@@ -98,8 +100,8 @@ class Contacts(Interaction):
             )
 
     def _numbers(self, span: float, dt: float, dtype) -> np.ndarray:
-        """stiffness and damping over the reduced mass, friction, and its rate; damping as its exact decay over the kick."""
-        decay = -math.log(max(self.values["restitution"], _SOFTEST)) / self._duration
+        """The kernels' parameters; the damping is averaged over the kick, so that its decay is exact."""
+        decay = -math.log(max(self.values["restitution"], _MIN_RESTITUTION)) / self._duration
         rate = -math.expm1(-2 * decay * span) / span if span > 0 else 2 * decay
         square = (math.pi / self._duration) ** 2 + decay**2
         return np.array([square, rate, self.values["friction"], 0.5 / (span or dt), self.values["rolling"]], dtype)
@@ -119,17 +121,17 @@ class Contacts(Interaction):
             out[:, :n] = 0.0
             return
         numbers = self._numbers(request.span, request.dt, out.dtype)
-        turn = np.zeros((3, n if self.spins else 1), out.dtype)
+        angular = np.zeros((3, n if self.spins else 1), out.dtype)
         first = state.channels["spin_x"] if self.spins else 0
-        accelerate, hand_back, _ = pushes(request.precision, self.spins)
-        found = np.empty(6 * n, out.dtype)
+        accelerate, unsort, _ = contact_kernels(request.precision, self.spins)
+        result = np.empty(RESULT * n, out.dtype)
         accelerate(
-            grid.sorted, grid.slots, grid.first, grid.low, grid.shape, numbers, grid.size, state.floats, first, found, turn,
+            grid.sorted, grid.slots, grid.first, grid.low, grid.shape, numbers, grid.size, state.floats, first, result, angular,
             len(self.parts),
         )  # fmt: skip
-        hand_back(found, grid.rank, out, 3 * len(self.parts))
+        unsort(result, grid.rank, out, 3 * len(self.parts))
         if self.spins:
-            state.floats[first : first + 3, :n] += request.span * turn
+            state.floats[first : first + 3, :n] += request.span * angular
 
     def energy(self, state, slots, precision):
         if not len(slots):
@@ -139,5 +141,6 @@ class Contacts(Interaction):
         if grid is None:
             return 0.0
         out, numbers = np.zeros((-(-len(slots) // BLOCK), 1)), self._numbers(0.0, 1.0, rows.dtype)
-        pushes(precision, False)[2](grid.sorted, grid.first, grid.low, grid.shape, numbers, grid.size, out)
+        _, _, potential = contact_kernels(precision, False)
+        potential(grid.sorted, grid.first, grid.low, grid.shape, numbers, grid.size, out)
         return float(out.sum())

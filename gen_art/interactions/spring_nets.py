@@ -13,8 +13,11 @@ __all__ = ["Net", "chain", "cloth", "rope"]
 class Net:
     """Points and the springs between them.
 
-    position : (n, 3) m     pairs : (m, 2) indices of points     rest_length : (m,) m
-    share : (m,) each spring's part of the stiffness and of the damping     edges : named groups of points, for pinning
+    position : (n, 3) m
+    pairs : (m, 2), indices of points
+    rest_length : (m,) m
+    share : (m,), each spring's part of the stiffness and of the damping
+    edges : named groups of points, for pinning
     """
 
     position: np.ndarray
@@ -24,27 +27,27 @@ class Net:
     edges: dict[str, np.ndarray]
 
     def springs(self, stiffness: float, damping: float = 0.0, method: str = "explicit", **more):
-        """The interaction for a ParticleSystem whose particles begin with these points, in their order; more: as of Springs."""
+        """The interaction for a ParticleSystem whose first particles are these points, in this order; `more` as of Springs."""
         from gen_art.interactions.springs import Springs
 
         return Springs(self.pairs, stiffness, self.rest_length, damping, method, self.share, **more)
 
     def pinned(self, name: str) -> np.ndarray:
-        """The points of the edge of that name: none, start, end, ends, top, left, corners or whatever the net has."""
+        """The points of the edge of that name: none, start, end, ends, top, left, corners or others, depending on the net."""
         if name not in self.edges:
             raise UsageError(f"this net has no edge '{name}': there are {', '.join(self.edges)}")
         return self.edges[name]
 
 
 def chain(start, end, count: int) -> Net:
-    """`count` points evenly from start to end (both included, (3,) m), each joined to the next at its distance."""
+    """`count` points at equal distances from start to end (3,), m, both included; each is joined to the next."""
     return _string(start, end, count, None, 0.0)
 
 
 def rope(start, end, count: int, length: float | None = None, bend: float = 0.0) -> Net:
-    """A chain whose rest length in all is `length`, m: at least the distance, laid as a V that sags down (-y) when longer.
+    """A chain of the total rest length `length`, m, at least the distance; if longer, it starts as a V that sags down (-y).
 
-    bend : share of the stiffness that springs over every other point have; they resist folding
+    bend : share of the stiffness of springs between every other point, which resist folding
     """
     return _string(start, end, count, length, bend)
 
@@ -54,14 +57,14 @@ def _string(start, end, count, length, bend) -> Net:
         raise UsageError(f"a chain needs at least 2 points, not {count}")
     a, b = np.asarray(start, float), np.asarray(end, float)
     distance = float(np.linalg.norm(b - a))
-    whole = distance if length is None else float(length)
-    if whole <= 0 or whole < distance * (1 - 1e-12):
-        raise UsageError(f"a rope of {whole:g} m does not reach over {distance:g} m")
+    total = distance if length is None else float(length)
+    if total <= 0 or total < distance * (1 - 1e-12):
+        raise UsageError(f"a rope of {total:g} m does not reach over {distance:g} m")
     s = np.linspace(0, 1, int(count))
     x = a + np.outer(s, b - a)
-    sag = np.sqrt(max(whole**2 - distance**2, 0.0))
+    sag = np.sqrt(max(total**2 - distance**2, 0.0))
     x[:, 1] -= sag * np.minimum(s, 1 - s)
-    step = whole / (len(s) - 1)
+    step = total / (len(s) - 1)
     k = np.arange(len(s))
     pairs, rest, share = [np.stack([k[:-1], k[1:]], 1)], [np.full(len(s) - 1, step)], [np.ones(len(s) - 1)]
     if bend > 0:
@@ -75,8 +78,9 @@ def _string(start, end, count, length, bend) -> Net:
 def cloth(corner, across, down, columns: int, rows: int, shear: float = 0.5, bend: float = 0.1) -> Net:
     """A sheet of columns x rows points over the parallelogram corner + across + down ((3,) m), point k = row columns + column.
 
-    Springs along both threads (share 1), along both diagonals of each mesh (shear) and over every other point (bend);
-    listed head to tail along straight lines, the stiffest last, as method "xpbd" takes them.
+    Springs lie along both directions of the weave (share 1), along both diagonals of each cell (shear) and between every
+    other point (bend). They are listed head to tail along straight lines, the stiffest last, because method "xpbd" solves
+    whole lines at once, in this order.
     """
     if columns < 2 or rows < 2:
         raise UsageError(f"a cloth needs at least 2 columns and 2 rows, not {columns} x {rows}")

@@ -7,6 +7,7 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.interactions.adjacency import Adjacency
+from gen_art.interactions.spring_kernels import DAMPING, REST, STIFFNESS
 from gen_art.particles.rows import PX, PY, PZ
 
 __all__ = ["stretched"]
@@ -15,12 +16,12 @@ _BLOCK = 4096
 
 
 def stretched(floats: np.ndarray, springs: Adjacency, most: float, precision: str) -> np.ndarray:
-    """Indices of the springs that are longer than (1 + most) times their rest length and still pull."""
+    """Indices of the unbroken springs that are longer than (1 + most) times their rest length."""
     if not len(springs.pairs):
         return np.zeros(0, np.int64)
-    over = np.zeros(len(springs.pairs), np.int32)
-    _kernel(precision)(floats, springs.pairs, springs.numbers, over, 1.0 + most)
-    return np.flatnonzero(over)
+    too_long = np.zeros(len(springs.pairs), np.int32)
+    _kernel(precision)(floats, springs.pairs, springs.numbers, too_long, 1.0 + most)
+    return np.flatnonzero(too_long)
 
 
 @cache
@@ -30,14 +31,14 @@ def _kernel(precision: str):
     @ti.kernel
     def find(
         S: ti.types.ndarray(real, 2), pairs: ti.types.ndarray(ti.i64, 2), N: ti.types.ndarray(ti.f64, 2),
-        over: ti.types.ndarray(ti.i32, 1), most: ti.f64,
+        too_long: ti.types.ndarray(ti.i32, 1), most: ti.f64,
     ):  # fmt: skip
         ti.loop_config(block_dim=1)
-        for b in range((over.shape[0] + _BLOCK - 1) // _BLOCK):
-            for e in range(b * _BLOCK, ti.min((b + 1) * _BLOCK, over.shape[0])):
+        for b in range((too_long.shape[0] + _BLOCK - 1) // _BLOCK):
+            for e in range(b * _BLOCK, ti.min((b + 1) * _BLOCK, too_long.shape[0])):
                 i, j = ti.cast(pairs[e, 0], ti.i32), ti.cast(pairs[e, 1], ti.i32)
                 d = ti.Vector([S[PX, i] - S[PX, j], S[PY, i] - S[PY, j], S[PZ, i] - S[PZ, j]])
-                pulls = N[e, 0] > 0.0 or N[e, 2] > 0.0
-                over[e] = ti.select(pulls and ti.cast(d.norm(), ti.f64) > most * N[e, 1], 1, 0)
+                unbroken = N[e, STIFFNESS] > 0.0 or N[e, DAMPING] > 0.0
+                too_long[e] = ti.select(unbroken and ti.cast(d.norm(), ti.f64) > most * N[e, REST], 1, 0)
 
     return runtime.kernel(find, precision)

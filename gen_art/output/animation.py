@@ -1,7 +1,7 @@
-"""GIF and animated WebP, made from the lossless film that the segments wrote: one frame in memory at a time.
+"""GIF and animated WebP, made from the lossless partial film with one frame in memory at a time.
 
-GIF takes two passes: the first finds the 256 colours that serve all frames (FFmpeg's palettegen, a median cut of the
-whole film's histogram), the second draws each frame with them, the rest spread as error diffusion.
+GIF takes two passes: the first chooses one palette of 256 colours for all frames (FFmpeg's palettegen, a median cut of the
+whole film's histogram), the second maps each frame to that palette with error diffusion.
 """
 
 import struct
@@ -35,7 +35,7 @@ def _input(graph: Graph, frame: av.VideoFrame, name: str):
 
 
 def _palette(film: Path) -> av.VideoFrame:
-    """16 x 16 pixels: the colours of the whole film."""
+    """The palette of the whole film, as 16 x 16 pixels."""
     graph: Any = None
     source: Any = None
     for frame in _frames(film, "rgb32"):
@@ -75,15 +75,15 @@ def _reduced(film: Path, palette: av.VideoFrame) -> Iterator[av.VideoFrame]:
 def _pulled(graph: Graph) -> Iterator[av.VideoFrame]:
     while True:
         try:
-            yield graph.pull()  # type: ignore[misc]  # no sound goes in
+            yield graph.pull()  # type: ignore[misc]  # the graph has no audio frames
         except (av.BlockingIOError, av.EOFError):
             return
 
 
 def _encode(path: Path, muxer: str, codec: str, frames, pixels: str, fps: float, unit: int, options: dict) -> None:
-    """Frames shown for whole 1/unit seconds, without drift."""
+    """Encode frames whose times are multiples of 1/unit s; each time is rounded by itself, so errors do not add up."""
     stream: Any = None
-    shown: dict[int, int] = {}
+    durations: dict[int, int] = {}  # by presentation time, in units
     with av.open(str(path), "w", format=muxer, options={"loop": "0", "fflags": "+bitexact"}) as container:
         for k, frame in enumerate(frames):
             if stream is None:
@@ -91,26 +91,27 @@ def _encode(path: Path, muxer: str, codec: str, frames, pixels: str, fps: float,
                 stream.width, stream.height, stream.pix_fmt = frame.width, frame.height, pixels
                 stream.codec_context.thread_count = 1
             frame.pts, frame.time_base = round(k * unit / fps), Fraction(1, unit)
-            shown[frame.pts] = round((k + 1) * unit / fps) - frame.pts
+            durations[frame.pts] = round((k + 1) * unit / fps) - frame.pts
             for packet in stream.encode(frame):
-                packet.duration = shown[packet.pts]
+                packet.duration = durations[packet.pts]
                 container.mux(packet)
         container.mux(stream.encode(None))
 
 
 def write_gif(film: Path, path: Path, fps: float, recipe: dict | None) -> None:
-    """The film as a GIF that repeats for ever. The recipe is its comment."""
+    """Write the film as a GIF that repeats for ever, with the recipe as its comment."""
     _encode(path, "gif", "gif", _reduced(film, _palette(film)), "pal8", fps, _CENTISECONDS, {})
     if recipe is not None:
         data = path.read_bytes()
-        at = 13 + (3 << (data[10] & 7) + 1 if data[10] & 0x80 else 0)  # behind the screen and its colours
+        # the comment goes after the screen descriptor and the global colour table
+        at = 13 + (3 << (data[10] & 7) + 1 if data[10] & 0x80 else 0)
         text = encode(recipe).encode("ascii")
         blocks = b"".join(bytes([len(part)]) + part for k in range(0, len(text), 255) if (part := text[k : k + 255]))
         path.write_bytes(data[:at] + b"\x21\xfe" + blocks + b"\0" + data[at:])
 
 
 def write_webp(film: Path, path: Path, fps: float, recipe: dict | None, profile: str) -> None:
-    """The film as an animated WebP that repeats for ever. The recipe is its EXIF description."""
+    """Write the film as an animated WebP that repeats for ever, with the recipe as its EXIF description."""
     quality, effort = _WEBP[profile]
     options = {"quality": quality, "compression_level": effort}
     pixels = "bgra"

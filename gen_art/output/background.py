@@ -1,4 +1,4 @@
-"""Calls that run behind the main thread: pictures are compressed while the next one is computed."""
+"""Runs calls on other threads: pictures are compressed and written while the next one is computed."""
 
 import contextlib
 import os
@@ -7,28 +7,29 @@ from concurrent.futures import ThreadPoolExecutor
 
 __all__ = ["background"]
 
-_MOST = 8
+_MOST_WORKERS = 8
 
 
 @contextlib.contextmanager
 def background() -> Iterator[Callable]:
-    """Run calls on as many threads as there are processors (2 to 8), with as many more waiting; order does not matter.
+    """Yield a function that runs a call on a pool of threads: one thread a processor, at least 2 and at most 8.
 
-    The first error is raised where a later call is made, or at the end.
+    At most two calls a thread are unfinished at once; a further call waits. Calls may finish in any order. The first error
+    is raised by a later call, or at the end.
     """
-    workers = max(2, min(_MOST, os.cpu_count() or 1))
+    workers = max(2, min(_MOST_WORKERS, os.cpu_count() or 1))
     with ThreadPoolExecutor(workers, thread_name_prefix="gen-art-output") as pool:
-        waiting: list = []
+        calls: list = []
 
         def submit(function, *args) -> None:
-            while len(waiting) >= 2 * workers:
-                waiting.pop(0).result()
-            waiting.append(pool.submit(function, *args))
+            while len(calls) >= 2 * workers:
+                calls.pop(0).result()
+            calls.append(pool.submit(function, *args))
 
         try:
             yield submit
-            for one in waiting:
-                one.result()
+            for call in calls:
+                call.result()
         finally:
-            for one in waiting:
-                one.cancel()
+            for call in calls:
+                call.cancel()

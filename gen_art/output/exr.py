@@ -1,4 +1,4 @@
-"""OpenEXR pictures: the film's linear light before it is developed, with layers of depth and motion.
+"""OpenEXR pictures: the linear light before it is developed, with AOVs (extra layers) of depth and motion.
 
 Needs the extra `exr` (the package OpenEXR); it is imported only when such a picture is read or written.
 """
@@ -20,30 +20,31 @@ def _library():
     try:
         import OpenEXR
     except ImportError:
-        raise UsageError("OpenEXR pictures need a package that is not installed: pip install 'gen-art[exr]'") from None
+        raise UsageError("OpenEXR pictures need OpenEXR, which is not installed: pip install OpenEXR") from None
     return OpenEXR
 
 
 def check_exr() -> None:
-    """UsageError unless OpenEXR pictures can be written."""
+    """Raise UsageError unless the package OpenEXR is installed."""
     _library()
 
 
 def write_exr(
-    path, linear: np.ndarray, layers: dict[str, np.ndarray] | None = None, bits: int = 16, recipe: dict | None = None,
+    path, linear: np.ndarray, aovs: dict[str, np.ndarray] | None = None, bits: int = 16, recipe: dict | None = None,
     exposure: float = 0.0,
 ) -> Path:  # fmt: skip
-    """Write (height, width, 4) float32, linear Rec.709 and premultiplied, as R G B A; the final name appears whole.
+    """Write (height, width, 4) float32, linear Rec.709 and premultiplied, as R G B A with lossless ZIP compression.
 
-    layers : name -> (height, width): `Z` in metres, `velocity.x` and `velocity.y` in pixels a frame
-    bits : 16 (half; what lies above 65504 becomes that) or 32, of all but Z, which keeps 32
-    exposure : in stops, what `develop` would apply; noted in the header, not applied
-    Compressed without loss (ZIP). Raises UsageError without the package, OutputError when the system refuses.
+    aovs : name -> (height, width): `Z` in metres, `velocity.x` and `velocity.y` in pixels a frame
+    bits : 16 (half floats, clipped to +-65504) or 32; Z always has 32
+    exposure : stops that `develop` would apply; written to the header, not applied
+    The file appears under its final name only when it is complete. Raises UsageError when OpenEXR is not installed,
+    OutputError when the operating system refuses.
     """
     library, path = _library(), Path(path)
     kind = np.float16 if bits == 16 else np.float32
     channels = {"RGBA": _as(linear, kind)}
-    for name, values in (layers or {}).items():
+    for name, values in (aovs or {}).items():
         channels[name] = _as(values, np.float32 if name == "Z" else kind)
     header = {
         "compression": library.ZIP_COMPRESSION,
@@ -57,7 +58,7 @@ def write_exr(
         try:
             with library.File(header, channels) as file:
                 file.write(str(temporary))
-        except RuntimeError as error:  # what the system refuses comes as words
+        except RuntimeError as error:  # OpenEXR reports errors of the operating system as RuntimeError
             raise OutputError(f"cannot write {path}: {error}") from error
     return path
 
@@ -69,7 +70,7 @@ def _as(values: np.ndarray, kind) -> np.ndarray:
 
 
 def read_text(path: Path) -> str | None:
-    """The recipe's text in a picture's header, None when there is none."""
+    """The recipe's text in a picture's header; None when there is none. Raises UsageError if the file cannot be read."""
     library = _library()
     try:
         with library.File(str(path), header_only=True) as file:

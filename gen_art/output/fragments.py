@@ -1,4 +1,4 @@
-"""A small film as bytes, taken apart so that films can be written one after another into one file that plays.
+"""Splits an encoded film into head and body, so that several can be appended to one file that plays.
 
 MP4 and MOV: `moof` and `mdat` boxes follow each other after one `ftyp` and an empty `moov` (ISO 14496-12, movie
 fragments). Matroska and WebM: clusters follow each other in a segment of unknown size (RFC 8794, RFC 9559).
@@ -9,12 +9,12 @@ __all__ = ["split"]
 _EBML, _SEGMENT, _INFO, _TRACKS, _TAGS, _CLUSTER = (
     bytes.fromhex(name) for name in ("1A45DFA3", "18538067", "1549A966", "1654AE6B", "1254C367", "1F43B675")
 )
-_UNKNOWN = b"\x01" + b"\xff" * 7
+_UNKNOWN_SIZE = b"\x01" + b"\xff" * 7
 _DURATION, _VOID = bytes.fromhex("448988"), bytes.fromhex("EC89") + bytes(9)
 
 
 def split(data: bytes, muxer: str) -> tuple[bytes, bytes]:
-    """(head, body): the head is written once, the bodies of all films after it."""
+    """(head, body) of a film's bytes. A file is the head of the first film, then the bodies of all."""
     return _split_boxes(data) if muxer in ("mp4", "mov") else _split_elements(data)
 
 
@@ -37,24 +37,23 @@ def _split_elements(data: bytes) -> tuple[bytes, bytes]:
     while at < len(data):
         name, start, end = _element(data, at)
         if name == _SEGMENT:
-            head.append(name + _UNKNOWN)
+            head.append(name + _UNKNOWN_SIZE)
             at = start
             continue
-        whole = data[at:end]
+        element = data[at:end]
         if name == _CLUSTER:
-            body.append(whole)
-        elif name == _INFO:
-            head.append(
-                whole.replace(_DURATION + whole[whole.find(_DURATION) + 3 :][:8], _VOID, 1)
-            )  # of this part only
+            body.append(element)
+        elif name == _INFO:  # without the duration, which is that of the first part alone
+            duration = _DURATION + element[element.find(_DURATION) + 3 :][:8]
+            head.append(element.replace(duration, _VOID, 1))
         elif name in (_EBML, _TRACKS, _TAGS):
-            head.append(whole)
+            head.append(element)
         at = end
     return b"".join(head), b"".join(body)
 
 
 def _element(data: bytes, at: int) -> tuple[bytes, int, int]:
-    """Name, start of the content and end of the element at `at`: both numbers begin with their own length in bits."""
+    """Name, start of the content and end of the EBML element at `at`. The leading zero bits of a number give its length."""
     name = data[at : at + 9 - data[at].bit_length()]
     at += len(name)
     length = 9 - data[at].bit_length()

@@ -1,8 +1,11 @@
-"""The jobs: a film or a sequence of frames, one still, and a picture made again from its recipe."""
+"""The render jobs: a film or an image sequence, one still, and a picture made again from its recipe."""
 
-from collections.abc import Callable
+import tempfile
+import warnings
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,7 +13,7 @@ from gen_art.errors import EncoderError, OutputError, UsageError
 from gen_art.output.background import background
 from gen_art.output.playback import Playback
 from gen_art.output.read_recipe import read_recipe
-from gen_art.output.recipe import make_recipe, verify
+from gen_art.output.recipe import find_files, make_recipe, verify
 from gen_art.output.report import Report
 from gen_art.output.stills import write_still
 from gen_art.output.target import Target, check_size_of, check_writable, find_target
@@ -19,15 +22,24 @@ from gen_art.preset.shipped import presets_folder
 from gen_art.renderer.painter import check_size
 from gen_art.renderer.tone_map import develop
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import TypeAlias
+
+    from gen_art.preset.schema import Preset
+
+    AnyPreset: TypeAlias = Preset | str | Path | Mapping[str, Any]
+
 __all__ = ["QUALITIES", "check_target", "picture_size", "render", "rerun", "still"]
 
-QUALITIES = {"draft": 0.5, "preview": 1.0, "final": 1.0}  # of the width and height; they also set the encoder's care
+# quality -> factor on the width and height; all but "final" also choose the codec profile "preview"
+QUALITIES = {"draft": 0.5, "preview": 1.0, "final": 1.0}
 
 
 def picture_size(preset, size=None, scale=None, quality: str = "final", even: bool = False) -> tuple[int, int]:
-    """The size a job has: `size`, else the preset's own, times `scale` and what `quality` takes off.
+    """(width, height) of a job's pictures: `size`, or the preset's, times `scale` and the factor of `quality`.
 
-    A size that was scaled is rounded to even numbers where `even` asks for it; a size that was given is not.
+    even : round a scaled size to even numbers; a size that is not scaled stays as it is
     """
     from gen_art.preset.camera import CameraSpec
 
@@ -48,10 +60,10 @@ def check_target(
     preset, out, *, size=None, scale=None, quality="final", overwrite=False, moving=True, transparent=False, frames=None,
     codec=None, profile=None, bits=None,
 ) -> tuple[Target, tuple[int, int]]:  # fmt: skip
-    """What a job writes, and its size; see `render` for the words.
+    """(target, size) of a job; the options are those of `render`.
 
-    Refuses what cannot be written before anything is computed: UsageError for an ending, a codec or a size, OutputError
-    for a path that exists or cannot be written.
+    Checks before anything is computed that the output can be written. Raises UsageError for a wrong extension, codec or
+    size, OutputError for a path that exists or cannot be written.
     """
     target = find_target(
         out, moving=moving, name=preset.name, seed=preset.seed, transparent=transparent, codec=codec, profile=profile,
@@ -59,15 +71,15 @@ def check_target(
     )  # fmt: skip
     if target.film is not None and profile is None and quality != "final":
         target = replace(target, film=replace(target.film, profile="preview"))
-    shape = picture_size(preset, size, scale, quality, even=target.halved)
-    check_size_of(target, shape)
-    if target.ending == ".exr":
+    size = picture_size(preset, size, scale, quality, even=target.halved)
+    check_size_of(target, size)
+    if target.extension == ".exr":
         from gen_art.output.exr import check_exr
 
         check_exr()
     if frames is not None and len(frames) > MOST_FRAMES:
         raise UsageError(
-            f"{len(frames):,} frames are asked for, and {MOST_FRAMES:,} are the most at a time: name them by --frames"
+            f"{len(frames):,} frames are asked for, but at most {MOST_FRAMES:,} at a time: choose some with --frames"
         )
     numbers = list(frames) if frames is not None else [0]
     if moving and not target.moving and not target.pattern and len(numbers) > 1:
@@ -76,36 +88,36 @@ def check_target(
             f"{target.path.stem}_####{target.path.suffix}"
         )
     check_writable([target.frame(k) for k in numbers] if target.pattern else [target.path], overwrite)
-    return target, shape
+    return target, size
 
 
-def _step(run: Playback, k: int) -> int:
-    clock = run.preset.clock
+def _step_of_frame(playback: Playback, k: int) -> int:
+    clock = playback.preset.clock
     return clock.preroll_steps + k * clock.steps_per_frame
 
 
 def _write_picture(
-    submit, run: Playback, film: np.ndarray, exposure: float, k: int, target: Target, path: Path, recipe: dict
+    submit, playback: Playback, linear: np.ndarray, exposure: float, k: int, target: Target, path: Path, recipe: dict
 ) -> None:
-    """Write the film's light at frame k through `submit`: developed, or as EXR as it is."""
-    spec = run.preset.develop
-    if target.ending == ".exr":
+    """Write the linear picture of frame k through `submit`: developed, or unchanged to EXR."""
+    spec = playback.preset.develop
+    if target.extension == ".exr":
         from gen_art.output.exr import write_exr
 
-        layers = {name: np.array(values) for name, values in run.layers().items()}
-        submit(write_exr, path, np.array(film), layers, target.bits, recipe, spec.exposure + exposure)
+        aovs = {name: np.array(values) for name, values in playback.aovs().items()}
+        submit(write_exr, path, np.array(linear), aovs, target.bits, recipe, spec.exposure + exposure)
     else:
-        picture = develop(film, spec, frame=k, transparent=recipe["transparent"], bits=target.bits, exposure=exposure)
+        picture = develop(linear, spec, frame=k, transparent=recipe["transparent"], bits=target.bits, exposure=exposure)
         submit(write_still, path, picture, recipe)
 
 
-def _loaded(plugins):
+def _load_plugins(plugins):
     from gen_art.plugins import load_plugin
 
     return tuple(p if hasattr(p, "sha256") else load_plugin(p) for p in plugins)
 
 
-def _preset(preset, fps=None):
+def _load(preset, fps=None) -> "Preset":
     from gen_art.preset.load import load_preset
     from gen_art.preset.schema import Preset
 
@@ -114,7 +126,7 @@ def _preset(preset, fps=None):
     return load_preset(preset, overrides={"clock.fps": fps} if fps is not None else None)
 
 
-def _frames(frames, preset) -> range:
+def _frame_numbers(frames, preset) -> range:
     if frames is None:
         return range(preset.clock.frames)
     chosen = range(frames, frames + 1) if isinstance(frames, int) else frames
@@ -122,7 +134,7 @@ def _frames(frames, preset) -> range:
     if not numbers:
         raise UsageError("no frames are asked for")
     if any(not isinstance(k, (int, np.integer)) or k < 0 for k in numbers) or numbers != sorted(set(numbers)):
-        raise UsageError("frames are whole numbers from 0 on, in order")
+        raise UsageError("frames must be whole numbers from 0 on, in order")
     if numbers[-1] >= preset.clock.frames:
         last = preset.clock.frames - 1
         raise UsageError(
@@ -132,67 +144,73 @@ def _frames(frames, preset) -> range:
 
 
 def render(
-    preset, out, *, frames=None, size=None, scale=None, fps=None, quality="final", precision="f32", threads=None,
-    overwrite=False, transparent=False, codec=None, profile=None, bits=None,
-    progress: Callable[[dict], None] | None = None, plugins=(), max_rate: int = 0,
+    preset: "AnyPreset", out: str | Path, *, frames: Iterable[int] | int | None = None, size: tuple[int, int] | None = None,
+    scale: float | None = None, fps: float | None = None, quality: str = "final", precision: str = "f32",
+    threads: int | None = None, overwrite: bool = False, transparent: bool = False, codec: str | None = None,
+    profile: str | None = None, bits: int | None = None, progress: Callable[[dict], None] | None = None,
+    plugins: Sequence[Any] = (), max_rate: int = 0,
 ) -> list[Path]:  # fmt: skip
-    """Render a preset to a film (.mp4 .mov .webm .mkv .gif .webp) or a sequence (frame_####.png); gives the paths written.
+    """Render a preset to a film (.mp4 .mov .webm .mkv .gif .webp) or a sequence (frame_####.png); returns the paths written.
 
-    preset : a Preset, a name, a path or a mapping      frames : a range or one number; all of them when None
-    size : (width, height), the preset's own when None      scale : a factor on it      fps : overrides the clock's
-    quality : `draft` has half the width and height; it and `preview` take the profile `preview`
-    codec : h264 h265 prores ffv1 vp9 av1, by the ending when None      profile : preview, web or master, the encoder's care
-    bits : a channel; 8 or 10 where the codec has both, 16 for FFV1, .png and .exr, 32 for .exr
+    preset : a Preset, a name, a path or a mapping
+    frames : a range or one number; all frames when None
+    size : (width, height), pixels; the preset's when None
+    scale : a factor on the size
+    fps : frames a second, in place of the preset's clock.fps
+    quality : `draft` halves the width and height; `draft` and `preview` use the codec profile `preview`
+    codec : h264 h265 prores ffv1 vp9 av1; the default of the file extension when None
+    profile : preview, web or master: from fast and small to slow and good
+    bits : bits a channel; 8 or 10 where the codec has both, 16 for FFV1, .png and .exr, 32 for .exr
     progress : called with {"event": "frame", "frame", "frames", "particles", "fps", "eta"} after each frame
-    max_rate : bits a second that H.264 and H.265 may take, 0 for what the profile takes
-    Frame k is what `still` makes at film time k / fps. Raises the errors of gen_art.errors; what was finished of a film
-    that fails is kept as NAME.partial.EXT, and the error's message or note names it.
+    max_rate : the most bits a second of H.264 and H.265; 0 for no limit beyond the profile
+    Frame k is the picture that `still` makes at film time k / fps. Raises the errors of gen_art.errors; when a film fails,
+    its finished part is kept as NAME.partial.EXT, and the error's message or note names that file.
     """
-    plugins = _loaded(plugins)
-    preset = _preset(preset, fps)
-    frames = _frames(frames, preset)
+    loaded_plugins = _load_plugins(plugins)
+    spec = _load(preset, fps)
+    numbers = _frame_numbers(frames, spec)
     target, size = check_target(
-        preset, out, size=size, scale=scale, quality=quality, overwrite=overwrite, transparent=transparent, frames=frames,
+        spec, out, size=size, scale=scale, quality=quality, overwrite=overwrite, transparent=transparent, frames=numbers,
         codec=codec, profile=profile, bits=bits,
     )  # fmt: skip
-    report = Report(progress, len(frames))
+    report = Report(progress, len(numbers))
     job = {
-        "bits": target.bits, "size": list(size), "fps": preset.clock.fps, "quality": quality, "precision": precision,
+        "bits": target.bits, "size": list(size), "fps": spec.clock.fps, "quality": quality, "precision": precision,
         "transparent": transparent,
     }  # fmt: skip
     if target.film is not None:
         film = target.film
         recipe = make_recipe(
-            preset, plugins=plugins, kind="film", frames=_span(frames), ending=target.ending, codec=film.codec.name,
-            profile=film.profile, max_rate=max_rate, **job,
+            spec, plugins=loaded_plugins, kind="film", frames=_first_last_step(numbers), ending=target.extension,
+            codec=film.codec.name, profile=film.profile, max_rate=max_rate, **job,
         )  # fmt: skip
-        _render_film(target, size, preset, recipe, precision, threads, frames, report)
+        _render_film(target, size, spec, recipe, precision, threads, numbers, report)
         return [target.path]
-    run = Playback(preset, size, precision, threads)
-    paths = [target.frame(k) if target.pattern else target.path for k in frames]
-    recipes = [make_recipe(preset, plugins=plugins, kind="still", time=k / preset.clock.fps, **job) for k in frames]
+    playback = Playback(spec, size, precision, threads)
+    paths = [target.frame(k) if target.pattern else target.path for k in numbers]
+    recipes = [make_recipe(spec, plugins=loaded_plugins, kind="still", time=k / spec.clock.fps, **job) for k in numbers]
     with background() as submit:
-        films = run.films([_step(run, k) for k in frames])
-        for k, path, recipe, (light, exposure) in zip(frames, paths, recipes, films):
-            _write_picture(submit, run, light, exposure, k, target, path, recipe)
-            report(k, run.particles)
+        pictures = playback.pictures([_step_of_frame(playback, k) for k in numbers])
+        for k, path, recipe, (linear, exposure) in zip(numbers, paths, recipes, pictures):
+            _write_picture(submit, playback, linear, exposure, k, target, path, recipe)
+            report(k, playback.particles)
     return paths
 
 
 def _render_film(target: Target, size, preset, recipe: dict, precision: str, threads, frames, report: Report) -> None:
-    from gen_art.output.video import film_writer  # a still does without the encoders
+    from gen_art.output.video import film_writer  # imported here because a still does not need the encoders
 
     film = target.film
     assert film is not None
     writer = film_writer(target.path, size, preset.clock.fps, recipe, film, recipe["max_rate"])
     try:
-        run = Playback(preset, size, precision, threads)
-        for k, (light, exposure) in zip(frames, run.films([_step(run, k) for k in frames])):
+        playback = Playback(preset, size, precision, threads)
+        for k, (linear, exposure) in zip(frames, playback.pictures([_step_of_frame(playback, k) for k in frames])):
             picture = develop(
-                light, preset.develop, frame=k, transparent=film.transparent, bits=film.depth, exposure=exposure
+                linear, preset.develop, frame=k, transparent=film.transparent, bits=film.depth, exposure=exposure
             )
             writer.add(picture)
-            report(k, run.particles)
+            report(k, playback.particles)
         writer.close()
     except BaseException as error:
         kept = writer.abort()
@@ -205,75 +223,95 @@ def _render_film(target: Target, size, preset, recipe: dict, precision: str, thr
 
 
 def still(
-    preset, out, time: float, *, size=None, scale=None, fps=None, quality="final", precision="f32", threads=None,
-    overwrite=False, transparent=False, bits: int | None = None, progress: Callable[[dict], None] | None = None,
-    plugins=(),
+    preset: "AnyPreset", out: str | Path, time: float | None = None, *, size: tuple[int, int] | None = None,
+    scale: float | None = None, fps: float | None = None, quality: str = "final", precision: str = "f32",
+    threads: int | None = None, overwrite: bool = False, transparent: bool = False, bits: int | None = None,
+    progress: Callable[[dict], None] | None = None, plugins: Sequence[Any] = (),
 ) -> list[Path]:  # fmt: skip
-    """One picture (.png .jpg .webp .exr) at film time `time` in seconds. See `render`.
+    """Render one picture (.png .jpg .webp .exr). The other options are those of `render`.
 
-    bits : a channel; 16 makes a 16-bit PNG, 32 a float EXR
+    time : film time, s; the preset's `gallery.time` when None
+    bits : bits a channel; 16 makes a 16-bit PNG, 32 a float EXR
     """
-    plugins = _loaded(plugins)
-    preset = _preset(preset, fps)
+    loaded_plugins = _load_plugins(plugins)
+    spec = _load(preset, fps)
+    time = spec.poster_time if time is None else time
     target, size = check_target(
-        preset, out, size=size, scale=scale, quality=quality, overwrite=overwrite, moving=False, transparent=transparent,
+        spec, out, size=size, scale=scale, quality=quality, overwrite=overwrite, moving=False, transparent=transparent,
         bits=bits,
     )  # fmt: skip
-    run = Playback(preset, size, precision, threads)
-    film, exposure = next(run.films([run.step_of(float(time))]))
-    frame = round(float(time) * preset.clock.fps)
+    playback = Playback(spec, size, precision, threads)
+    linear, exposure = next(playback.pictures([playback.step_of(float(time))]))
+    frame = round(float(time) * spec.clock.fps)
     recipe = make_recipe(
-        preset, plugins=plugins, kind="still", time=float(time), bits=target.bits, size=list(size), fps=preset.clock.fps,
-        quality=quality, precision=precision, transparent=transparent,
+        spec, plugins=loaded_plugins, kind="still", time=float(time), bits=target.bits, size=list(size),
+        fps=spec.clock.fps, quality=quality, precision=precision, transparent=transparent,
     )  # fmt: skip
-    _write_picture(_at_once, run, film, exposure, frame, target, target.path, recipe)
-    Report(progress, 1)(0, run.particles)
+    _write_picture(_call, playback, linear, exposure, frame, target, target.path, recipe)
+    Report(progress, 1)(0, playback.particles)
     return [target.path]
 
 
-def _at_once(function, *args) -> None:
+def _call(function, *args) -> None:
     function(*args)
 
 
-def rerun(picture, out, *, threads=None, overwrite=False, progress=None, plugins=(), folder=None) -> list[Path]:
-    """Make a picture or film again from the recipe inside it: the same bytes, when `out` has the same ending.
+def rerun(
+    picture: str | Path, out: str | Path, *, threads: int | None = None, overwrite: bool = False,
+    progress: Callable[[dict], None] | None = None, plugins: Sequence[Any] = (), folder: str | Path | None = None,
+    other_version: bool = False,
+) -> list[Path]:  # fmt: skip
+    """Make a picture or film again from the recipe inside it: the same bytes if `out` has the same file extension.
 
-    folder : where the files lie that its preset names; the current folder, the picture's and the shipped presets' when None
-    Raises UsageError when there is no recipe, or when version, plugins or files are not those it was made with.
-    Plugins are run only if they are given: a picture names none of its own accord.
+    This needs the version of gen-art that made the picture, its plugins, and the files that its preset names (the recipe
+    holds the small ones).
+
+    plugins : the recipe's plugins, with the same bytes; a plugin runs only if it is given here
+    folder : the folder of the preset's files; when None they are looked for in the current folder, the picture's folder, the
+    shipped presets and the recipe
+    other_version : accept a picture of another version, with a warning; the bytes may differ
+    Raises UsageError when there is no recipe, or when the version, the plugins or the files are not the original ones.
     """
     recipe = read_recipe(picture)
-    plugins = _loaded(plugins)
+    plugins = _load_plugins(plugins)
+    warning = verify(recipe, plugins, other_version)
+    if warning:
+        warnings.warn(warning, stacklevel=2)
     folders = (Path(), Path(picture).parent, presets_folder()) if folder is None else (Path(folder),)
-    token = FOLDER.set(verify(recipe, plugins, folders))
-    try:
-        preset = _preset({**recipe["preset"], "name": recipe["name"]})
-    finally:
-        FOLDER.reset(token)
+    with tempfile.TemporaryDirectory(prefix="gen-art-") as scratch:
+        token = FOLDER.set(find_files(recipe, folders, Path(scratch) if folder is None else None))
+        try:
+            preset = _load({**recipe["preset"], "name": recipe["name"]})
+        finally:
+            FOLDER.reset(token)
+        return _rerun(recipe, preset, picture, out, threads, overwrite, progress, plugins)
+
+
+def _rerun(recipe: dict, preset, picture, out, threads, overwrite, progress, plugins) -> list[Path]:
     common = {
         "size": tuple(recipe["size"]), "precision": recipe["precision"], "transparent": recipe["transparent"],
         "threads": threads, "overwrite": overwrite, "progress": progress, "plugins": plugins,
     }  # fmt: skip
-    same = Path(str(out)).suffix.lower() == recipe.get("ending", Path(picture).suffix.lower())
-    bits = recipe.get("bits") if same else None
+    same_extension = Path(str(out)).suffix.lower() == recipe.get("ending", Path(picture).suffix.lower())
+    bits = recipe.get("bits") if same_extension else None
     if recipe["kind"] == "film":
         first, last, step = recipe["frames"]
         frames = range(first, last + 1, step)
-        codec = recipe.get("codec") if same else None
-        return _again(
+        codec = recipe.get("codec") if same_extension else None
+        return _run_again(
             render, recipe, preset, out, frames=frames, bits=bits, codec=None if codec in ("gif", "webp") else codec,
             profile=recipe.get("profile"), max_rate=recipe.get("max_rate", 0), **common,
         )  # fmt: skip
-    return _again(still, recipe, preset, out, recipe["time"], bits=bits, **common)
+    return _run_again(still, recipe, preset, out, recipe["time"], bits=bits, **common)
 
 
-def _again(job, recipe: dict, preset, out, *args, **common) -> list[Path]:
-    """Run a job whose size is already scaled, with the quality's other effects."""
+def _run_again(job, recipe: dict, preset, out, *args, **common) -> list[Path]:
+    """Run a job with the recipe's quality and with its size, which that quality has scaled already."""
     scale = 1.0 / QUALITIES.get(recipe["quality"], 1.0)
     return job(preset, out, *args, quality=recipe["quality"], scale=scale, **common)
 
 
-def _span(frames) -> list[int]:
+def _first_last_step(frames) -> list[int]:
     numbers = list(frames)
     step = numbers[1] - numbers[0] if len(numbers) > 1 else 1
     return [int(numbers[0]), int(numbers[-1]), int(step)]

@@ -1,4 +1,4 @@
-"""The growing film of segments made into the final one: packets are copied, not encoded again."""
+"""Makes the final film from the partial film: packets are copied, not encoded again."""
 
 from fractions import Fraction
 from pathlib import Path
@@ -13,10 +13,10 @@ __all__ = ["join"]
 _FINAL = {"movflags": "+faststart+use_metadata_tags"}
 
 
-def join(growing: Path, path: Path, ending: str, recipe: str | None, fps: Fraction) -> None:
-    """Copy the film at `growing` to `path`, from time 0 on; MP4 and MOV with the index in front."""
-    muxer = MUXERS[ending]
-    with av.open(str(growing)) as source:
+def join(partial: Path, path: Path, extension: str, recipe: str | None, fps: Fraction) -> None:
+    """Copy the film at `partial` to `path`, starting at time 0; MP4 and MOV get their index in front."""
+    muxer = MUXERS[extension]
+    with av.open(str(partial)) as source:
         stream = source.streams.video[0]
         target = open_film(str(path), muxer, recipe, _FINAL if muxer in ("mp4", "mov") else {})
         try:

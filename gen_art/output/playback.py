@@ -1,7 +1,7 @@
-"""A preset's simulation and its painter together: the linear picture at any later film time.
+"""Plays a preset: its simulation and its painter give the linear picture at any later film time.
 
-What a picture needs of the time before it (trails, ribbons, the frames between two) happens at steps of the simulation that
-are laid down by the preset alone, so a frame is the same whichever was asked for first.
+Trails, ribbons and motion blur need states from before a picture. The steps at which these states are recorded depend only
+on the preset, so a frame does not depend on which frames were rendered before it.
 """
 
 import math
@@ -11,21 +11,23 @@ import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.renderer.aovs import render_aovs
-from gen_art.renderer.auto_exposure import ages, meter, smooth
+from gen_art.renderer.auto_exposure import metered_stops, metering_ages, smoothed_exposure
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.painter import Painter
 
 __all__ = ["Playback"]
 
-_HALF_LIVES = 16  # of a trail, that it begins before frame 0: what lies further back has faded
+_HALF_LIVES = 16  # a trail starts this many half-lives before frame 0: light from earlier has faded
+_ENDLESS = 2**62  # end of a range of steps without end
 
 
-def _largest_divisor(of: int, wanted: int) -> int:
-    return max(n for n in range(1, max(1, min(wanted, of)) + 1) if of % n == 0)
+def _largest_divisor(number: int, most: int) -> int:
+    """The largest divisor of `number` that is at most `most`, or 1."""
+    return max(n for n in range(1, max(1, min(most, number)) + 1) if number % n == 0)
 
 
 class Playback:
-    """A simulation of a preset and its painter, from the start to any later film time."""
+    """A simulation of a preset and its painter, which together play the preset forwards."""
 
     def __init__(self, preset, size, precision: str, threads: int | None):
         from gen_art.simulation import Simulation
@@ -42,36 +44,36 @@ class Playback:
         self._shows_acceleration = any(
             system.look is not None and system.look.goes_by("acceleration") for system in preset.systems.values()
         )
-        self._done, self._seen = 0, -1
-        self._trails, self._trail_step = self._plan_trails()
-        self._subframe, self._subframes = self._plan_subframes()
+        self._steps_done, self._last_shown = 0, -1
+        self._trail_steps, self._trail_interval = self._plan_trails()
+        self._subframe_interval, self._subframes = self._plan_subframes()
 
     def _plan_trails(self) -> tuple[range, int]:
-        """Steps at which trails are exposed: on the frames, and evenly between them."""
+        """(steps at which trails are exposed, their distance): on the frames, and evenly between them."""
         clock, trails = self.preset.clock, [k.trail for k in self.painter.trails.values() if k.trail is not None]
         if not trails:
             return range(0), 1
-        between = clock.steps_per_frame // _largest_divisor(clock.steps_per_frame, max(t.substeps for t in trails))
+        interval = clock.steps_per_frame // _largest_divisor(clock.steps_per_frame, max(t.substeps for t in trails))
         longest = max(t.half_life for t in trails)
-        exposures = math.ceil(_HALF_LIVES * longest * clock.speed / clock.step / between)
-        first = max(clock.preroll_steps % between, clock.preroll_steps - exposures * between)
-        return range(first + between, 2**62, between), between
+        exposures = math.ceil(_HALF_LIVES * longest * clock.speed / clock.step / interval)
+        first = max(clock.preroll_steps % interval, clock.preroll_steps - exposures * interval)
+        return range(first + interval, _ENDLESS, interval), interval
 
     def _plan_subframes(self) -> tuple[int, int]:
-        """Steps between two of a frame's subframes, and how many there are; one when the shutter is open less than a step."""
+        """(steps between two subframes of a frame, number of subframes); one subframe if the shutter is open under a step."""
         clock = self.preset.clock
         steps = math.floor(self._shutter / 360.0 * clock.steps_per_frame + 1e-9)
         wanted = self.preset.camera.subframes if self.preset.camera else 1
-        open_ = self._shutter / 360.0 * clock.speed / clock.fps
+        exposure_time = self._shutter / 360.0 * clock.speed / clock.fps
         if wanted == 1 or steps == 0:
-            self.painter.shutter = open_
+            self.painter.shutter = exposure_time
             return 0, 1
         number = _largest_divisor(steps, wanted)
-        self.painter.shutter = open_ / number
+        self.painter.shutter = exposure_time / number
         return steps // number, number
 
     def step_of(self, time: float) -> int:
-        """The number of steps from the start to film time `time`; UsageError when it falls between steps."""
+        """The number of steps from the start to film time `time`. Raises UsageError for a time between two steps."""
         clock = self.preset.clock
         exact = time * clock.speed / clock.step
         steps = round(exact)
@@ -80,36 +82,38 @@ class Playback:
             raise UsageError(f"film time {time:g} s falls between steps; the nearest is {nearest:.9g} s")
         return clock.preroll_steps + steps
 
-    def film(self, step: int) -> np.ndarray:
-        """The linear picture after `step` steps from the start (a view, good until the next)."""
-        return next(self.films([step]))[0]
+    def picture(self, step: int) -> np.ndarray:
+        """The linear picture after `step` steps from the start: a view that the next picture overwrites."""
+        return next(self.pictures([step]))[0]
 
-    def films(self, steps: Sequence[int]) -> Iterator[tuple[np.ndarray, float]]:
-        """The linear pictures after so many steps from the start, in order, each a view that is good until the next; and the
-        stops each is to be developed with, beside the preset's own. Automatic exposure meters what lies before, on the way.
+    def pictures(self, steps: Sequence[int]) -> Iterator[tuple[np.ndarray, float]]:
+        """(linear picture, exposure in stops) after each of these numbers of steps, which must be in order.
+
+        Each picture is a view that the next one overwrites. The stops are added to the preset's exposure; for automatic
+        exposure, earlier pictures are rendered and metered too.
         """
         auto = self.preset.develop.auto_exposure
         if auto is None:
             yield from ((self._picture(step), 0.0) for step in steps)
             return
         wanted, levels = set(steps), {}
-        for step in sorted(wanted | {earlier for shown in steps for earlier, _ in self._metered_for(shown)}):
+        for step in sorted(wanted | {earlier for shown in steps for earlier, _ in self._metered_steps(shown)}):
             picture = self._picture(step)
-            levels[step] = meter(picture)
+            levels[step] = metered_stops(picture)
             if step in wanted:
-                values, back = zip(*((levels[earlier], age) for earlier, age in self._metered_for(step)))
-                yield picture, smooth(values, back, auto)
+                values, ages = zip(*((levels[earlier], age) for earlier, age in self._metered_steps(step)))
+                yield picture, smoothed_exposure(values, ages, auto)
 
-    def _metered_for(self, step: int) -> list[tuple[int, float]]:
-        """The pictures whose light a picture's exposure is made of: steps from the start, and seconds before it."""
+    def _metered_steps(self, step: int) -> list[tuple[int, float]]:
+        """The pictures that set a picture's automatic exposure: (steps from the start, s before the picture)."""
         clock = self.preset.clock
-        seconds = ages(self.preset.develop.auto_exposure, clock.fps)
-        found = [(step - round(age * clock.fps) * clock.steps_per_frame, age) for age in seconds]
-        return [(earlier, age) for earlier, age in found if earlier >= clock.preroll_steps or earlier == step]
+        ages = metering_ages(self.preset.develop.auto_exposure, clock.fps)
+        metered = [(step - round(age * clock.fps) * clock.steps_per_frame, age) for age in ages]
+        return [(earlier, age) for earlier, age in metered if earlier >= clock.preroll_steps or earlier == step]
 
     def _picture(self, step: int) -> np.ndarray:
         pictures: list[np.ndarray] = []
-        stops: dict[int, list[Callable]] = {}
+        actions: dict[int, list[Callable]] = {}  # by step
 
         def paint():
             picture = self.painter.paint(self.sim, self._film_time())
@@ -120,41 +124,42 @@ class Playback:
             else:
                 pictures.append(picture)
 
-        for at, action in self._between(step):
-            stops.setdefault(at, []).append(action)
-        exposed = [step - k * self._subframe for k in range(self._subframes) if step >= k * self._subframe]
-        for at in exposed:
-            stops.setdefault(at, []).append(paint)
-        for at in sorted(stops):
-            self._advance(at - self._done)
-            for action in stops[at]:
+        for at, action in self._due_actions(step):
+            actions.setdefault(at, []).append(action)
+        interval = self._subframe_interval
+        painted = [step - k * interval for k in range(self._subframes) if step >= k * interval]
+        for at in painted:
+            actions.setdefault(at, []).append(paint)
+        for at in sorted(actions):
+            self._advance(at - self._steps_done)
+            for action in actions[at]:
                 action()
-        self._seen = step
-        return pictures[0] if len(exposed) == 1 else pictures[0] / np.float32(len(exposed))
+        self._last_shown = step
+        return pictures[0] if len(painted) == 1 else pictures[0] / np.float32(len(painted))
 
-    def layers(self) -> dict[str, np.ndarray]:
-        """Depth and motion of the picture made last: see gen_art.renderer.aovs."""
+    def aovs(self) -> dict[str, np.ndarray]:
+        """Depth and motion of the last picture: see gen_art.renderer.aovs."""
         clock = self.preset.clock
         return render_aovs(self.painter, self.sim, self._film_time(), 1.0 / clock.fps, clock.speed / clock.fps)
 
-    def _between(self, step: int) -> Iterator[tuple[int, Callable]]:
-        """What is to be done after the steps that were seen and up to this one, kind by kind."""
+    def _due_actions(self, step: int) -> Iterator[tuple[int, Callable]]:
+        """(step, action) of the trails and ribbons, for the steps after the last picture up to this one."""
         clock = self.preset.clock
 
         def expose():
-            seconds = self._trail_step * clock.step / clock.speed
-            self.painter.expose_trails(self.sim, self._film_time(), seconds, self._trail_step * clock.step)
+            seconds = self._trail_interval * clock.step / clock.speed
+            self.painter.expose_trails(self.sim, self._film_time(), seconds, self._trail_interval * clock.step)
 
-        for at in _part(self._trails, self._seen, step):
+        for at in _steps_between(self._trail_steps, self._last_shown, step):
             yield at, expose
         for name, history in self.painter.histories.items():
-            every = max(1, round(history.ribbon.length / history.ribbon.points / clock.step))
-            first = max(0, clock.preroll_steps // every - history.ribbon.points) * every
+            interval = max(1, round(history.ribbon.length / history.ribbon.points / clock.step))
+            first = max(0, clock.preroll_steps // interval - history.ribbon.points) * interval
 
             def remember(name=name, history=history):
                 history.remember(self.sim.systems[name], self.sim.time)
 
-            for at in _part(range(first, 2**62, every), self._seen, step):
+            for at in _steps_between(range(first, _ENDLESS, interval), self._last_shown, step):
                 yield at, remember
 
     def _advance(self, steps: int) -> None:
@@ -163,27 +168,28 @@ class Playback:
                 if steps > 1:
                     self.sim.step(steps - 1)
                 self.painter.remember_velocities(self.sim)
-                steps, self._done = 1, self._done + steps - 1
+                steps, self._steps_done = 1, self._steps_done + steps - 1
             self.sim.step(steps)
-            self._done += steps
-        elif self._shows_acceleration and self._done == 0:  # nothing lies behind: the first step counts
+            self._steps_done += steps
+        elif self._shows_acceleration and self._steps_done == 0:
+            # before the first step the acceleration comes from the first step of a second simulation
             from gen_art.simulation import Simulation
 
-            ahead = Simulation(self.preset, precision=self._precision)
-            ahead.step(1)
-            self.painter.remember_velocities(ahead)
+            probe = Simulation(self.preset, precision=self._precision)
+            probe.step(1)
+            self.painter.remember_velocities(probe)
 
     def _film_time(self) -> float:
         clock = self.preset.clock
-        return (self._done - clock.preroll_steps) * clock.step / clock.speed
+        return (self._steps_done - clock.preroll_steps) * clock.step / clock.speed
 
     @property
     def particles(self) -> int:
         return sum(int(system.count) for system in self.sim.systems.values())
 
 
-def _part(steps: range, after: int, last: int) -> range:
-    """Those of an endless range of steps in after + 1 .. last."""
+def _steps_between(steps: range, after: int, last: int) -> range:
+    """The members of an endless range from after + 1 to last, both included."""
     if not steps:
         return steps
     skipped = max(0, -(-(after + 1 - steps.start) // steps.step))

@@ -1,4 +1,4 @@
-"""What a film file holds, found by decoding it."""
+"""Reads the properties of a film file by decoding it."""
 
 from dataclasses import dataclass
 
@@ -9,8 +9,12 @@ __all__ = ["Probe", "probe"]
 
 @dataclass(frozen=True)
 class Probe:
-    """What a film holds. Colour tags are FFmpeg's numbers: 1 is bt709 (transfer 13 sRGB, matrix 0 RGB); range 1 is
-    limited, 2 full. `duration` in seconds; `keyframes` are the numbers of frames that decode by themselves.
+    """Properties of a film.
+
+    primaries, transfer, matrix : FFmpeg's numbers of the colour tags: 1 is BT.709; transfer 13 is sRGB, matrix 0 is RGB
+    range : 1 is limited, 2 full
+    duration : s
+    keyframes : numbers of the frames that can be decoded without others
     """
 
     codec: str
@@ -28,7 +32,7 @@ class Probe:
 
 
 def probe(path) -> Probe:
-    """Decode a film and say what it holds."""
+    """Decode a film and return its properties."""
     with av.open(str(path)) as container:
         stream = container.streams.video[0]
         context = stream.codec_context

@@ -1,4 +1,4 @@
-"""Reads the recipe inside a picture or film, wherever its format keeps it."""
+"""Reads the recipe inside a picture (through Pillow or OpenEXR) or a film (through PyAV)."""
 
 import json
 from pathlib import Path
@@ -6,44 +6,38 @@ from pathlib import Path
 from gen_art.errors import OutputError, UsageError
 from gen_art.output.exr import read_text
 from gen_art.output.recipe import FORMAT, KEY
-from gen_art.output.stills import EXIF_DESCRIPTION
+from gen_art.pictures import EXIF_DESCRIPTION, picture_metadata
 
 __all__ = ["read_recipe"]
 
 
 def read_recipe(path) -> dict:
-    """The recipe inside a picture or film. OutputError when the file cannot be read, UsageError when it holds none."""
+    """The recipe inside a picture or film.
+
+    Raises OutputError when the file does not exist, UsageError when it cannot be read as a picture or holds no recipe.
+    """
     path = Path(path)
     if not path.is_file():
         raise OutputError(f"{path}: {'is a directory' if path.is_dir() else 'there is no such file'}")
-    read = {**dict.fromkeys((".mp4", ".mov", ".webm", ".mkv"), _film_text), ".exr": read_text}
-    text = read.get(path.suffix.lower(), _picture_text)(path)
+    readers = {**dict.fromkeys((".mp4", ".mov", ".webm", ".mkv"), _film_text), ".exr": read_text}
+    text = readers.get(path.suffix.lower(), _picture_text)(path)
     try:
         recipe = json.loads(text) if text else None
     except ValueError:
         recipe = None
     if not isinstance(recipe, dict) or "preset" not in recipe or "format" not in recipe:
         raise UsageError(
-            f"{path}: there is no recipe inside; it is not a picture of gen-art, or a program took its metadata away"
+            f"{path}: there is no recipe inside; it was not made by gen-art, or another program removed its metadata"
         )
     if recipe["format"] != FORMAT:
-        raise UsageError(f"{path}: its recipe is of format {recipe['format']}; this gen-art reads format {FORMAT}")
+        raise UsageError(f"{path}: its recipe has format {recipe['format']}; this version reads format {FORMAT}")
     return recipe
 
 
 def _picture_text(path: Path) -> str | None:
-    from PIL import Image, UnidentifiedImageError
-
-    try:
-        with Image.open(path) as picture:
-            if picture.format == "PNG":
-                return picture.text.get(KEY)  # type: ignore[attr-defined]
-            if picture.format == "GIF":
-                comment = picture.info.get("comment")
-                return comment.decode("ascii", "replace") if comment else None
-            return picture.getexif().get(EXIF_DESCRIPTION)
-    except (UnidentifiedImageError, OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        raise UsageError(f"{path}: cannot be read as a picture ({error})") from error
+    metadata = picture_metadata(path)
+    text = metadata.get(KEY) or metadata.get(EXIF_DESCRIPTION) or metadata.get("comment")
+    return text.decode("ascii", "replace") if isinstance(text, bytes) else text
 
 
 def _film_text(path: Path) -> str | None:
@@ -51,6 +45,6 @@ def _film_text(path: Path) -> str | None:
 
     try:
         with av.open(str(path)) as film:
-            return film.metadata.get("comment") or film.metadata.get("COMMENT")  # Matroska's tags are capitals
+            return film.metadata.get("comment") or film.metadata.get("COMMENT")  # Matroska's tags are in capitals
     except (av.FFmpegError, OSError) as error:
         raise UsageError(f"{path}: cannot be read as a film ({error})") from error

@@ -1,4 +1,4 @@
-"""Progress of a job, as events."""
+"""Progress events of a render job."""
 
 import time
 
@@ -6,7 +6,11 @@ __all__ = ["Report"]
 
 
 class Report:
-    """Progress events with the rate so far and the seconds left."""
+    """Sends progress events with the frame rate so far and the estimated time left.
+
+    progress : function that is called with each event, or None
+    frames : number of frames of the job
+    """
 
     def __init__(self, progress, frames: int):
         self._progress, self._frames, self._done, self._start = progress, frames, 0, time.perf_counter()

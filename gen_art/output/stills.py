@@ -1,4 +1,4 @@
-"""One picture as a file: PNG of 8 or 16 bits, JPEG, WebP, with its recipe as metadata."""
+"""Writes one picture with its recipe inside: 8-bit PNG, JPEG and WebP through imageio, 16-bit PNG by this module."""
 
 import struct
 import zlib
@@ -15,36 +15,43 @@ __all__ = ["EXIF_DESCRIPTION", "write_still"]
 
 EXIF_DESCRIPTION = 0x010E
 _EXIF_LIMIT = 65_000
+_FILTER_UP = 2  # PNG's filter that stores the difference from the row above
+_RGB, _RGBA = 2, 6  # PNG's colour types
 
 
 def write_still(path, picture: np.ndarray, recipe: dict | None = None) -> Path:
-    """Write (height, width, 3 or 4) uint8, or for PNG uint16, by the path's ending; the final name appears whole.
+    """Write (height, width, 3 or 4) uint8, or uint16 for PNG, in the format of the path's extension.
 
-    JPEG has quality 95 without colour subsampling, WebP quality 96. Raises OutputError when the system refuses.
+    The file appears under its final name only when it is complete. JPEG has quality 95 without chroma subsampling, WebP
+    quality 96. Raises OutputError when the operating system refuses.
     """
+    from imageio.v3 import imwrite
+
     path = Path(path)
-    text = encode(recipe) if recipe is not None else None
+    extension, text = path.suffix.lower(), encode(recipe) if recipe is not None else None
+    options: dict
+    if extension == ".png":
+        options = {"pnginfo": _png_info(text), "compress_level": 6}
+    elif extension in (".jpg", ".jpeg"):
+        options = {"quality": 95, "subsampling": 0, "exif": exif(text), "optimize": True}
+    else:
+        options = {"quality": 96, "method": 6, "exif": exif(text)}
     with beside(path) as temporary:
-        if path.suffix.lower() == ".png":
-            if picture.dtype == np.uint16:
-                temporary.write_bytes(_png16(picture, text))
-            else:
-                Image.fromarray(picture).save(temporary, "PNG", pnginfo=_png_info(text), compress_level=6)
-        elif path.suffix.lower() in (".jpg", ".jpeg"):
-            Image.fromarray(picture).save(temporary, "JPEG", quality=95, subsampling=0, exif=exif(text), optimize=True)
+        if picture.dtype == np.uint16:
+            temporary.write_bytes(_png16(picture, text))
         else:
-            Image.fromarray(picture).save(temporary, "WEBP", quality=96, method=6, exif=exif(text))
+            imwrite(temporary, picture, plugin="pillow", extension=extension, **options)
     return path
 
 
 def exif(text: str | None) -> Image.Exif:
-    """Metadata with the text as the picture's description. UsageError when it is longer than EXIF holds."""
-    made = Image.Exif()
+    """EXIF metadata with the text as the picture's description. Raises UsageError for a text longer than EXIF holds."""
+    metadata = Image.Exif()
     if text is not None:
         if len(text) > _EXIF_LIMIT:
             raise UsageError(f"the recipe ({len(text)} bytes) does not fit in this format's metadata; write a .png")
-        made[EXIF_DESCRIPTION] = text
-    return made
+        metadata[EXIF_DESCRIPTION] = text
+    return metadata
 
 
 def _png_info(text: str | None) -> PngImagePlugin.PngInfo:
@@ -56,11 +63,11 @@ def _png_info(text: str | None) -> PngImagePlugin.PngInfo:
 
 
 def _png16(picture: np.ndarray, text: str | None) -> bytes:
-    """A PNG of 16 bits a channel (Pillow writes 8). Rows are filtered by what is above them."""
+    """A PNG of 16 bits a channel, which imageio and Pillow cannot write in colour. Every row has the filter "up"."""
     height, width, channels = picture.shape
     rows = np.ascontiguousarray(picture.astype(">u2")).view(np.uint8).reshape(height, -1)
     filtered = np.empty((height, rows.shape[1] + 1), np.uint8)
-    filtered[:, 0] = 2
+    filtered[:, 0] = _FILTER_UP
     filtered[0, 1:] = rows[0]
     filtered[1:, 1:] = rows[1:] - rows[:-1]
 
@@ -68,7 +75,8 @@ def _png16(picture: np.ndarray, text: str | None) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
     parts = [b"\x89PNG\r\n\x1a\n"]
-    parts.append(chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 16, 6 if channels == 4 else 2, 0, 0, 0)))
+    colour_type = _RGBA if channels == 4 else _RGB
+    parts.append(chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 16, colour_type, 0, 0, 0)))
     parts.append(chunk(b"sRGB", b"\0"))
     if text is not None:
         parts.append(chunk(b"iTXt", KEY.encode() + b"\0\1\0\0\0" + zlib.compress(text.encode())))

@@ -1,4 +1,4 @@
-"""Where output goes: what an ending means, what may be written, and writing beside the final name."""
+"""The output path: its format by file extension, whether it may be written, and writing to a temporary file first."""
 
 import contextlib
 import os
@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gen_art.errors import OutputError, UsageError
-from gen_art.output.formats import ENDINGS, Format, check_film_size, find_format
+from gen_art.output.formats import EXTENSIONS, Format, check_film_size, find_format
 from gen_art.registry import suggest
 
 __all__ = ["FILMS", "STILLS", "Target", "beside", "check_size_of", "check_writable", "find_target"]
 
-FILMS = ENDINGS
-STILLS: Mapping[str, tuple[int, ...]] = {  # ending -> bits a channel, the default first
+FILMS = EXTENSIONS
+STILLS: Mapping[str, tuple[int, ...]] = {  # extension -> bits a channel, the default first
     ".png": (8, 16),
     ".jpg": (8,),
     ".jpeg": (8,),
@@ -26,9 +26,10 @@ _TRANSPARENT = (".png", ".webp", ".exr")
 
 @dataclass(frozen=True)
 class Target:
-    """A file, or a pattern with a run of # for the frame's number.
+    """An output file, or a pattern in which a run of # stands for the frame's number.
 
-    film : what the film is, None for pictures      bits : a channel of a picture or film
+    film : the film's format; None for pictures
+    bits : bits a channel
     """
 
     path: Path
@@ -43,11 +44,11 @@ class Target:
 
     @property
     def halved(self) -> bool:
-        """Whether its width and height must be even."""
+        """Whether the width and height must be even."""
         return self.film is not None and self.film.halved
 
     @property
-    def ending(self) -> str:
+    def extension(self) -> str:
         return self.path.suffix.lower()
 
     def frame(self, k: int) -> Path:
@@ -60,49 +61,51 @@ def find_target(
     out, *, moving: bool, name: str = "", seed: int = 0, transparent: bool = False, codec: str | None = None,
     profile: str | None = None, bits: int | None = None,
 ) -> Target:  # fmt: skip
-    """What `out` asks for. {preset} and {seed} are filled in.
+    """The Target of the path `out`, in which {preset} and {seed} are replaced by `name` and `seed`.
 
-    moving : whether it may be a film or a pattern      codec, profile, bits : see gen_art.output.formats
-    Raises UsageError for an ending that is unknown or cannot hold what is asked.
+    moving : whether it may be a film or a pattern
+    codec, profile, bits : see gen_art.output.formats
+    Raises UsageError for an extension that is unknown or does not support the other options.
     """
     text = str(out)
     if text in ("", "-"):
         raise UsageError("output is a file: give -o a path")
     path = Path(text.replace("{preset}", name).replace("{seed}", str(seed)))
     pattern = moving and "#" in path.name
-    ending = path.suffix.lower()
+    extension = path.suffix.lower()
     known = tuple(STILLS) if pattern or not moving else tuple(dict.fromkeys((*FILMS, *STILLS)))
-    if ending not in known:
-        what = (
-            f"'{ending}' is no ending of a {'film or picture' if moving else 'picture'}" if ending else "has no ending"
-        )
-        raise UsageError(f"{path.name}: {what}{suggest(ending, known) if ending else ''}; there are {' '.join(known)}")
-    if moving and not pattern and ending in FILMS:
+    if extension not in known:
+        problem = "the file name has no extension"
+        if extension:
+            kind = "a film or picture" if moving else "a picture"
+            problem = f"'{extension}' is not {kind} extension{suggest(extension, known)}"
+        raise UsageError(f"{path.name}: {problem}; there are {' '.join(known)}")
+    if moving and not pattern and extension in FILMS:
         film = find_format(path, codec=codec, profile=profile or "web", bits=bits, transparent=transparent)
         return Target(path, False, film, film.bits)
     if codec is not None or profile is not None:
-        raise UsageError(f"{path.name}: a codec and a profile are for films; {' '.join(FILMS)} are films")
-    depths = STILLS[ending]
+        raise UsageError(f"{path.name}: codec and profile are options for films; {' '.join(FILMS)} are films")
+    depths = STILLS[extension]
     if bits is not None and bits not in depths:
-        deep = " and ".join(f"{e} {' or '.join(map(str, d))}" for e, d in STILLS.items() if len(d) > 1)
-        raise UsageError(f"{path.name}: a picture has 8 bits a channel, {deep}; not {bits}")
-    if transparent and ending not in _TRANSPARENT:
-        raise UsageError(f"{path.name}: '{ending}' cannot be transparent; {' '.join(_TRANSPARENT)} can")
+        others = " and ".join(f"{e} {' or '.join(map(str, d))}" for e, d in STILLS.items() if len(d) > 1)
+        raise UsageError(f"{path.name}: a picture has 8 bits a channel, {others}; not {bits}")
+    if transparent and extension not in _TRANSPARENT:
+        raise UsageError(f"{path.name}: '{extension}' cannot be transparent; {' '.join(_TRANSPARENT)} can")
     return Target(path, pattern, None, bits or depths[0])
 
 
 def check_size_of(target: Target, size) -> None:
-    """UsageError for a size the target's format cannot have."""
+    """Raise UsageError for a size that the target's format cannot have."""
     if target.film is not None:
         check_film_size(target.film, size)
-    elif target.ending == ".webp" and max(size) > 16383:
+    elif target.extension == ".webp" and max(size) > 16383:
         raise UsageError(
             f"{target.path.name}: a WebP picture is at most 16383 pixels wide and high, not {size[0]}x{size[1]}"
         )
 
 
 def check_writable(paths, overwrite: bool) -> None:
-    """OutputError for a file that exists (unless overwrite), a directory, or a folder that cannot be written."""
+    """Raise OutputError for a file that exists (unless overwrite), a directory, or a folder that cannot be written."""
     for path in paths:
         if path.is_dir():
             raise OutputError(f"{path} is a directory")
@@ -120,9 +123,9 @@ def check_writable(paths, overwrite: bool) -> None:
 
 @contextlib.contextmanager
 def beside(path: Path) -> Iterator[Path]:
-    """A temporary name beside `path`; renamed to it at the end, removed when something fails.
+    """Yield a temporary path in the folder of `path`; it is renamed to `path` at the end, or removed after an error.
 
-    Raises OutputError for what the system refuses (disk full, no permission).
+    Raises OutputError when the operating system refuses (disk full, no permission).
     """
     temporary = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:

@@ -1,14 +1,15 @@
-"""Films as files: a writer that takes pictures and leaves a whole film, or what was finished of one.
+"""Writes pictures to a film file; when it is stopped early, the finished part stays as the partial film.
 
-While it is written, a film grows as `NAME.partial.EXT` beside its final name and plays up to its last whole segment;
-GIF and WebP, which need the whole film, grow as a lossless `NAME.partial.mkv`. In the end it becomes the film and goes.
+The partial film `NAME.partial.EXT` lies beside the final name and plays up to its last whole segment. GIF and WebP are
+made from all frames at once, so their partial film is a lossless `NAME.partial.mkv`. Closing the writer makes the final
+film from the partial film and deletes it.
 """
 
 import os
 from dataclasses import dataclass
 from pathlib import Path
 
-os.environ.setdefault("SVT_LOG", "1")  # SVT-AV1 speaks only of errors; it reads this when it starts
+os.environ.setdefault("SVT_LOG", "1")  # SVT-AV1 prints errors only; it reads this when it is loaded
 
 import av
 import numpy as np
@@ -24,14 +25,14 @@ __all__ = ["FilmWriter", "Kept", "film_writer", "partial_path"]
 
 
 def partial_path(path: Path) -> Path:
-    """Where the film at `path` grows."""
-    ending = ".mkv" if path.suffix.lower() in (".gif", ".webp") else path.suffix
-    return path.with_name(f"{path.stem}.partial{ending}")
+    """The path of the partial film of the film at `path`."""
+    extension = ".mkv" if path.suffix.lower() in (".gif", ".webp") else path.suffix
+    return path.with_name(f"{path.stem}.partial{extension}")
 
 
 @dataclass(frozen=True)
 class Kept:
-    """What is left of a film that was not finished."""
+    """The partial film that stays when a film was not finished."""
 
     path: Path
     frames: int
@@ -41,9 +42,9 @@ class Kept:
 
 
 class FilmWriter:
-    """A film: `add` pictures, then `close`; or `abort`.
+    """Writes a film: `add` each picture, then `close`, or `abort`.
 
-    Raises EncoderError for what the encoder refuses, OutputError for what the system does.
+    Raises EncoderError when the encoder fails, OutputError when the operating system refuses (disk full, no permission).
     """
 
     def __init__(self, path: Path, film: Format, size, fps: float, recipe: dict | None, max_rate: int = 0):
@@ -59,12 +60,12 @@ class FilmWriter:
             )  # fmt: skip
 
     def add(self, picture: np.ndarray) -> None:
-        """The next picture: (height, width, 3, or 4 where the film is transparent), uint8, or uint16 for more bits."""
+        """Add a picture: (height, width, 3), or 4 channels in a transparent film; uint8, or uint16 for more than 8 bits."""
         with _encoding(self.path):
             self._segments.add(film_frame(picture, self._film.pixels, self._film.bits))
 
     def close(self) -> None:
-        """Finish the film at its final name."""
+        """Write the final film and delete the partial one."""
         with _encoding(self.path):
             self._segments.finish()
             with beside(self.path) as temporary:
@@ -84,10 +85,10 @@ class FilmWriter:
         else:
             from gen_art.output.join_segments import join
 
-            join(self.partial, temporary, self._film.ending, self._text, as_fraction(self._fps))
+            join(self.partial, temporary, self._film.extension, self._text, as_fraction(self._fps))
 
     def abort(self) -> Kept | None:
-        """Stop here: what was finished stays, playable, and is named; None when that is nothing."""
+        """Stop early. Returns the partial film, which stays and plays, or None when no segment was finished."""
         frames = self._segments.stop()
         if frames:
             return Kept(self.partial, frames)
@@ -96,7 +97,7 @@ class FilmWriter:
 
 
 class _encoding:
-    """The encoder's errors in this package's words: a system's refusal is an OutputError, the rest EncoderError."""
+    """Turns errors of the encoder into this package's: OutputError for the operating system's, EncoderError for the rest."""
 
     def __init__(self, path: Path):
         self._path = path
@@ -115,8 +116,9 @@ class _encoding:
 def film_writer(
     path: Path, size, fps: float, recipe: dict | None = None, film: Format | None = None, max_rate: int = 0
 ) -> FilmWriter:
-    """A writer for a film of `size` (width, height), what its ending means unless `film` says more.
+    """A writer for a film of `size` (width, height).
 
-    max_rate : bounds the bits a second of H.264 and H.265 (0: the profile alone decides)
+    film : its format; the default of the file extension when None
+    max_rate : the most bits a second of H.264 and H.265; 0 for no limit beyond the profile
     """
     return FilmWriter(path, film or find_format(path), size, fps, recipe, max_rate)

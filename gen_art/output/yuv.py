@@ -1,11 +1,11 @@
-"""Pictures as an encoder's frames: luma and colour differences of BT.709 in limited range, or RGB as it is.
+"""Converts pictures to an encoder's frames: BT.709 luma and chroma in limited range, or unchanged RGB.
 
     Y' = 0.2126 R' + 0.7152 G' + 0.0722 B'      Cb = (B' - Y') / 1.8556      Cr = (R' - Y') / 1.5748
     codes of n bits: 2^(n-8) (16 + 219 Y'), 2^(n-8) (128 + 224 Cb), rounded                    (ITU-R BT.709-6)
 
-R'G'B' are the picture's values as they are, sRGB-encoded, on 0..1. Where colour is halved it is sited as MPEG-2 has it
-and players expect: on the even columns (weights 1 2 1), between the rows; of transparent pictures it is weighed with
-alpha, so that what is not seen does not tint what is.
+R'G'B' are the picture's sRGB-encoded values, on 0..1. 4:2:0 chroma is sited as in MPEG-2, which players expect: on the even
+columns (weights 1 2 1), between the rows. In transparent pictures it is weighted by alpha, so that invisible pixels do not
+tint visible ones.
 """
 
 import av
@@ -66,15 +66,16 @@ convert_kernel = kernel(_convert)
 
 
 def _plane(frame: av.VideoFrame, k: int, dtype) -> tuple[np.ndarray, int]:
-    """Plane k as one row of values that can be written, and the values from one line to the next."""
+    """(the values of plane k as one writable array, number of values from one line to the next)."""
     plane = frame.planes[k]
-    return np.frombuffer(plane, dtype), plane.line_size // np.dtype(dtype).itemsize
+    return np.frombuffer(memoryview(plane), dtype), plane.line_size // np.dtype(dtype).itemsize
 
 
 def film_frame(picture: np.ndarray, pixels: str, bits: int) -> av.VideoFrame:
-    """A frame in the pixel format `pixels` of `bits` a channel, from (height, width, 3 or 4) uint8 or uint16, straight alpha.
+    """A frame of pixel format `pixels` with `bits` a channel.
 
-    The picture may be overwritten afterwards. Runs a kernel: call it from the thread that runs them all.
+    picture : (height, width, 3 or 4), uint8 or uint16, straight alpha; may be overwritten afterwards
+    This runs a Taichi kernel: call it from the thread that runs the other kernels.
     """
     height, width, channels = picture.shape
     frame = av.VideoFrame(width, height, pixels)
@@ -107,9 +108,9 @@ def _fill_yuv(frame: av.VideoFrame, picture: np.ndarray, bits: int, halved: bool
     )  # fmt: skip
 
 
-def tag(thing, rgb: bool) -> None:
-    """Mark a frame or an encoder: BT.709 in limited range; RGB is full-range sRGB."""
-    thing.color_range = ColorRange.JPEG if rgb else ColorRange.MPEG
-    thing.colorspace = MATRIX_RGB if rgb else MATRIX_BT709
-    thing.color_primaries = ColorPrimaries.BT709
-    thing.color_trc = ColorTrc.IEC61966_2_1 if rgb else ColorTrc.BT709
+def tag(target, rgb: bool) -> None:
+    """Set the colour tags of a frame or an encoder: BT.709 in limited range, or full-range sRGB for RGB."""
+    target.color_range = ColorRange.JPEG if rgb else ColorRange.MPEG
+    target.colorspace = MATRIX_RGB if rgb else MATRIX_BT709
+    target.color_primaries = ColorPrimaries.BT709
+    target.color_trc = ColorTrc.IEC61966_2_1 if rgb else ColorTrc.BT709

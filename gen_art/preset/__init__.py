@@ -1,4 +1,4 @@
-"""Presets: the validated description of a piece, read from YAML or a mapping.
+"""Presets: the validated description of what to render, read from YAML or a mapping.
 
 Submodules load on first use: `values` stands below the forces, `schema` above them.
 """

@@ -5,12 +5,15 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from gen_art.errors import UsageError
-from gen_art.preset.fields import ColourValue, Number, Vector
-from gen_art.preset.types import Model, about
+from gen_art.preset.fields import ColourValue, NotNegative, Number, Positive, Vector, Within
+from gen_art.preset.model import Model, about
 
 __all__ = ["CameraKey", "CameraSpec", "Easing", "Fog", "Lens", "CameraOrbit", "Shake"]
 
 Easing = Literal["linear", "smooth", "spline", "accelerate", "brake", "hold"]
+
+
+FieldOfView = Annotated[float, Within(0, 170, open_low=True, open_high=True)]
 
 
 class CameraKey(Model):
@@ -20,12 +23,10 @@ class CameraKey(Model):
     position: Vector | None = about(None, "where the camera is")
     target: Vector | None = about(None, "what it looks at")
     up: Vector | None = about(None, "the direction that is up in the picture")
-    fov: Annotated[Number, Field(gt=0, lt=170)] | None = about(None, "angle of view from bottom to top", unit="degrees")
-    height: Annotated[Number, Field(gt=0)] | None = about(
-        None, "world units from bottom to top of an orthographic camera"
-    )
+    fov: FieldOfView | None = about(None, "angle of view from bottom to top", unit="degrees")
+    height: Positive | None = about(None, "world units from bottom to top of an orthographic camera")
     roll: Number | None = about(None, "turn about the line of sight", unit="degrees")
-    focus: Annotated[Number, Field(gt=0)] | None = about(None, "the lens's focus distance")
+    focus: Positive | None = about(None, "the lens's focus distance")
     easing: Easing | None = about(
         None, "the word for the way from this stop to the next, where it differs from the camera's own"
     )
@@ -54,8 +55,8 @@ class CameraOrbit(Model):
 class Fog(Model):
     """Light dims as exp(-(d - start) / distance) beyond `start` from the camera, towards `color`; a number is its `distance`."""
 
-    distance: Annotated[Number, Field(gt=0)] = about(..., "over which light falls to 1/e")
-    start: Annotated[Number, Field(ge=0)] = about(0.0, "clear air in front of the camera")
+    distance: Positive = about(..., "over which light falls to 1/e")
+    start: NotNegative = about(0.0, "clear air in front of the camera")
     color: ColourValue = about("black", "what everything turns into far away")
 
     short_form = {"type": ["number", "string"]}
@@ -72,13 +73,13 @@ class Shake(Model):
     angle moves the picture of a camera of `fov` degrees.
     """
 
-    amplitude: Annotated[Number, Field(ge=0, le=45)] = about(
+    amplitude: Annotated[float, Within(0, 45)] = about(
         0.3, "standard deviation of the pan, and of the tilt; it stays within 3.4 of them", unit="degrees"
     )
-    frequency: Annotated[Number, Field(gt=0, le=1000)] = about(
+    frequency: Annotated[float, Within(0, 1000, open_low=True)] = about(
         1.0, "the movement has parts from half of it to twice", unit="Hz"
     )
-    roll: Annotated[Number, Field(ge=0, le=45)] = about(0.0, "standard deviation of the roll", unit="degrees")
+    roll: Annotated[float, Within(0, 45)] = about(0.0, "standard deviation of the roll", unit="degrees")
     seed: Annotated[int, Field(ge=0, lt=2**63)] = about(0, "another hand")
 
     short_form = {"type": ["number", "string"]}
@@ -95,8 +96,8 @@ class Lens(Model):
     as a slope of sight.
     """
 
-    radius: Annotated[Number, Field(ge=0)] = about(..., "radius of the lens, in world units")
-    focus: Annotated[Number, Field(gt=0)] | None = about(
+    radius: NotNegative = about(..., "radius of the lens, in world units")
+    focus: Positive | None = about(
         None, "what is sharp, in world units along the line of sight; the distance to the target when left out"
     )
 
@@ -113,14 +114,12 @@ class CameraSpec(Model):
     position: Vector = about((0.0, 0.0, 10.0), "where it is")
     target: Vector = about((0.0, 0.0, 0.0), "what it looks at, the middle of the picture")
     up: Vector = about((0.0, 1.0, 0.0), "the direction that is up in the picture")
-    fov: Annotated[Number, Field(gt=0, lt=170)] = about(40.0, "angle of view from bottom to top", unit="degrees")
-    height: Annotated[Number, Field(gt=0)] | None = about(
-        None, "world units from bottom to top: makes the camera orthographic"
-    )
+    fov: FieldOfView = about(40.0, "angle of view from bottom to top", unit="degrees")
+    height: Positive | None = about(None, "world units from bottom to top: makes the camera orthographic")
     roll: Number = about(0.0, "turn about the line of sight", unit="degrees")
-    near: Annotated[Number, Field(gt=0)] | None = about(None, "nothing nearer along the line of sight is drawn")
-    far: Annotated[Number, Field(gt=0)] | None = about(None, "nothing farther along the line of sight is drawn")
-    shutter: Annotated[Number, Field(ge=0, le=360)] = about(
+    near: Positive | None = about(None, "nothing nearer along the line of sight is drawn")
+    far: Positive | None = about(None, "nothing farther along the line of sight is drawn")
+    shutter: Annotated[float, Within(0, 360)] = about(
         180.0, "the part of a frame the shutter is open: 180 is half", unit="degrees"
     )
     fog: Fog | None = about(None, "haze that grows with distance")

@@ -4,7 +4,8 @@ import math
 
 from pydantic import model_validator
 
-from gen_art.preset.types import Model, NotNegative, Positive, about, collected
+from gen_art.preset.fields import NotNegative, Positive
+from gen_art.preset.model import Model, about, collected
 
 __all__ = ["Clock"]
 

@@ -2,12 +2,12 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import Gradient
-from gen_art.preset.fields import GradientValue, Number, RangeValue
-from gen_art.preset.types import Model, about
+from gen_art.preset.fields import Fraction, GradientValue, RangeValue, Within
+from gen_art.preset.model import Model, about
 from gen_art.preset.values import Range
 
 __all__ = ["AutoExposure", "Bloom", "DevelopSpec"]
@@ -16,8 +16,8 @@ __all__ = ["AutoExposure", "Bloom", "DevelopSpec"]
 class Bloom(Model):
     """Light that strays in the lens, spread over halos of all sizes, whose sum it keeps; a number is its `strength`."""
 
-    strength: Annotated[Number, Field(ge=0, le=1)] = about(0.05, "the part of the light that strays")
-    radius: Annotated[Number, Field(ge=0, le=1)] = about(0.5, "0 narrow .. 1 wide")
+    strength: Fraction = about(0.05, "the part of the light that strays")
+    radius: Fraction = about(0.5, "0 narrow .. 1 wide")
 
     short_form = {"type": ["number", "string"]}
 
@@ -32,10 +32,10 @@ class AutoExposure(Model):
     It is a mean over the last three half-lives of film time, so that a frame has one exposure whichever frames are made.
     """
 
-    key: Annotated[Number, Field(gt=0, le=100)] = about(
+    key: Annotated[float, Within(0, 100, open_low=True)] = about(
         0.18, "what shines is brought to this light (linear: middle grey is 0.18)"
     )
-    half_life: Annotated[Number, Field(ge=0, le=60)] = about(
+    half_life: Annotated[float, Within(0, 60)] = about(
         0.5, "film time in which it goes half the way to a new exposure; 0 is at once", unit="s"
     )
     range: RangeValue = about(Range(-6.0, 6.0), "the least and the most of it", unit="stops")
@@ -56,22 +56,22 @@ class AutoExposure(Model):
 class DevelopSpec(Model):
     """From linear light to a picture: exposure, bloom, vignette, tone map, background, grain, dither, in this order."""
 
-    exposure: Annotated[Number, Field(ge=-60, le=60)] = about(0.0, "light is multiplied by 2 to this", unit="stops")
+    exposure: Annotated[float, Within(-60, 60)] = about(0.0, "light is multiplied by 2 to this", unit="stops")
     auto_exposure: AutoExposure | None = about(None, "follows the light; `exposure` is added to it")
     bloom: Bloom = about(Bloom(), "light that strays in the lens")
-    vignette: Annotated[Number, Field(ge=0, le=8)] = about(0.0, "light lost in the corners", unit="stops")
+    vignette: Annotated[float, Within(0, 8)] = about(0.0, "light lost in the corners", unit="stops")
     tone: Literal["agx", "aces", "reinhard", "neutral", "log", "none"] = about("agx", "the tone map")
-    white: Annotated[Number, Field(gt=0, le=1e6)] = about(8.0, "what reinhard and log show as white")
-    density: Annotated[Number, Field(gt=0, le=1e9)] = about(100.0, "of log: how much it lifts the dark")
-    vibrancy: Annotated[Number, Field(ge=0, le=1)] = about(
-        1.0, "of log: how much of a colour goes with its light, 0 to 1"
+    white: Annotated[float, Within(0, 1e6, open_low=True)] = about(8.0, "what reinhard and log show as white")
+    density: Annotated[float, Within(0, 1e9, open_low=True)] = about(100.0, "of log: how much it lifts the dark")
+    vibrancy: Fraction = about(1.0, "of log: how much of a colour goes with its light, 0 to 1")
+    contrast: Annotated[float, Within(0, 4, open_low=True)] = about(
+        1.0, "a power about middle grey, before the tone map"
     )
-    contrast: Annotated[Number, Field(gt=0, le=4)] = about(1.0, "a power about middle grey, before the tone map")
-    saturation: Annotated[Number, Field(ge=0, le=4)] = about(1.0, "about luminance, after the tone map")
+    saturation: Annotated[float, Within(0, 4)] = about(1.0, "about luminance, after the tone map")
     background: Literal["night"] | GradientValue = about(
         Gradient(((0.0, "black"),)),
         "a colour, a gradient from top to bottom, or `night`; seen as written where nothing hides it, whatever "
         "exposure and tone map are",
     )
-    grain: Annotated[Number, Field(ge=0, le=0.5)] = about(0.0, "its standard deviation at middle grey")
+    grain: Annotated[float, Within(0, 0.5)] = about(0.0, "its standard deviation at middle grey")
     dither: bool = about(True, "hashed, in 8 bits: dark gradients show no bands")

@@ -5,24 +5,23 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from gen_art.errors import UsageError
-from gen_art.preset.registered import One, class_schema, registry
-from gen_art.preset.types import (
+from gen_art.preset.fields import (
     CountRange,
-    Model,
     NotNegative,
     NotNegativeRange,
     Number,
+    Parsed,
     Positive,
     PositiveRange,
-    RangeOf,
+    RangeValue,
     Vector,
+    Within,
     Words,
-    about,
-    bounded,
-    parsed,
 )
+from gen_art.preset.model import Model, about
+from gen_art.preset.registered import One, class_schema, registry
 from gen_art.preset.values import Curve, number, shown
-from gen_art.registry import suggest
+from gen_art.registry import Bounds, suggest
 
 __all__ = [
     "EVENTS",
@@ -38,6 +37,7 @@ __all__ = [
     "Velocity",
 ]
 
+_NOT_NEGATIVE = Bounds(0)
 EVENTS = ("birth", "death", "impact", "path")
 
 Shape = Annotated[Any, One("shapes", bare="point")]
@@ -48,22 +48,21 @@ def _rate(value):
     """Particles a second: a number, or a curve over simulated time."""
     if isinstance(value, (list, tuple, dict, Curve)):
         curve = Curve.of(value)
-        if curve.minimum < 0:
-            raise UsageError(f"must be at least 0, not {curve.minimum:g}")
+        _NOT_NEGATIVE.check(curve.minimum)
         return curve
-    return bounded(0)(value)
+    return _NOT_NEGATIVE.check(number(value))
 
 
 def _times(value):
     """Simulated times in order, not negative; one number is one time."""
     times = value if isinstance(value, (list, tuple)) else [value]
-    return tuple(sorted(bounded(0)(number(time)) for time in times))
+    return tuple(sorted(_NOT_NEGATIVE.check(number(time)) for time in times))
 
 
 _RATE = {"anyOf": [{"type": "number", "minimum": 0}, {"type": "string"}, {"type": "array", "items": {"type": "array"}}]}
 _TIMES = {"anyOf": [{"type": "number", "minimum": 0}, {"type": "array"}, {"type": "string"}]}
-Rate = Annotated[float | Curve, parsed(_rate, _RATE)]
-Times = Annotated[tuple[float, ...], parsed(_times, _TIMES)]
+Rate = Annotated[float | Curve, Parsed(_rate, _RATE)]
+Times = Annotated[tuple[float, ...], Parsed(_times, _TIMES)]
 
 
 class Attributes(Model):
@@ -72,9 +71,9 @@ class Attributes(Model):
     radius: NotNegativeRange | None = about(None, "radius of the particle; 0.01 when left out", unit="m")
     mass: NotNegativeRange | None = about(None, "mass; 1 when neither mass nor density is given", unit="kg")
     density: PositiveRange | None = about(None, "mass = density 4/3 pi radius^3", unit="kg/m^3")
-    charge: RangeOf | None = about(None, "electric charge; 0 when left out", unit="C")
+    charge: RangeValue | None = about(None, "electric charge; 0 when left out", unit="C")
     lifetime: PositiveRange | None = about(None, "simulated time it lives; without end when left out", unit="s")
-    attributes: dict[str, RangeOf] = about({}, "further numbers of your own, each a row of the state")
+    attributes: dict[str, RangeValue] = about({}, "further numbers of your own, each a row of the state")
 
     @model_validator(mode="after")
     def _one_mass(self):
@@ -107,10 +106,8 @@ class PulseSpec(Model):
     """Births come in puffs: those of each period gather about its beginning, the mean rate kept."""
 
     period: Positive = about(..., "simulated time from puff to puff", unit="s")
-    depth: Annotated[float, parsed(bounded(0, 0.99), {"type": "number", "minimum": 0, "maximum": 0.99})] = about(
-        0.5, "0 is steady; the peak is 1 / (1 - depth) times the mean"
-    )
-    duty: Annotated[float, parsed(bounded(0.01, 1), {"type": "number", "minimum": 0.01, "maximum": 1})] = about(
+    depth: Annotated[float, Within(0, 0.99)] = about(0.5, "0 is steady; the peak is 1 / (1 - depth) times the mean")
+    duty: Annotated[float, Within(0.01, 1)] = about(
         1.0, "the part of each period, about its beginning, that has births"
     )
 

@@ -39,7 +39,7 @@ BATCH = 64  # steps taken at once where no events and no interactions tie them
 
 @dataclass(frozen=True)
 class Estimate:
-    """Per system: births over the whole piece, the most alive at once, bytes of state then; and the process's peak.
+    """Per system: births over the whole preset, the most alive at once, bytes of state then; and the process's peak.
 
     `working` is the memory that goes with the particles, in bytes: state with room to grow, births, drawing; `pixel` that of
     one pixel of the picture before it is written.

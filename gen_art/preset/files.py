@@ -4,12 +4,12 @@ from contextvars import ContextVar
 from pathlib import Path, PurePosixPath
 
 from gen_art.errors import UsageError
-from gen_art.preset.types import parsed
+from gen_art.pictures import LARGEST, picture_size
+from gen_art.preset.fields import Parsed
 
 __all__ = ["FOLDER", "ImageFile", "PresetFile", "inside"]
 
 FOLDER: ContextVar[Path] = ContextVar("folder", default=Path())  # of the preset that is being read
-LARGEST = 64_000_000  # pixels of a picture that is read
 _IMAGE = {"type": "string", "description": "a picture in the preset's folder or below: spark.png"}
 
 
@@ -43,19 +43,11 @@ def inside(value) -> PresetFile:
 
 
 def _image(value) -> PresetFile:
-    from PIL import Image, UnidentifiedImageError
-
     file = inside(value)
-    try:
-        with Image.open(file.place) as picture:
-            width, height = picture.size
-    except (UnidentifiedImageError, OSError, ValueError, SyntaxError) as error:
-        raise UsageError(f"{file}: cannot be read as a picture") from error
-    except Image.DecompressionBombError:
-        width = height = 100_000
+    width, height = picture_size(file.place, file)
     if width * height > LARGEST:
         raise UsageError(f"{file}: a sprite has at most {LARGEST // 10**6} million pixels; 512x512 is plenty")
     return file
 
 
-ImageFile = parsed(_image, _IMAGE)
+ImageFile = Parsed(_image, _IMAGE)

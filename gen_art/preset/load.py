@@ -5,17 +5,21 @@ import sys
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
 from gen_art.errors import UsageError
 from gen_art.preset.files import FOLDER
+from gen_art.preset.model import friendly
 from gen_art.preset.overrides import apply, fill_knobs, plain
 from gen_art.preset.problems import Problem, dotted, preset_error
 from gen_art.preset.reader import Node, SourceText, read_bytes, read_file
 from gen_art.preset.shipped import find, presets_folder
 from gen_art.preset.values import number
+
+if TYPE_CHECKING:
+    from gen_art.preset.schema import Preset
 
 __all__ = ["load_preset", "open_source", "validate"]
 
@@ -32,10 +36,10 @@ def open_source(preset: str | Path) -> tuple[SourceText, str]:
 
 
 def load_preset(
-    preset: "str | Path | Mapping[str, Any]",
+    preset: "str | Path | Mapping[str, Any] | Preset",
     overrides: Mapping[str, Any] | None = None,
     seed: int | str | None = None,
-):
+) -> "Preset":
     """A validated Preset.
 
     preset : a shipped name ("fire"), a path, "-" for standard input, or a mapping as YAML would hold it, which
@@ -69,12 +73,11 @@ def load_preset(
         FOLDER.reset(token)
 
 
-def validate(data: dict, name: str, source: SourceText, set_paths: list[tuple]):
+def validate(data: dict, name: str, source: SourceText, set_paths: list[tuple]) -> "Preset":
     """The Preset of plain data; PresetError with every problem, each where it stands in `source` or at its `--set`."""
     from gen_art.preset.checks import references, unbound
     from gen_art.preset.registered import GRAVITATION
     from gen_art.preset.schema import Preset
-    from gen_art.preset.types import friendly
 
     filled, found = fill_knobs(data)
     written = {"version": filled.get("version"), "seed": filled.get("seed", 0), **filled}

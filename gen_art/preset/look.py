@@ -6,9 +6,21 @@ from pydantic import ConfigDict, Field, model_validator
 
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import Gradient
-from gen_art.preset.fields import ColourValue, CurveValue, GradientValue, Number, RangeValue, Vector
+from gen_art.preset.fields import (
+    ColourValue,
+    CurveValue,
+    Fraction,
+    GradientValue,
+    NotNegative,
+    Number,
+    Positive,
+    RangeValue,
+    Vector,
+    Within,
+    Words,
+)
 from gen_art.preset.files import ImageFile
-from gen_art.preset.types import Model, Words, about
+from gen_art.preset.model import Model, about
 from gen_art.preset.values import Curve, Range, number
 
 __all__ = ["BY", "Color", "Emission", "KeyLight", "Look", "Picture", "Ramp", "Ribbon", "Trail"]
@@ -92,13 +104,15 @@ class Emission(Model):
     blackbody: Ramp | None = about(
         None, "temperature, or a curve of temperature over age (or over `by: seconds`); gives the colour", unit="K"
     )
-    planck: Annotated[Number, Field(ge=0, le=1)] = about(
+    planck: Fraction = about(
         0.3,
         "how much of Planck's fall of brightness towards lower temperatures to keep, relative to the "
         "hottest: 0 none, 1 all",
     )
     strobe: RangeValue | None = about(None, "a rate, with a phase, drawn once a particle", unit="Hz")
-    duty: Annotated[Number, Field(gt=0, le=1)] = about(0.35, "the part of each period of the strobe that is lit")
+    duty: Annotated[float, Within(0, 1, open_low=True)] = about(
+        0.35, "the part of each period of the strobe that is lit"
+    )
 
     short_form = {"type": ["string", "array"], "description": "a colour, a palette or a gradient"}
 
@@ -114,22 +128,22 @@ class KeyLight(Model):
 
     direction: Vector = about((-1.0, -1.0, -0.5), "the way the lamp's light travels")
     color: ColourValue = about("white", "the lamp's colour")
-    intensity: Annotated[Number, Field(ge=0)] = about(3.0, "the lamp's brightness")
+    intensity: NotNegative = about(3.0, "the lamp's brightness")
     ambient: ColourValue = about("white", "the sky's colour, from all sides")
     ground: ColourValue | None = about(None, "the colour of what comes from below; the sky's when left out")
-    ambient_intensity: Annotated[Number, Field(ge=0)] = about(0.08, "the sky's brightness")
-    phase: Annotated[Number, Field(gt=-1, lt=1)] = about(
+    ambient_intensity: NotNegative = about(0.08, "the sky's brightness")
+    phase: Annotated[float, Within(-1, 1, open_low=True, open_high=True)] = about(
         0.0, "Henyey-Greenstein's g: -1 back to 1 forward scattering, 0 even"
     )
-    scatter: Annotated[Number, Field(ge=0, le=1)] = about(
+    scatter: Fraction = about(
         0.2,
         "the part of the light that was scattered once before; it meets half the depth, and so on for that part of it",
     )
-    depth: Annotated[Number, Field(ge=0)] = about(1.0, "factor on the optical depth this system casts into all light")
+    depth: NotNegative = about(1.0, "factor on the optical depth this system casts into all light")
     resolution: Annotated[int, Field(ge=8, le=256)] = about(96, "cells along the longest side of the density grid")
     glow: Words = about((), "systems whose own light shines on this one")
-    glow_intensity: Annotated[Number, Field(ge=0)] = about(1.0, "1 is as bright as they are")
-    glow_softness: Annotated[Number, Field(ge=0)] = about(0.0, "widens their light near them, in world units")
+    glow_intensity: NotNegative = about(1.0, "1 is as bright as they are")
+    glow_softness: NotNegative = about(0.0, "widens their light near them, in world units")
 
     @model_validator(mode="after")
     def _pointing(self):
@@ -144,10 +158,8 @@ class Trail(Model):
     A number is its `half_life`. Trails start 16 half-lives before frame 0, or with the simulation.
     """
 
-    half_life: Annotated[Number, Field(gt=0)] = about(..., "film time in which it fades to one half", unit="s")
-    strength: Annotated[Number, Field(ge=0)] = about(
-        1.0, "its brightness; at 1 a particle at rest builds up a trail as bright as itself"
-    )
+    half_life: Positive = about(..., "film time in which it fades to one half", unit="s")
+    strength: NotNegative = about(1.0, "its brightness; at 1 a particle at rest builds up a trail as bright as itself")
     substeps: Annotated[int, Field(ge=1, le=64)] = about(
         1,
         "how many times the system is drawn from frame to frame (the largest divisor of a frame's steps up "
@@ -167,10 +179,10 @@ class Ribbon(Model):
     The emission's `intensity` is its brightness along the middle, whatever the particle's speed.
     """
 
-    length: Annotated[Number, Field(gt=0)] = about(..., "how far back it goes, in simulated time", unit="s")
+    length: Positive = about(..., "how far back it goes, in simulated time", unit="s")
     points: Annotated[int, Field(ge=2, le=256)] = about(16, "positions that are remembered")
-    taper: Annotated[Number, Field(ge=0, le=1)] = about(0.0, "width at the old end, relative to the particle's")
-    tail: Annotated[Number, Field(ge=0, le=1)] = about(0.0, "brightness at the old end, relative to the particle's")
+    taper: Fraction = about(0.0, "width at the old end, relative to the particle's")
+    tail: Fraction = about(0.0, "brightness at the old end, relative to the particle's")
 
     short_form = {"type": ["number", "string"]}
 
@@ -207,24 +219,20 @@ class Look(Model):
     blend: Literal["add", "alpha", "opaque"] = about(
         "add", "`add` is light, `alpha` also hides what is behind it, `opaque` hides all of it"
     )
-    radius: Annotated[Number, Field(gt=0)] | None = about(
-        None, "of the sprite in world units; the particle's own when left out"
-    )
-    width: Annotated[Number, Field(gt=0)] | None = about(None, "of a streak in world units: two radii")
-    pixels: Annotated[Number, Field(gt=0, le=4096)] | None = about(
+    radius: Positive | None = about(None, "of the sprite in world units; the particle's own when left out")
+    width: Positive | None = about(None, "of a streak in world units: two radii")
+    pixels: Annotated[float, Within(0, 4096, open_low=True)] | None = about(
         None, "radius in pixels of a picture 720 rows high instead"
     )
     size: Ramp = about(Ramp(), "a factor on radius, width or pixels")
-    length: Annotated[Number, Field(ge=0)] | None = about(
+    length: NotNegative | None = about(
         None, "of a streak in simulated time; as long as the shutter is open when left out", unit="s"
     )
-    tail: Annotated[Number, Field(ge=0, le=1)] = about(
-        1.0, "a streak's brightness at its old end, relative to its head"
-    )
-    taper: Annotated[Number, Field(ge=0, le=1)] = about(1.0, "a streak's width at its old end, relative to its head")
+    tail: Fraction = about(1.0, "a streak's brightness at its old end, relative to its head")
+    taper: Fraction = about(1.0, "a streak's width at its old end, relative to its head")
     emission: Emission | None = about(None, "the light it gives off; white, 1 when nothing else is given")
     opacity: Ramp = about(Ramp(), "optical depth at the middle of a sprite")
-    reference: Annotated[Number, Field(gt=0)] | None = about(
+    reference: Positive | None = about(
         None,
         "the radius of which `opacity` speaks: the depth falls as (reference / r)^2, so that a growing "
         "sprite keeps its extinction cross section",

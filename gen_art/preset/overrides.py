@@ -43,16 +43,17 @@ def plain(value: Any, depth: int = 0) -> Any:
     raise UsageError(f"a preset holds numbers, text, lists and mappings, not {type(value).__name__}")
 
 
-def apply(data: dict, overrides: Mapping[str, Any]) -> list[tuple]:
+def apply(data: dict, overrides: Mapping[str, Any], convert: bool = True) -> list[tuple]:
     """Set each override in `data`, in place; returns the paths that were set.
 
     A dotted key replaces what stands there; a nested mapping merges into it, key by key.
+    convert : make plain data of the values first
     Raises UsageError for a path that leads nowhere, with the nearest name.
     """
     done: list[tuple] = []
     for key, value in overrides.items():
         path = _split(str(key))
-        _set(data, path, plain(value), merge="." not in str(key), done=done)
+        _set(data, path, plain(value) if convert else value, merge="." not in str(key), done=done)
     return done
 
 

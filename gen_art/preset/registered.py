@@ -16,9 +16,9 @@ from pydantic_core import core_schema
 
 from gen_art.errors import UsageError
 from gen_art.preset.files import inside
-from gen_art.preset.types import collected
+from gen_art.preset.model import collected
 from gen_art.preset.values import Range, number, shown, vector
-from gen_art.registry import Parameter, Parametric, Registry, suggest
+from gen_art.registry import Bounds, Parameter, Parametric, Registry, suggest
 
 __all__ = ["GRAVITATION", "Many", "One", "build", "class_schema", "parameters", "registry"]
 
@@ -57,18 +57,10 @@ def in_degrees(parameter: Parameter) -> bool:
 
 def _within(parameter: Parameter, value: float) -> float:
     """The value in the object's unit; UsageError, in YAML's unit, when it is out of range."""
-    convert = math.degrees if in_degrees(parameter) else float
-    low, high = convert(parameter.minimum), convert(parameter.maximum)
-    if not low <= value <= high:
-        bounds = (
-            f"at least {low:g}"
-            if high == math.inf
-            else f"from {low:g} to {high:g}"
-            if low > -math.inf
-            else f"at most {high:g}"
-        )
-        raise UsageError(f"must be {bounds}{' degrees' if in_degrees(parameter) else ''}, not {value:g}")
-    return math.radians(value) if in_degrees(parameter) else value
+    if not in_degrees(parameter):
+        return parameter.bounds.check(value)
+    in_yaml = Bounds(math.degrees(parameter.minimum), math.degrees(parameter.maximum))
+    return math.radians(in_yaml.check(value, " degrees"))
 
 
 def _value(parameter: Parameter, value: Any) -> Any:

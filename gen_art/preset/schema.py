@@ -1,4 +1,4 @@
-"""The Preset: the validated description of a piece. Attributes are the YAML keys (`from` is `source` in Python)."""
+"""The Preset: the validated description of what to render. Attributes are the YAML keys (`from` is `source` in Python)."""
 
 import json
 from pathlib import Path
@@ -11,10 +11,11 @@ from gen_art.preset.camera import CameraSpec
 from gen_art.preset.clock import Clock
 from gen_art.preset.develop import DevelopSpec
 from gen_art.preset.emitter import EmitterSpec, ParticleSpec
+from gen_art.preset.fields import NotNegative, NotNegativeRange, Number, Parsed, Positive
 from gen_art.preset.files import FOLDER, PresetFile
 from gen_art.preset.look import Look
+from gen_art.preset.model import Model, about
 from gen_art.preset.registered import Many, class_schema, is_field, registry
-from gen_art.preset.types import Model, NotNegative, NotNegativeRange, Number, Positive, about, parsed
 from gen_art.preset.values import shown
 from gen_art.registry import suggest
 
@@ -86,7 +87,7 @@ class SystemSpec(Model):
     """A named group of particles with its own forces and look."""
 
     particle: ParticleSpec = about(ParticleSpec(), "what each particle is born with")
-    integrator: Annotated[str, parsed(_integrator, {"type": "string"})] = about(
+    integrator: Annotated[str, Parsed(_integrator, {"type": "string"})] = about(
         "velocity_verlet", "the scheme of a time step"
     )
     speed_of_light: Positive | None = about(
@@ -118,18 +119,18 @@ class SystemSpec(Model):
 
 
 class Gallery(Model):
-    """Which moments stand for the piece."""
+    """Which moments stand for the preset."""
 
     time: NotNegative | None = about(None, "film time of the still; the middle when left out", unit="s")
     loop: NotNegativeRange | None = about(None, "film time of the loop, three to six seconds: 2..6", unit="s")
 
 
 class Preset(Model):
-    """A piece: systems, forces, medium, camera, development, seed and clock."""
+    """The validated description of a picture or film: systems, forces, medium, camera, development, seed and clock."""
 
-    version: Annotated[int, parsed(_version, {"const": VERSION})] = about(..., "version of the preset format")
-    seed: Annotated[int, parsed(_seed, {"type": "integer", "minimum": 0})] = about(
-        0, "another seed is another take of the piece"
+    version: Annotated[int, Parsed(_version, {"const": VERSION})] = about(..., "version of the preset format")
+    seed: Annotated[int, Parsed(_seed, {"type": "integer", "minimum": 0})] = about(
+        0, "another seed is another take of the preset"
     )
     units: Units = about(Units(), "units of the numbers")
     clock: Clock = about(..., "duration, frames and time steps")
@@ -141,7 +142,7 @@ class Preset(Model):
         None, "where the picture is taken from; one that frames the particles when left out"
     )
     develop: DevelopSpec = about(DevelopSpec(), "from light to picture")
-    gallery: Gallery = about(Gallery(), "the moments that stand for the piece")
+    gallery: Gallery = about(Gallery(), "the moments that stand for the preset")
     _name: str = PrivateAttr("preset")
     _written: dict = PrivateAttr(default_factory=dict)
     _folder: Path = PrivateAttr(Path())
@@ -179,6 +180,13 @@ class Preset(Model):
             own = system.medium.terms if system.medium is not None else ()
             laws += [*system.forces, *own, *system.colliders]
         return found + [v for law in laws for v in law.values.values() if isinstance(v, PresetFile)]
+
+    @property
+    def poster_time(self) -> float:
+        """Film time of the picture that stands for the preset, s: `gallery.time`, else the frame nearest to the middle."""
+        if self.gallery.time is not None:
+            return self.gallery.time
+        return round(self.clock.duration / 2 * self.clock.fps) / self.clock.fps
 
     def resolved(self) -> dict:
         """The preset as plain data with overrides and knobs filled in; loads again to an equal preset."""

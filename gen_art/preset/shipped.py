@@ -5,7 +5,7 @@ from pathlib import Path
 
 from gen_art.errors import UsageError
 
-__all__ = ["course_names", "find", "preset_names", "presets_folder"]
+__all__ = ["course_names", "find", "preset_names", "presets_folder", "starter"]
 
 
 def presets_folder() -> Path:
@@ -16,13 +16,18 @@ def presets_folder() -> Path:
 
 
 def preset_names() -> list[str]:
-    """The pieces: what the gallery shows."""
+    """The names of the large presets, which the gallery shows."""
     return sorted(path.stem for path in presets_folder().glob("*.yaml"))
 
 
 def course_names() -> list[str]:
     """The small presets that show one law each, by the name they are called by: course/NAME."""
     return sorted(f"course/{path.stem}" for path in (presets_folder() / "course").glob("*.yaml"))
+
+
+def starter() -> Path:
+    """The commented preset that `gen-art new` begins with."""
+    return Path(__file__).with_name("starter.yaml")
 
 
 def find(name: str) -> Path:

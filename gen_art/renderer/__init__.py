@@ -1,3 +1,3 @@
-"""Particles become light, light becomes film: camera, colour, splat, film, develop."""
+"""The renderer: from particles to linear light in a framebuffer, and from linear light to a picture (`develop`)."""
 
 __all__ = []

@@ -1,7 +1,7 @@
-"""Where the picture is taken from: perspective or orthographic, still, on a path or in orbit.
+"""The camera: perspective or orthographic; still, on a path or in orbit.
 
 Right-handed, y up. The picture's rows run from top to bottom; pixel (row, column) covers [column, column + 1) x
-[row, row + 1), so the middle of the frame is (width / 2, height / 2).
+[row, row + 1), so the centre of the frame is (width / 2, height / 2).
 """
 
 import math
@@ -19,11 +19,17 @@ __all__ = ["Camera", "CameraView"]
 
 @dataclass(frozen=True)
 class CameraView:
-    """A camera at one moment: `position` (3,), rows of `axes` right, up, forward; lengths in world units.
+    """A camera at one moment; lengths in world units.
 
-    fov in degrees from bottom to top, or `height` in world units (orthographic) when that is not None. lens is its
-    radius and its focus distance, None for a pinhole: a point at depth d blurs into a disc with a radius of
-    scale * radius * abs(1 / focus - 1 / d) pixels.
+    position : (3,)
+    axes : (3, 3), rows right, up, forward
+    distance : to the target
+    fov : degrees from bottom to top (perspective)
+    height : world units from bottom to top (orthographic), or None
+    near, far : clipping distances along the line of sight
+    fog : (start, distance, colour), or None
+    lens : (radius, focus distance), or None for a pinhole. A point at depth d blurs into a disc with a radius of
+        scale * radius * abs(1 / focus - 1 / d) pixels
     """
 
     position: np.ndarray
@@ -51,13 +57,16 @@ class CameraView:
 class Camera:
     """Camera(position, target, up, fov) is a perspective camera; with `height`, an orthographic one.
 
-    position, target, up : (3,) world units      fov : degrees, bottom to top      height : world units, bottom to top
-    roll : degrees, the picture turns clockwise      near, far : distances of clipping along the line of sight (near: a
-    thousandth of the distance to the target unless given; an orthographic camera sees behind itself unless given)
+    position, target, up : (3,) world units
+    fov : degrees, bottom to top
+    height : world units, bottom to top
+    roll : degrees, by which the picture turns clockwise
+    near, far : clipping distances along the line of sight (default of near: a thousandth of the distance to the target; an
+        orthographic camera by default also sees what is behind it)
     shutter : degrees of a frame, 0 to 360
     lens : (radius, focus distance or None for the target's), world units; perspective only
     spec : path, easing, orbit, shake and fog, as in a preset's `camera:` (see preset/camera.py)
-    Raises UsageError for a camera that looks nowhere.
+    Raises UsageError for a camera whose view is undefined.
     """
 
     position: tuple = (0.0, 0.0, 10.0)
@@ -95,47 +104,47 @@ class Camera:
 
     @classmethod
     def from_spec(cls, spec: CameraSpec) -> "Camera":
-        """The camera a preset describes."""
-        plain = ("position", "target", "up", "fov", "height", "roll", "near", "far", "shutter")
+        """The camera that a preset describes."""
+        fields = ("position", "target", "up", "fov", "height", "roll", "near", "far", "shutter")
         lens = (spec.lens.radius, spec.lens.focus) if spec.lens else None
-        return cls(**{name: getattr(spec, name) for name in plain}, lens=lens, spec=spec)
+        return cls(**{name: getattr(spec, name) for name in fields}, lens=lens, spec=spec)
 
     @classmethod
     def framing(cls, points, aspect: float = 16 / 9) -> "Camera":
-        """A camera in front (on +z) that has all but the farthest hundredth of the points (n, 3) in its frame."""
+        """A camera in front (on +z) with all but the farthest hundredth of the points (n, 3) in its frame."""
         points = np.asarray(points, dtype=np.float64).reshape(-1, 3)
         points = points[np.isfinite(points).all(axis=1)]
         if not len(points):
             return cls()
         low, high = np.percentile(points, [1, 99], axis=0) if len(points) > 200 else (points.min(0), points.max(0))
-        centre, half = 0.5 * (low + high), 0.5 * (high - low)
-        radius = max(half[1], half[0] / aspect, half[2] * 0.5, 1e-9 * (1.0 + np.abs(centre).max()))
+        centre, half_extent = 0.5 * (low + high), 0.5 * (high - low)
+        radius = max(half_extent[1], half_extent[0] / aspect, half_extent[2] * 0.5, 1e-9 * (1.0 + np.abs(centre).max()))
         if radius < 1e-6:
             radius = 1.0
-        distance = 1.25 * radius / math.tan(math.radians(20.0)) + half[2]
+        distance = 1.25 * radius / math.tan(math.radians(20.0)) + half_extent[2]
         return cls(position=tuple(centre + (0.0, 0.0, distance)), target=tuple(centre))
 
     def at(self, time: float = 0.0) -> CameraView:
-        """The camera at film time `time` (seconds)."""
-        state = self._on_path(time)
+        """The camera at film time `time` (seconds). Raises UsageError if it then stands at its target."""
+        state = self._path_state(time)
         position, target, up = state["position"], state["target"], state["up"]
         orbit, fog, shake = self.spec.orbit, self.spec.fog, self.spec.shake
         if orbit is not None:
-            position = target + _turn(position - target, orbit.axis, math.radians(orbit.start + orbit.rate * time))
+            position = target + _rotated(position - target, orbit.axis, math.radians(orbit.start + orbit.rate * time))
         forward = target - position
         distance = float(np.linalg.norm(forward))
         if distance == 0.0:
             raise UsageError(f"the camera reaches its target at {time:g} s and looks nowhere")
         axes = _axes(forward / distance, up, state["roll"])
         if shake is not None:
-            tilt, pan, turn = np.radians([shake.amplitude, shake.amplitude, shake.roll]) * shake_noise(
+            tilt, pan, roll = np.radians([shake.amplitude, shake.amplitude, shake.roll]) * shake_noise(
                 time, shake.frequency, shake.seed
             )
             if state["height"] is not None:
-                per = 0.5 * state["height"] / math.tan(0.5 * math.radians(state["fov"]))
-                position = position + per * (math.tan(pan) * axes[0] + math.tan(tilt) * axes[1])
+                units_per_slope = 0.5 * state["height"] / math.tan(0.5 * math.radians(state["fov"]))
+                position = position + units_per_slope * (math.tan(pan) * axes[0] + math.tan(tilt) * axes[1])
                 pan = tilt = 0.0
-            axes = _shaken(axes, pan, tilt, turn)
+            axes = _rotated_axes(axes, pan, tilt, roll)
         near = self.near
         if near is None:
             near = 1e-3 * distance if state["height"] is None else -math.inf
@@ -152,12 +161,12 @@ class Camera:
             lens=(self.lens[0], focus) if self.lens and self.lens[0] > 0.0 else None,
         )
 
-    def _on_path(self, time: float) -> dict:
-        """What a stop of the path may change, at film time `time`: vectors as arrays, the rest as floats or None.
+    def _path_state(self, time: float) -> dict:
+        """The values that the stops of a path may change, at film time `time`: vectors as arrays, the rest as floats or None.
 
-        A stop without `focus`, among others with one, focuses on its own target.
+        If any stop has `focus`, a stop without one focuses on its own target.
         """
-        state = {name: getattr(self, name) for name in _SCALE if name != "focus"} | {
+        state = {name: getattr(self, name) for name in _INTERPOLATION if name != "focus"} | {
             "focus": self.lens[1] if self.lens else None
         }
         if self.spec.path:
@@ -169,17 +178,17 @@ class Camera:
                 for row in rows:
                     row["focus"] = row["focus"] or math.dist(row["position"], row["target"])
             times = [key.time for key in self.spec.path]
-            eases = [key.easing or self.spec.easing for key in self.spec.path]
-            for name, (there, back) in _SCALE.items():
+            easings = [key.easing or self.spec.easing for key in self.spec.path]
+            for name, (to_scale, from_scale) in _INTERPOLATION.items():
                 column = [row[name] for row in rows]
                 if None not in column:
-                    values = there(np.array(column, dtype=np.float64).reshape(len(rows), -1))
-                    value = back(_ease(times, values, time, eases))
+                    values = to_scale(np.array(column, dtype=np.float64).reshape(len(rows), -1))
+                    value = from_scale(_ease(times, values, time, easings))
                     state[name] = value if len(value) == 3 else float(value[0])
         return state | {name: np.array(state[name], dtype=np.float64) for name in ("position", "target", "up")}
 
 
-def _same(x):
+def _identity(x):
     return x
 
 
@@ -187,51 +196,51 @@ def _half_tangent(fov):
     return np.log(np.tan(np.radians(fov) / 2))
 
 
-def _fov(half_tangent):
+def _fov_of(half_tangent):
     return np.minimum(np.degrees(2 * np.arctan(np.exp(half_tangent))), 169.9)  # a spline may overshoot its stops
 
 
-# in which scale a path mixes each value: zooms by equal factors in equal times
-_SCALE = {
-    "position": (_same, _same),
-    "target": (_same, _same),
-    "up": (_same, _same),
-    "fov": (_half_tangent, _fov),
+# the scale in which a path interpolates each value, and back: zooms by equal factors in equal times
+_INTERPOLATION = {
+    "position": (_identity, _identity),
+    "target": (_identity, _identity),
+    "up": (_identity, _identity),
+    "fov": (_half_tangent, _fov_of),
     "height": (np.log, np.exp),
-    "roll": (_same, _same),
+    "roll": (_identity, _identity),
     "focus": (np.log, np.exp),
 }
 
 
 def _axes(forward, up, roll: float) -> np.ndarray:
-    """Rows right, up, forward of a camera that looks along `forward` (unit) with `up` above, rolled by degrees."""
+    """Rows right, up, forward of a camera that looks along `forward` (unit) with `up` above it, rolled by degrees."""
     right = np.cross(forward, up)
-    if np.linalg.norm(right) < 1e-9 * max(np.linalg.norm(up), 1e-30):  # looking along `up`: any other will do
+    if np.linalg.norm(right) < 1e-9 * max(np.linalg.norm(up), 1e-30):  # looking along `up`: any other direction serves
         right = np.cross(forward, [0.0, 0.0, -1.0] if abs(forward[2]) < 0.9 else [0.0, 1.0, 0.0])
     right /= np.linalg.norm(right)
-    return _shaken(np.stack([right, np.cross(right, forward), forward]), 0.0, 0.0, math.radians(roll))
+    return _rotated_axes(np.stack([right, np.cross(right, forward), forward]), 0.0, 0.0, math.radians(roll))
 
 
-def _shaken(axes, pan: float, tilt: float, roll: float) -> np.ndarray:
-    """Axes turned right by `pan`, up by `tilt` and, about the line of sight, by `roll` (radians), in this order."""
-    right, above, forward = axes
+def _rotated_axes(axes, pan: float, tilt: float, roll: float) -> np.ndarray:
+    """Axes rotated right by `pan`, then up by `tilt`, then about the line of sight by `roll` (radians)."""
+    right, up, forward = axes
     forward, right = (
         math.cos(pan) * forward + math.sin(pan) * right,
         math.cos(pan) * right - math.sin(pan) * forward,
     )
-    forward, above = (
-        math.cos(tilt) * forward + math.sin(tilt) * above,
-        math.cos(tilt) * above - math.sin(tilt) * forward,
+    forward, up = (
+        math.cos(tilt) * forward + math.sin(tilt) * up,
+        math.cos(tilt) * up - math.sin(tilt) * forward,
     )
-    right, above = (
-        math.cos(roll) * right + math.sin(roll) * above,
-        math.cos(roll) * above - math.sin(roll) * right,
+    right, up = (
+        math.cos(roll) * right + math.sin(roll) * up,
+        math.cos(roll) * up - math.sin(roll) * right,
     )
-    return np.stack([right, above, forward])
+    return np.stack([right, up, forward])
 
 
-def _turn(vector, axis, angle: float) -> np.ndarray:
-    """`vector` turned by `angle` (radians) about `axis` (Rodrigues)."""
+def _rotated(vector, axis, angle: float) -> np.ndarray:
+    """`vector` rotated by `angle` (radians) about `axis` (Rodrigues)."""
     k = np.asarray(axis, dtype=np.float64)
     k = k / np.linalg.norm(k)
     return vector * math.cos(angle) + np.cross(k, vector) * math.sin(angle) + k * (k @ vector) * (1.0 - math.cos(angle))
@@ -247,8 +256,9 @@ _EASINGS = {
 
 
 def _ease(times, values, time: float, easings) -> np.ndarray:
-    """Values (n, c) at `times`, read at `time`; constant outside. easings[i] is the word for the way from i to i + 1;
-    `spline` is Catmull-Rom on uneven times.
+    """Values (n, c) given at `times`, read at `time`; constant outside.
+
+    easings[i] is the word for the interval from i to i + 1; `spline` is Catmull-Rom on uneven times.
     """
     if time <= times[0] or len(times) == 1:
         return values[0]

@@ -1,8 +1,9 @@
-"""The movement of a hand that holds a camera: smooth noise as a function of time.
+"""The movement of a hand-held camera: smooth noise as a function of time.
 
-x(t) = sum over k of sqrt(2) a_k cos(2 pi (f_k t + p_k)), with the sum of a_k^2 = 1: mean 0 and variance 1 over time. The
-frequencies lie one in each of PARTS equal ratios from f / 2 to 2 f, their places in it and the phases p_k are drawn by the
-seed, and a_k falls as 1 / f_k: a hand's speed, not its place, is alike at all frequencies.
+x(t) = sum over k of sqrt(2) a_k cos(2 pi (f_k t + p_k)), with the sum of a_k^2 = 1, so x has mean 0 and variance 1 over time.
+The range from f / 2 to 2 f is divided into FREQUENCIES equal ratios; each holds one frequency f_k. Its place there and the
+phase p_k are random numbers of the seed. a_k is proportional to 1 / f_k: a hand's speed, not its displacement, is the same at
+all frequencies.
 Source: Shinozuka and Deodatis, Simulation of stochastic processes by spectral representation (Applied Mechanics Reviews
 44, 1991).
 """
@@ -13,18 +14,21 @@ import numpy as np
 
 from gen_art.maths.random import derive, uniform
 
-__all__ = ["PARTS", "shake_noise"]
+__all__ = ["FREQUENCIES", "shake_noise"]
 
-PARTS = 6
+FREQUENCIES = 6
 
 
 def shake_noise(time: float, frequency: float, seed: int, channels: int = 3) -> np.ndarray:
-    """(channels,) independent values at film time `time` (s), each of mean 0 and standard deviation 1 over time;
-    frequency in Hz. No value is beyond 3.4, when all parts are at their crests.
+    """(channels,) independent values at film time `time`, each of mean 0 and standard deviation 1 over time.
+
+    time : s
+    frequency : Hz
+    No value is beyond 3.4, which it reaches when all parts are at their maximum.
     """
-    keys = derive(derive(np.uint64(seed), np.arange(channels))[:, None], np.arange(PARTS))
-    octave = 2.0 * (np.arange(PARTS) + uniform(keys, 0)) / PARTS - 1.0
-    weight = 2.0**-octave
-    weight *= math.sqrt(2.0) / np.sqrt((weight * weight).sum(axis=1, keepdims=True))
-    turns = np.mod(frequency * 2.0**octave * time + uniform(keys, 1), 1.0)
-    return (weight * np.cos(2.0 * math.pi * turns)).sum(axis=1)
+    keys = derive(derive(np.uint64(seed), np.arange(channels))[:, None], np.arange(FREQUENCIES))
+    octaves = 2.0 * (np.arange(FREQUENCIES) + uniform(keys, 0)) / FREQUENCIES - 1.0
+    amplitude = 2.0**-octaves
+    amplitude *= math.sqrt(2.0) / np.sqrt((amplitude * amplitude).sum(axis=1, keepdims=True))
+    phases = np.mod(frequency * 2.0**octaves * time + uniform(keys, 1), 1.0)
+    return (amplitude * np.cos(2.0 * math.pi * phases)).sum(axis=1)

@@ -1,6 +1,6 @@
-"""Colour: linear Rec.709 inside; sRGB transfer, OKLab gradients, black-body light, tables of them.
+"""Colour: linear Rec.709 inside; sRGB transfer, OKLab gradients, black-body light, and tables of them.
 
-Everything here is NumPy in float64; kernels see float32 tables of 256 entries, which are run-time data.
+Everything here is NumPy in float64. Kernels get float32 tables of 256 entries, which are run-time data.
 Sources: IEC 61966-2-1 (sRGB); Ottosson, A perceptual color space for image processing (2020); Wyman, Sloan and Shirley,
 Simple analytic approximations to the CIE XYZ color matching functions, JCGT 2013; Planck's law.
 """
@@ -21,7 +21,7 @@ _PRIMARIES = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
 
 
 def rgb_to_xyz(primaries=_PRIMARIES, white=_WHITE) -> np.ndarray:
-    """The 3x3 matrix from linear RGB of the given chromaticities (x, y) to XYZ, white having Y = 1."""
+    """The 3x3 matrix from linear RGB of the given chromaticities (x, y) to XYZ, in which white has Y = 1."""
     columns = np.array([[x / y, 1.0, (1.0 - x - y) / y] for x, y in primaries]).T
     scale = np.linalg.solve(columns, np.array([white[0] / white[1], 1.0, (1.0 - white[0] - white[1]) / white[1]]))
     return columns * scale
@@ -40,7 +40,7 @@ def encode_srgb(light) -> np.ndarray:
 
 
 def linear(colour) -> np.ndarray:
-    """Linear Rec.709 (3,) of a colour as people write it; UsageError when it is none."""
+    """Linear Rec.709 (3,) of a colour as presets write it. Raises UsageError when it is not a colour."""
     return to_linear(srgb(colour))
 
 
@@ -71,7 +71,7 @@ def to_oklab(rgb) -> np.ndarray:
 
 
 def from_oklab(lab) -> np.ndarray:
-    """Linear Rec.709 (..., 3) of OKLab; components outside the gamut come out negative or above 1."""
+    """Linear Rec.709 (..., 3) of OKLab; components outside the gamut are negative or above 1."""
     return (np.asarray(lab) @ np.linalg.inv(_LMS_TO_LAB).T) ** 3 @ np.linalg.inv(_RGB_TO_LMS).T
 
 
@@ -88,6 +88,7 @@ def gradient_table(gradient: Gradient, size: int = TABLE) -> np.ndarray:
 
 
 def _lobe(x, peak, left, right):
+    """A Gaussian with different widths on the left and on the right of its peak."""
     return np.exp(-0.5 * ((x - peak) / np.where(x < peak, left, right)) ** 2)
 
 
@@ -112,11 +113,11 @@ def _planck_xyz(kelvin) -> np.ndarray:
 
 
 def blackbody(kelvin) -> np.ndarray:
-    """(n, 3) linear Rec.709 chromaticity of a black body, largest channel 1 (what is out of gamut is clipped)."""
+    """(n, 3) linear Rec.709 chromaticity of a black body, largest channel 1; components outside the gamut are clipped."""
     rgb = np.maximum(_planck_xyz(kelvin) @ np.linalg.inv(rgb_to_xyz()).T, 0.0)
     return rgb / np.maximum(rgb.max(axis=1, keepdims=True), 1e-300)
 
 
 def planck_luminance(kelvin) -> np.ndarray:
-    """(n,) luminance of a black body per unit area, in arbitrary units: only ratios mean something."""
+    """(n,) luminance of a black body per unit area, in arbitrary units: only ratios have a meaning."""
     return _planck_xyz(kelvin)[:, 1]

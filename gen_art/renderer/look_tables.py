@@ -1,5 +1,6 @@
-"""What a look says, as tables and numbers for the kernel that shades: run-time data, so that no change of a number or colour
-compiles anything.
+"""A look as tables and numbers for the shading kernel.
+
+All of them are run-time data, so changing a number or a colour of a look compiles nothing.
 """
 
 import math
@@ -17,14 +18,16 @@ from gen_art.renderer.colour import TABLE, blackbody, gradient_table, planck_lum
 from gen_art.renderer.sprite import AREA, KINDS
 from gen_art.renderer.sprite_image import texels
 
-__all__ = ["QUANTITIES", "RAMPS", "RANDOM", "SOFT", "LookTables", "numbers"]
+__all__ = ["FOOTPRINT_PER_RADIUS", "QUANTITIES", "RAMPS", "RANDOM", "LookTables", "kernel_numbers"]
 
-QUANTITIES = len(BY)  # what a ramp may go by, in the order of BY; attributes follow, a place for each ramp
+# quantities that a ramp may follow, in the order of BY; attributes come after them, one slot for each ramp
+QUANTITIES = len(BY)
 RANDOM = BY.index("random")
 SIZE, INTENSITY, OPACITY, KELVIN, COLOR, ALBEDO = range(6)
 RAMPS = 6
+RAMP_SLOT, RAMP_LOW, RAMP_SCALE, RAMP_CHANNEL = range(4)  # columns of the ramps, see _ramp
 
-# run-time numbers of the kernel
+# positions of the kernel's run-time numbers
 (
     POSITION, _PY, _PZ, AXES, *_rest,
 ) = range(12)  # fmt: skip
@@ -34,11 +37,11 @@ KIND, SIZE_MODE, SIZE_VALUE, BLEND, CONSERVE, FALLOFF = range(25, 31)
 STROBE_LO, STROBE_HI, DUTY, FILM_TIME, RAW, LIT, WEIGHT, EMITS = range(31, 39)
 LENS, FOCUS, AREA_OF, RIBBON, SNAP = range(39, 44)
 NUMBERS = 44
-SOFT = 1.5  # a disc's reach over its radius
+FOOTPRINT_PER_RADIUS = 1.5  # a disc's footprint divided by its radius
 
 
 def _domain(ramp: Ramp) -> tuple[float, float]:
-    """The values of the quantity at the two ends of the table."""
+    """The values of the quantity at the two ends of the ramp's table."""
     first, last = ramp.curve.points[0][0], ramp.curve.points[-1][0]
     if ramp.range is not None:
         span = ramp.range.hi - ramp.range.lo
@@ -52,7 +55,10 @@ def _samples(curve: Curve) -> np.ndarray:
 
 
 def _ramp(k: int, by: str, low: float, high: float, channels: dict[str, int]) -> tuple[float, float, float, float]:
-    """(place of the quantity, low, 1 / span, channel of an attribute or -1)"""
+    """One row of the ramps: slot of the quantity, low, 1 / span (0: a constant), and the row of an attribute or -1.
+
+    Raises UsageError for a quantity that the system does not have.
+    """
     scale = 1.0 / (high - low) if high > low else 0.0
     if by in channels and (by not in BY or channels[by] > 9):
         return QUANTITIES + k, low, scale, channels[by]
@@ -64,8 +70,11 @@ def _ramp(k: int, by: str, low: float, high: float, channels: dict[str, int]) ->
 
 @dataclass(frozen=True)
 class LookTables:
-    """A look as tables: ramps (6, 4) as `_ramp` gives them; curves (6, 256); colours (rows, 256, 4): row 0 is the black
-    body, then albedo and emission by tag. All float32.
+    """A look as tables, all float32.
+
+    ramps : (6, 4), rows as `_ramp` gives them
+    curves : (6, 256), the ramps' values over their domains
+    colours : (rows, 256, 4); row 0 is the black body, row 1 the albedo, row 2 the emission, and one row for each tag follows
     """
 
     look: Look
@@ -76,14 +85,14 @@ class LookTables:
 
     @classmethod
     def of(cls, look: Look, channels: dict[str, int]) -> "LookTables":
-        """The tables of a look for a system with these attribute rows. UsageError for a quantity it does not have."""
+        """The tables of a look for a system with these attribute rows. Raises UsageError for a quantity it does not have."""
         emission = look.emission
-        plain = Ramp()
+        constant = Ramp()
         kelvin = emission.blackbody if emission and emission.blackbody else None
         color = emission.color if emission and emission.color else Color()
-        table = [look.size, emission.intensity if emission else plain, look.opacity, kelvin or plain]
+        scalar_ramps = [look.size, emission.intensity if emission else constant, look.opacity, kelvin or constant]
         ramps, curves = np.zeros((RAMPS, 4), np.float32), np.ones((RAMPS, TABLE), np.float32)
-        for k, ramp in enumerate(table):
+        for k, ramp in enumerate(scalar_ramps):
             ramps[k] = _ramp(k, ramp.by, *_domain(ramp), channels)
             curves[k] = _samples(ramp.curve)
         for k, spec in ((COLOR, color), (ALBEDO, look.albedo)):
@@ -100,16 +109,16 @@ class LookTables:
             colours[1 + row, :, :3] = gradient_table(gradient)
         for k, first, last in ((ALBEDO, 1, 2), (COLOR, 2, len(colours))):
             if (colours[first:last] == colours[first:last, :1]).all():
-                ramps[k, 2] = 0.0
+                ramps[k, RAMP_SCALE] = 0.0
         return cls(look, ramps, curves, colours, tags)
 
     def rows(self, sources) -> np.ndarray:
-        """The table row of the emission's colour for each source (an object with a `tag`)."""
-        known = {tag: 3 + k for k, tag in enumerate(self.tags)}
-        return np.array([known.get(getattr(s, "tag", None), 2) for s in sources] or [2], dtype=np.int32)
+        """The row of `colours` with the emission's colour for each source (an object with a `tag`)."""
+        rows_by_tag = {tag: 3 + k for k, tag in enumerate(self.tags)}
+        return np.array([rows_by_tag.get(getattr(s, "tag", None), 2) for s in sources] or [2], dtype=np.int32)
 
 
-def numbers(
+def kernel_numbers(
     shading: LookTables,
     view: CameraView,
     size,
@@ -120,7 +129,15 @@ def numbers(
     weight: float = 1.0,
     width: float = 1.0,
 ) -> np.ndarray:
-    """The kernel's run-time numbers (float64). `weight` scales the light, `width` sizes; `raw` makes every particle's light 1."""
+    """The shading kernel's run-time numbers (float64).
+
+    size : (width, height) of the picture in pixels
+    time, film_time : simulated seconds and film seconds
+    shutter : simulated seconds the shutter is open
+    raw : makes every particle's light 1
+    weight : factor of the light
+    width : factor of the sizes
+    """
     look = shading.look
     q = np.zeros(NUMBERS)
     q[POSITION : POSITION + 3] = view.position
@@ -135,7 +152,7 @@ def numbers(
         q[FOG_RED : FOG_RED + 3] = view.fog[2]
     q[KIND] = KINDS[look.draw]
     q[AREA_OF] = {"sphere": math.pi, "picture": 4.0 * texels(look.picture.image.place)[1] if look.picture else 0.0}.get(
-        look.draw, AREA * SOFT * SOFT
+        look.draw, AREA * FOOTPRINT_PER_RADIUS * FOOTPRINT_PER_RADIUS
     )
     if look.pixels is not None:
         q[SIZE_MODE], q[SIZE_VALUE] = 2, 0.5 * look.pixels

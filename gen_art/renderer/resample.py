@@ -1,14 +1,13 @@
-"""Pictures a whole number of times coarser or finer, whose sums and even light stay as they are for any size.
+"""Pictures resampled by whole factors, so that their sums and even light are preserved at any size.
 
-In one dimension coarse pixel i of scale s takes the weights f of the fine pixels around it; a fine pixel hands all it has
-to the coarse ones (weights of one phase sum to 1), and what would fall beyond the border is mirrored back. With S the
-matrix of those shares, R = S^T R' the share of the film a coarse pixel stands for (R' that of the finer picture), going
-down is R^-1 S^T R' and going up is S.
+In one dimension, coarse pixel i of scale s takes the weights f of the fine pixels around it. A fine pixel gives all of its
+light to coarse ones (the weights of one phase sum to 1); what would fall beyond the border is mirrored back. With S the matrix
+of those shares, and R = S^T R' the share of the full picture that a coarse pixel stands for (R' that of the finer picture),
+going down is R^-1 S^T R' and going up is S.
 
-f is a box of s pixels, which makes the weights of a phase sum to 1, convolved with a bell that keeps the coarse grid from
-showing.
+f is a box of s pixels, which makes the weights of a phase sum to 1, convolved with a bell that hides the coarse grid.
 
-Rows are blended first, then columns, a pixel (RGBA) at a time; whole vectors hold four pixels.
+The pixels of a row are combined first, then the rows, a pixel (RGBA) at a time; whole vectors hold four pixels.
 """
 
 from functools import cache
@@ -18,12 +17,15 @@ import numpy as np
 
 from gen_art.backend.runtime import INDEX_MASK, aligned, kernel, threads, ti
 
-__all__ = ["PAD", "WIDE", "Taps", "blend_weights", "mirrored", "columns", "resample", "ring", "steps", "variance"]
+__all__ = [
+    "PAD", "WIDE", "Taps", "VectorTaps", "blend_weights", "level_taps", "mirrored", "resample", "ring_buffer", "variance",
+    "vector_taps",
+]  # fmt: skip
 
-PAD = 2  # mirrored pixels on each side of a coarse picture, so that who blends its pixels need not ask where the border is
-TAPS = 4  # coarse pixels that a fine one hands its light to
+PAD = 2  # mirrored pixels on each side of a coarse picture, so that upsampling needs no test for the border
+TAPS = 4  # coarse pixels that a fine pixel gives its light to
 WIDE = 16  # floats of a vector: four pixels of RGBA
-_FEW = 100_000  # pixels, of source and goal: waking other threads for fewer takes longer than they spare
+_SERIAL_PIXELS = 100_000  # pixels of source and target below which waking other threads takes longer than they save
 
 F2, I1 = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i32, 1)
 FLOATS = ti.types.ndarray(ti.types.vector(WIDE, ti.f32), 1)
@@ -41,18 +43,19 @@ _FILTERS = {scale: _filter(scale) for scale in _BELLS}
 
 
 def variance(scale: int) -> float:
+    """Variance of the filter of a scale, in fine pixels squared."""
     f = _FILTERS[scale]
     return float(f @ (np.arange(len(f)) - (len(f) - 1) / 2) ** 2)
 
 
 def mirrored(i: np.ndarray, n: int) -> np.ndarray:
-    """Indices folded into 0..n - 1 at the borders, as often as it takes."""
+    """Indices mirrored into 0..n - 1 at the borders, as often as needed."""
     i = np.mod(i, 2 * n)
     return np.where(i < n, i, 2 * n - 1 - i)
 
 
 def _shares(n: int, scale: int):
-    """For n fine pixels the last coarse pixel each hands light to, (n,), and its TAPS shares, from the last one back (n, 4)."""
+    """For n fine pixels: the last coarse pixel that each gives light to, (n,), and its TAPS shares from there back, (n, 4)."""
     f = _FILTERS[scale]
     j = np.arange(n)
     last = (j + len(f) // 2 - scale // 2) // scale
@@ -61,37 +64,38 @@ def _shares(n: int, scale: int):
 
 
 def blend_weights() -> np.ndarray:
-    """(4, 4): fine pixel 4 q + p takes weights[p] of four pixels of a quarter picture with its border, from q + p // 2 on."""
+    """(4, 4): fine pixel 4 q + p takes weights[p] of four pixels of a bordered quarter picture, from q + p // 2 on."""
     p = np.arange(4)[:, None]
     return (4.0 * _FILTERS[4][p + 14 - 4 * (p // 2 + np.arange(4))]).astype(np.float32)
 
 
 class Taps(NamedTuple):
-    """Along one axis, result i is the sum over a of weights[i, a] times what stands at first[i] + a; beyond the end it is 0."""
+    """Resampling along one axis: result i is the sum over a of weights[i, a] source[first[i] + a], 0 beyond the end."""
 
     first: np.ndarray
     weights: np.ndarray
 
     def bordered(self) -> "Taps":
-        """The same with PAD results more on each side, the mirrored ones."""
+        """The same with PAD more results on each side, the mirrored ones."""
         n = len(self.first)
         i = mirrored(np.arange(-PAD, n + PAD), n)
         return Taps(np.ascontiguousarray(self.first[i]), np.ascontiguousarray(self.weights[i]))
 
 
-class Columns(NamedTuple):
+class VectorTaps(NamedTuple):
     """Taps along a row by whole vectors, for groups of four results.
 
-    In most groups the windows lie as _WINDOWS says: each vector is loaded once, from the group's first on, and place[q] says
-    where its weights begin. At a row's ends each result has a first vector of its own; their place is counted down from -1.
+    In most groups the four windows lie as _WINDOWS says: each vector is loaded once, from the group's `first` on, and
+    weights_start[q] is where the group's weights begin. At a row's ends each result has a first vector of its own; the
+    weights_start of such a group is -1 minus the beginning.
     """
 
     first: np.ndarray
-    place: np.ndarray
+    weights_start: np.ndarray
     weights: np.ndarray
 
 
-# (taps, pixels before a row's first): which vector each of four windows begins with, and how many vectors it takes
+# (taps, pixels before a row's first): the vector that each of four windows begins with, and how many vectors one takes
 _WINDOWS = {
     (16, 0): ((0, 1, 2, 3), 5),
     (8, 0): ((0, 0, 1, 1), 3),
@@ -101,70 +105,83 @@ _WINDOWS = {
 }
 
 
-def _alone(taps: int) -> int:
-    """Vectors that a window of taps takes, wherever it begins."""
+def _window_vectors(taps: int) -> int:
+    """How many vectors a window of taps can span, wherever it begins."""
     return (taps + 6) // 4
 
 
-def _placed(lead: np.ndarray, weights: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Weights of groups, (n, 4, taps), from pixel `lead` (n, 4) of `count` vectors on: those that differ, and each group's."""
-    wide = np.zeros((*lead.shape, 4 * count), np.float32)
-    np.put_along_axis(wide, lead[..., None] + np.arange(weights.shape[2]), weights, axis=2)
-    alike, which = np.unique(wide.reshape(len(lead), 16 * count), axis=0, return_inverse=True)
-    return alike.reshape(-1, 4).repeat(4, axis=1), which.reshape(-1) * 4 * count
+def _unique_weights(offset: np.ndarray, weights: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The distinct weights of groups, and where each group's begin.
+
+    offset : (n, 4) pixel of `count` vectors at which each window begins
+    weights : (n, 4, taps)
+    """
+    padded = np.zeros((*offset.shape, 4 * count), np.float32)
+    np.put_along_axis(padded, offset[..., None] + np.arange(weights.shape[2]), weights, axis=2)
+    unique, group = np.unique(padded.reshape(len(offset), 16 * count), axis=0, return_inverse=True)
+    return unique.reshape(-1, 4).repeat(4, axis=1), group.reshape(-1) * 4 * count
 
 
-def columns(taps: Taps, left: int, room: int, across: int) -> Columns:
-    """Of rows of `room` vectors, whose first pixel is number `left`, to rows of `across`; what lies beyond the taps is 0."""
+def vector_taps(taps: Taps, border: int, source_vectors: int, row_vectors: int) -> VectorTaps:
+    """Taps from rows of `source_vectors` vectors, with `border` pixels before the first, to rows of `row_vectors` vectors.
+
+    Results beyond the taps are 0.
+    """
     n, length = taps.weights.shape
-    offsets, count = _WINDOWS[length, left]
-    weights = np.pad(taps.weights, ((0, 4 * across - n), (0, 0))).reshape(across, 4, length)
-    begin = np.pad(taps.first, (0, 4 * across - n), mode="edge").reshape(across, 4) + left
-    base = (begin // 4 - offsets).min(axis=1, keepdims=True)
-    lead = begin - 4 * (base + offsets)
-    fits = (base[:, 0] >= 0) & (base[:, 0] + max(offsets) + count <= room) & (lead + length <= 4 * count).all(axis=1)
-    first = np.where(fits[:, None], base, np.minimum(begin // 4, room - _alone(length)))
-    shared, where = _placed(lead[fits], weights[fits], count)
-    single, elsewhere = _placed((begin - 4 * first)[~fits], weights[~fits], _alone(length))
-    place = np.zeros(across, np.int32)
-    place[fits], place[~fits] = where, -1 - len(shared) - elsewhere
+    offsets, count = _WINDOWS[length, border]
+    weights = np.pad(taps.weights, ((0, 4 * row_vectors - n), (0, 0))).reshape(row_vectors, 4, length)
+    window_start = np.pad(taps.first, (0, 4 * row_vectors - n), mode="edge").reshape(row_vectors, 4) + border
+    base = (window_start // 4 - offsets).min(axis=1, keepdims=True)
+    offset = window_start - 4 * (base + offsets)
+    regular = (base[:, 0] >= 0) & (base[:, 0] + max(offsets) + count <= source_vectors)
+    regular &= (offset + length <= 4 * count).all(axis=1)
+    longest = _window_vectors(length)
+    first = np.where(regular[:, None], base, np.minimum(window_start // 4, source_vectors - longest))
+    shared, shared_start = _unique_weights(offset[regular], weights[regular], count)
+    single, single_start = _unique_weights((window_start - 4 * first)[~regular], weights[~regular], longest)
+    weights_start = np.zeros(row_vectors, np.int32)
+    weights_start[regular], weights_start[~regular] = shared_start, -1 - len(shared) - single_start
     table = aligned((len(shared) + len(single), WIDE), np.float32)
     table[: len(shared)], table[len(shared) :] = shared, single
-    return Columns(first.reshape(-1).astype(np.int32), place, table)
+    return VectorTaps(first.reshape(-1).astype(np.int32), weights_start, table)
 
 
-def _taps(result: np.ndarray, place: np.ndarray, weight: np.ndarray, first: np.ndarray, length: int) -> Taps:
-    """Of contributions `weight` from `place` to `result`."""
+def _taps(result: np.ndarray, source: np.ndarray, weight: np.ndarray, first: np.ndarray, length: int) -> Taps:
+    """Taps of contributions `weight` from index `source` to index `result`."""
     weights = np.zeros((len(first), length))
-    np.add.at(weights, (result, place - first[result]), weight)
+    np.add.at(weights, (result, source - first[result]), weight)
     return Taps(first.astype(np.int32), weights)
 
 
-def steps(n: int, scales: list[int]) -> list[tuple[int, Taps, Taps]]:
-    """For each level along n pixels of the film: its length, going down to it, and coming up from it."""
-    levels, share = [], np.ones(n)
+def level_taps(n: int, scales: list[int]) -> list[tuple[int, Taps, Taps]]:
+    """For each level along n pixels of the picture: its length, the taps down to it, and the taps up from it."""
+    levels, weight = [], np.ones(n)
     for scale in scales:
         m, length = -(-n // scale), TAPS * scale
         last, shares = _shares(n, scale)
         fine = np.repeat(np.arange(n), TAPS)
         coarse = mirrored(last[:, None] - np.arange(TAPS), m).reshape(-1)
-        begin = scale * np.arange(m) + (scale - length) // 2
-        down = _taps(coarse, fine, (shares * share[:, None]).reshape(-1), np.clip(begin, 0, max(n - length, 0)), length)
-        share = down.weights.sum(axis=1)
-        down = Taps(down.first, (down.weights / share[:, None]).astype(np.float32))
+        window_start = scale * np.arange(m) + (scale - length) // 2
+        first = np.clip(window_start, 0, max(n - length, 0))
+        down = _taps(coarse, fine, (shares * weight[:, None]).reshape(-1), first, length)
+        weight = down.weights.sum(axis=1)
+        down = Taps(down.first, (down.weights / weight[:, None]).astype(np.float32))
         up = _taps(fine, coarse, shares.reshape(-1), np.clip(last - TAPS + 1, 0, max(m - TAPS, 0)), TAPS)
         levels.append((m, down, Taps(up.first, up.weights.astype(np.float32))))
         n = m
     return levels
 
 
-def ring(taps: int, across: int, pixels: int) -> np.ndarray:
-    """Memory for the rows that are needed at a time, of each turn: few, as where two meet, rows are resampled twice."""
-    turns = 1 if pixels < _FEW else 2 * max(1, threads())
-    return aligned((turns * taps * across, WIDE), np.float32)
+def ring_buffer(taps: int, row_vectors: int, pixels: int) -> np.ndarray:
+    """Memory for the rows that are needed at a time, for each strip of the target.
+
+    There are few strips, because the rows at the border of two are resampled twice.
+    """
+    strips = 1 if pixels < _SERIAL_PIXELS else 2 * max(1, threads())
+    return aligned((strips * taps * row_vectors, WIDE), np.float32)
 
 
-# of two vectors, which numbers of each are added to which: the first half to the second, or pixels by turns
+# which floats of two vectors _add_halves adds to which: the first half to the second, or alternate pixels
 _HALVES = (
     (tuple(range(8)), tuple(range(8, 16))),
     tuple(tuple(8 * h + 4 * g + c for h in (0, 1) for c in range(4)) for g in (0, 1)),
@@ -172,25 +189,25 @@ _HALVES = (
 
 
 @ti.func
-def _added(v, w, how: ti.template()):
-    """Half the numbers of each of two vectors added to the other half."""
-    one, other = ti.static(_HALVES[how])
-    return ti.Vector([v[k] for k in ti.static(one)] + [w[k] for k in ti.static(one)]) + ti.Vector(
-        [v[k] for k in ti.static(other)] + [w[k] for k in ti.static(other)]
+def _add_halves(v, w, halves: ti.template()):
+    """A vector of the sums of one half of each vector with its other half."""
+    first_half, second = ti.static(_HALVES[halves])
+    return ti.Vector([v[k] for k in ti.static(first_half)] + [w[k] for k in ti.static(first_half)]) + ti.Vector(
+        [v[k] for k in ti.static(second)] + [w[k] for k in ti.static(second)]
     )
 
 
 @ti.func
-def _taken(total, v, weights: ti.template(), w, k: ti.template(), count: ti.template()):
-    """With v, the window's vector k, if it has one."""
+def _accumulate(total, v, weights: ti.template(), w, k: ti.template(), count: ti.template()):
+    """Add v times its weights, v being vector k of the window; nothing if the window has no vector k."""
     if ti.static(0 <= k < count):
         total += v * weights[w + k]
     return total
 
 
 @ti.func
-def _along(source: ti.template(), at, weights: ti.template(), place, count: ti.template()):
-    o, w = at & INDEX_MASK, place & INDEX_MASK
+def _weighted_sum(source: ti.template(), at, weights: ti.template(), weights_start, count: ti.template()):
+    o, w = at & INDEX_MASK, weights_start & INDEX_MASK
     v = source[o] * weights[w]
     for k in ti.static(range(1, count)):
         v += source[o + k] * weights[w + k]
@@ -198,67 +215,73 @@ def _along(source: ti.template(), at, weights: ti.template(), place, count: ti.t
 
 
 @cache
-def _resampling(taps: int, left: int, alone: bool):
-    """The kernel on all threads, or on the one that calls it: sooner done where there is little to do."""
-    offsets, count = _WINDOWS[taps, left]
-    single, loads = _alone(taps), max(offsets) + count
+def _resampling(taps: int, border: int, serial: bool):
+    """The kernel, on all threads or (`serial`) on the calling one, which is faster for small pictures."""
+    offsets, count = _WINDOWS[taps, border]
+    single, loads = _window_vectors(taps), max(offsets) + count
 
     @ti.kernel
     def resample_columns_and_rows(
-        source: FLOATS, start: ti.i32, stride: ti.i32, last: ti.i32, first: I1, place: I1, wx: FLOATS, y: I1, wy: F2,
-        own: ti.f32, goal: FLOATS, ring: FLOATS,
+        source: FLOATS, start: ti.i32, stride: ti.i32, last: ti.i32, first: I1, weights_start: I1, wx: FLOATS, y: I1, wy: F2,
+        target_weight: ti.f32, target: FLOATS, ring_buffer: FLOATS,
     ):  # fmt: skip
-        high, across = y.shape[0], place.shape[0]
-        turns = ring.shape[0] // (taps * across)
-        ti.loop_config(serialize=alone, block_dim=1)
-        for turn in range(turns):
+        height, row_vectors = y.shape[0], weights_start.shape[0]
+        strips = ring_buffer.shape[0] // (taps * row_vectors)
+        ti.loop_config(serialize=serial, block_dim=1)
+        for strip in range(strips):
             zero = ti.Vector([0.0] * WIDE)
-            base, done = turn * taps * across, 0
-            for r in range(turn * high // turns, (turn + 1) * high // turns):
-                begin = y[r]
-                for row in range(ti.max(begin, done), begin + taps):
-                    o, p = start + ti.min(row, last) * stride, base + row % taps * across
-                    for q in range(across):
-                        w = place[q]
+            base, next_row = strip * taps * row_vectors, 0
+            for r in range(strip * height // strips, (strip + 1) * height // strips):
+                window_start = y[r]
+                for row in range(ti.max(window_start, next_row), window_start + taps):
+                    o, p = start + ti.min(row, last) * stride, base + row % taps * row_vectors
+                    for q in range(row_vectors):
+                        w = weights_start[q]
                         if w >= 0:
                             w &= INDEX_MASK
                             f = (o + first[4 * q]) & INDEX_MASK
                             v0, v1, v2, v3 = zero, zero, zero, zero
                             for k in ti.static(range(loads)):
                                 v = source[f + k]
-                                v0 = _taken(v0, v, wx, w, k - offsets[0], count)
-                                v1 = _taken(v1, v, wx, w + count, k - offsets[1], count)
-                                v2 = _taken(v2, v, wx, w + 2 * count, k - offsets[2], count)
-                                v3 = _taken(v3, v, wx, w + 3 * count, k - offsets[3], count)
-                            ring[p + q] = _added(_added(v0, v1, 0), _added(v2, v3, 0), 1)
+                                v0 = _accumulate(v0, v, wx, w, k - offsets[0], count)
+                                v1 = _accumulate(v1, v, wx, w + count, k - offsets[1], count)
+                                v2 = _accumulate(v2, v, wx, w + 2 * count, k - offsets[2], count)
+                                v3 = _accumulate(v3, v, wx, w + 3 * count, k - offsets[3], count)
+                            ring_buffer[p + q] = _add_halves(_add_halves(v0, v1, 0), _add_halves(v2, v3, 0), 1)
                         else:
                             w = -1 - w
-                            v0 = _along(source, o + first[4 * q], wx, w, single)
-                            v1 = _along(source, o + first[4 * q + 1], wx, w + single, single)
-                            v2 = _along(source, o + first[4 * q + 2], wx, w + 2 * single, single)
-                            v3 = _along(source, o + first[4 * q + 3], wx, w + 3 * single, single)
-                            ring[p + q] = _added(_added(v0, v1, 0), _added(v2, v3, 0), 1)
-                done = begin + taps
-                # row n of the ring has the weight of the row that stands in it
-                weights = ti.Vector([wy[r, (n - begin) & (taps - 1)] for n in ti.static(range(taps))])
-                for q in range(across):
+                            v0 = _weighted_sum(source, o + first[4 * q], wx, w, single)
+                            v1 = _weighted_sum(source, o + first[4 * q + 1], wx, w + single, single)
+                            v2 = _weighted_sum(source, o + first[4 * q + 2], wx, w + 2 * single, single)
+                            v3 = _weighted_sum(source, o + first[4 * q + 3], wx, w + 3 * single, single)
+                            ring_buffer[p + q] = _add_halves(_add_halves(v0, v1, 0), _add_halves(v2, v3, 0), 1)
+                next_row = window_start + taps
+                # row n of the ring buffer has the weight of the picture's row that stands in it
+                weights = ti.Vector([wy[r, (n - window_start) & (taps - 1)] for n in ti.static(range(taps))])
+                for q in range(row_vectors):
                     o = (base + q) & INDEX_MASK
-                    v = ring[o] * weights[0]
+                    v = ring_buffer[o] * weights[0]
                     for n in ti.static(range(1, taps)):
-                        v += ring[o + n * across] * weights[n]
-                    if own != 0.0:
-                        v += goal[r * across + q] * own
-                    goal[r * across + q] = v
+                        v += ring_buffer[o + n * row_vectors] * weights[n]
+                    if target_weight != 0.0:
+                        v += target[r * row_vectors + q] * target_weight
+                    target[r * row_vectors + q] = v
 
     return kernel(resample_columns_and_rows, vectors=True)
 
 
-def resample(source: tuple, left: int, rows: Taps, along: Columns, own: float, goal: np.ndarray, ring: np.ndarray):
-    """The kernel and the arguments of goal = own goal + source resampled, first its columns, then its rows.
+def resample(
+    source: tuple, border: int, column_taps: Taps, row_taps: VectorTaps, target_weight: float, target: np.ndarray,
+    ring_buffer: np.ndarray,
+):  # fmt: skip
+    """The kernel and its arguments for: target = target_weight * target + resampled source, first along rows, then along columns.
 
-    source : vectors, number of the first, vectors from row to row, number of the last row     goal : vectors
-    left : pixels in the source before a row's first
+    source : (vectors, index of the first, vectors from row to row, index of the last row)
+    border : pixels in the source before a row's first
+    column_taps : along the columns
+    row_taps : along the rows
+    target : vectors
     """
-    taps, across = rows.weights.shape[1], len(along.place)
-    launch = _resampling(taps, left, len(ring) == taps * across)
-    return launch, (*source, *along, *rows, own, goal, ring)
+    taps, row_vectors = column_taps.weights.shape[1], len(row_taps.weights_start)
+    resample_kernel = _resampling(taps, border, len(ring_buffer) == taps * row_vectors)
+    return resample_kernel, (*source, *row_taps, *column_taps, target_weight, target, ring_buffer)

@@ -1,7 +1,7 @@
-"""Ribbons: each particle's path through its last positions, as a chain of streaks that get narrower and fainter.
+"""Ribbons: each particle's path through its last positions, as a chain of streaks that become narrower and fainter.
 
-Positions are remembered at fixed steps of the simulation. A chain's joints do not show: a streak is a disc swept along a
-segment, and two segments on one line add up to the long one.
+Positions are kept at fixed steps of the simulation. The joints of a chain are not visible, because a streak is a disc swept
+along a segment: two segments on one line add up to the long one.
 """
 
 from collections import deque
@@ -18,14 +18,15 @@ __all__ = ["RibbonHistory", "Segment"]
 
 @dataclass(frozen=True)
 class Segment:
-    """What the shading kernel reads as a system of streaks: from each particle's place at `time` back over `lapse` seconds.
+    """What the shading kernel reads as a system of streaks: from each particle's position at `time` back over `duration` seconds.
 
-    width, light : at the newer end, of the look's own      taper, tail : at the older end, of those at the newer
+    width, light : factors of the look's own, at the newer end
+    taper, tail : width and light at the older end, divided by those at the newer
     """
 
     system: SimpleNamespace
     time: float
-    lapse: float
+    duration: float
     width: float
     light: float
     taper: float
@@ -37,41 +38,43 @@ class RibbonHistory:
 
     def __init__(self, ribbon: Ribbon):
         self.ribbon = ribbon
-        self._kept: deque = deque(maxlen=ribbon.points)
+        self._positions: deque = deque(maxlen=ribbon.points)
 
     def remember(self, system, time: float) -> None:
-        """Keep where the particles are; a second time the same moment is not kept."""
-        if not self._kept or self._kept[-1][0] < time:
+        """Keep the particles' positions; a second call at the same moment does nothing."""
+        if not self._positions or self._positions[-1][0] < time:
             n = int(system.count)
-            self._kept.append((time, np.array(system.id[:n]), np.array(system.floats[POSITION, :n])))
+            self._positions.append((time, np.array(system.id[:n]), np.array(system.floats[POSITION, :n])))
 
     def segments(self, system, time: float):
         """The ribbons at `time` as segments, newest first."""
         n, length = int(system.count), self.ribbon.length
-        newer, at, known = np.array(system.floats[POSITION, :n]), time, np.ones(n, bool)
-        for then, ids, places in reversed(self._kept):
-            if then >= at:
+        newer, newer_time, has_past = np.array(system.floats[POSITION, :n]), time, np.ones(n, bool)
+        for older_time, ids, positions in reversed(self._positions):
+            if older_time >= newer_time:
                 continue
-            if time - at >= length or not len(ids):
+            if time - newer_time >= length or not len(ids):
                 return
-            slot = np.minimum(np.searchsorted(ids, system.id[:n]), len(ids) - 1)
-            known &= ids[slot] == system.id[:n]
-            older = np.where(known, places[:, slot], newer)
-            yield self._segment(system, newer, older, known, at, then, time)
-            newer, at = older, then
+            index = np.minimum(np.searchsorted(ids, system.id[:n]), len(ids) - 1)
+            has_past &= ids[index] == system.id[:n]
+            older = np.where(has_past, positions[:, index], newer)
+            yield self._segment(system, newer, older, has_past, newer_time, older_time, time)
+            newer, newer_time = older, older_time
 
-    def _segment(self, system, newer, older, known, at: float, then: float, time: float) -> Segment:
+    def _segment(self, system, newer, older, has_past, newer_time: float, older_time: float, time: float) -> Segment:
         floats, n = np.array(system.floats), newer.shape[1]
-        floats[POSITION, :n], floats[VELOCITY, :n] = newer, (newer - older) / (at - then)
-        floats[LIFETIME, :n][~known] = 0.0  # without a past: not drawn
+        floats[POSITION, :n], floats[VELOCITY, :n] = newer, (newer - older) / (newer_time - older_time)
+        floats[LIFETIME, :n][~has_past] = 0.0  # a particle without an earlier position is not drawn
         birth = np.array(system.birth)
-        birth[:n] = np.where(known, np.minimum(birth[:n], then), birth[:n])
-        ribbon, (head, end) = self.ribbon, (min((time - t) / self.ribbon.length, 1.0) for t in (at, then))
-        width, narrow = (1.0 - (1.0 - ribbon.taper) * a for a in (head, end))
-        light, faint = (1.0 - (1.0 - ribbon.tail) * a for a in (head, end))
+        birth[:n] = np.where(has_past, np.minimum(birth[:n], older_time), birth[:n])
+        ribbon = self.ribbon
+        head, end = (min((time - t) / ribbon.length, 1.0) for t in (newer_time, older_time))
+        width, end_width = (1.0 - (1.0 - ribbon.taper) * fraction for fraction in (head, end))
+        light, end_light = (1.0 - (1.0 - ribbon.tail) * fraction for fraction in (head, end))
         floats[RADIUS, :n] *= width
-        drawn = SimpleNamespace(
+        system_copy = SimpleNamespace(
             floats=floats, birth=birth, key=system.key, id=system.id, source=system.source, sources=system.sources,
             count=n, channels=system.channels,
         )  # fmt: skip
-        return Segment(drawn, at, at - then, width, light, narrow / max(width, 1e-9), faint / max(light, 1e-9))
+        taper, tail = end_width / max(width, 1e-9), end_light / max(light, 1e-9)
+        return Segment(system_copy, newer_time, newer_time - older_time, width, light, taper, tail)

@@ -1,12 +1,12 @@
-"""A lamp that shines on smoke through the smoke itself, and a sky around it.
+"""Smoke lit by a lamp, through the smoke itself, and by a sky around it.
 
-A particle scatters towards the camera, for each lamp of irradiance 4 pi `intensity` behind an optical depth t,
+For each lamp of irradiance 4 pi `intensity`, behind an optical depth t, a particle scatters towards the camera
 
     intensity * sum over i < OCTAVES of w_i  4 pi p(cos, g 2^-i)  exp(-t 2^-i),        w_i ~ s^i,  sum of w_i = 1
 
-with s = `scatter`: light that was scattered before goes deeper and has forgotten more of its direction. The same sum
-without p, meant over 14 directions, takes in the sky. No particle gets more than the unshadowed light, so smoke never
-gives off more than comes in.
+with s = `scatter`: light that was scattered before penetrates deeper and has lost more of its direction. The same sum without
+p, averaged over 14 directions, gives the light of the sky. No particle gets more than the unshadowed light, so smoke never
+gives off more light than comes in.
 Source: Wrenninge, Kulla, Lundqvist, Oz: the great and volumetric (SIGGRAPH Talks 2013), with weights that sum to 1; Henyey
 and Greenstein, Diffuse radiation in the galaxy (1941); the directions: Lebedev's rule.
 """
@@ -20,11 +20,14 @@ from gen_art.maths.elementary import exp
 from gen_art.particles.rows import POSITION
 from gen_art.preset.look import KeyLight
 from gen_art.renderer.colour import linear
-from gen_art.renderer.emissive_lighting import EmittedLight, glow_on
+from gen_art.renderer.emissive_lighting import EmittedLight, scatter_emitted_light
+from gen_art.renderer.shading import LIT_ALBEDO, LIT_EXTINCTION, LIT_POSITION, LIT_RADIUS
 from gen_art.renderer.smoke_density import DIRECTIONS, WEIGHTS, Smoke
 from gen_art.renderer.sprite import BLUE, DEPTH, RED
 
-__all__ = ["LitParticles", "OCTAVES", "add_light", "incoming_light", "octaves", "phase_function", "shine"]
+__all__ = [
+    "OCTAVES", "LitParticles", "add_scattered_light", "octaves", "phase_function", "scattered_light", "scattered_light_of_system",
+]  # fmt: skip
 
 OCTAVES = 4
 SKY = 48  # cells along the longest side of the grid on which the sky's light is summed
@@ -35,28 +38,37 @@ F1, F2, F64 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2), ti.types
 
 @dataclass(frozen=True)
 class LitParticles:
-    """Particles that scatter light: positions (n, 3), extinction cross sections (n,), radii of the sprites (n,)."""
+    """Particles that scatter light.
+
+    positions : (n, 3)
+    cross_sections : (n,) extinction, m^2
+    radii : (n,) of the sprites
+    """
 
     light: KeyLight
     positions: np.ndarray
-    sections: np.ndarray
+    cross_sections: np.ndarray
     radii: np.ndarray
 
 
 def phase_function(cosine, asymmetry: float):
-    """Henyey and Greenstein's p per steradian; its integral over the sphere is 1. cosine: of the angle by which light turns."""
+    """Henyey and Greenstein's phase function p, per steradian; its integral over the sphere is 1.
+
+    cosine : of the angle between the light's directions before and after scattering
+    asymmetry : g, the mean cosine, -1 (back) to 1 (forward)
+    """
     g = asymmetry
     return (1.0 - g * g) / (4.0 * np.pi * np.maximum(1.0 + g * g - 2.0 * g * np.asarray(cosine), 1e-6) ** 1.5)
 
 
 def octaves(scatter: float) -> np.ndarray:
-    """(OCTAVES,) weights of light that was scattered before 0, 1, ... times; their sum is 1."""
+    """(OCTAVES,) weights of light that was scattered 0, 1, ... times before; their sum is 1."""
     weights = float(scatter) ** np.arange(OCTAVES)
     return weights / weights.sum()
 
 
 def _axes(direction) -> np.ndarray:
-    """Rows: two across the light, then the way it goes."""
+    """Rows: two directions across the light, then its direction."""
     forward = np.asarray(direction, dtype=np.float64)
     forward = forward / np.linalg.norm(forward)
     side = np.cross(forward, (0.0, 1.0, 0.0) if abs(forward[1]) < 0.9 else (1.0, 0.0, 0.0))
@@ -65,18 +77,25 @@ def _axes(direction) -> np.ndarray:
 
 
 @ti.kernel
-def _gather(
-    X: F2, place: F2, n: ti.i32, depth: F1, d1: ti.i32, d2: ti.i32, sky: F2, s1: ti.i32, s2: ti.i32, coarse: ti.f32,
+def _scatter(
+    X: F2, nodes: F2, n: ti.i32, depth: F1, d1: ti.i32, d2: ti.i32, sky: F2, s1: ti.i32, s2: ti.i32, coarse: ti.f32,
     Q: F64, out: F2,
 ):  # fmt: skip
+    """The light that each of n particles scatters towards the camera: interpolated sky light plus the lamp's.
+
+    X : (n, 3) positions
+    nodes : (n, 3) the same in node coordinates of the smoke; times `coarse`, of the sky's grid
+    depth : optical depth of the lamp's light at the nodes; d1, d2 : shape of its grid along the last two axes
+    sky : (nodes, 3) sky light; s1, s2 : shape of its grid along the last two axes
+    """
     ti.loop_config(block_dim=1)
     for block in range((n + 2047) // 2048):
         for i in range(block * 2048, ti.min((block + 1) * 2048, n)):
-            t = 0.0
+            optical_depth = 0.0
             rgb = ti.Vector([0.0, 0.0, 0.0])
-            for table in ti.static(range(2)):
-                size = coarse if ti.static(table) else 1.0
-                x, y, z = place[i, 0] * size, place[i, 1] * size, place[i, 2] * size
+            for table in ti.static(range(2)):  # 0: the lamp's optical depth, 1: the sky
+                scale = coarse if ti.static(table) else 1.0
+                x, y, z = nodes[i, 0] * scale, nodes[i, 1] * scale, nodes[i, 2] * scale
                 j, k, m = ti.cast(x, ti.i32), ti.cast(y, ti.i32), ti.cast(z, ti.i32)
                 fx, fy, fz = x - ti.cast(j, ti.f32), y - ti.cast(k, ti.f32), z - ti.cast(m, ti.f32)
                 for corner in range(8):
@@ -87,59 +106,58 @@ def _gather(
                         * ti.select(c == 1, fz, 1.0 - fz)
                     )
                     if ti.static(table == 0):
-                        t += w * depth[((j + a) * d1 + k + b) * d2 + m + c]
+                        optical_depth += w * depth[((j + a) * d1 + k + b) * d2 + m + c]
                     else:
-                        at = ((j + a) * s1 + k + b) * s2 + m + c
+                        node = ((j + a) * s1 + k + b) * s2 + m + c
                         for e in ti.static(range(3)):
-                            rgb[e] += w * sky[at, e]
-            cosine, square = 0.0, 0.0
+                            rgb[e] += w * sky[node, e]
+            cosine, length2 = 0.0, 0.0
             for e in ti.static(range(3)):
-                way = ti.cast(Q[EYE + e], ti.f32)
+                direction = ti.cast(Q[EYE + e], ti.f32)
                 if Q[PARALLEL] < 0.5:
-                    way = ti.cast(Q[EYE + e] - ti.cast(X[i, e], ti.f64), ti.f32)
-                cosine += way * ti.cast(Q[FORWARD + e], ti.f32)
-                square += way * way
-            cosine /= ti.max(ti.sqrt(square), 1e-30)
+                    direction = ti.cast(Q[EYE + e] - ti.cast(X[i, e], ti.f64), ti.f32)
+                cosine += direction * ti.cast(Q[FORWARD + e], ti.f32)
+                length2 += direction * direction
+            cosine /= ti.max(ti.sqrt(length2), 1e-30)
             direct = 0.0
             for o in range(OCTAVES):
                 g = ti.cast(Q[OCTAVE + OCTAVES + o], ti.f32)
-                turn = ti.max(1.0 + g * g - 2.0 * g * cosine, 1e-6)
-                p = (1.0 - g * g) / (turn * ti.sqrt(turn))
-                direct += ti.cast(Q[OCTAVE + o], ti.f32) * p * exp(-t / ti.cast(1 << o, ti.f32))
+                denominator = ti.max(1.0 + g * g - 2.0 * g * cosine, 1e-6)
+                phase = (1.0 - g * g) / (denominator * ti.sqrt(denominator))
+                direct += ti.cast(Q[OCTAVE + o], ti.f32) * phase * exp(-optical_depth / ti.cast(1 << o, ti.f32))
             for e in ti.static(range(3)):
                 out[i, e] = rgb[e] + direct * ti.cast(Q[KEY + e], ti.f32)
 
 
-gather = kernel(_gather)
+_scatter_kernel = kernel(_scatter)
 
 
-def _let_through(depth: np.ndarray, weights) -> np.ndarray:
+def _transmittance(depth: np.ndarray, weights) -> np.ndarray:
     """Sum of weights[i] exp(-depth / 2^i)."""
-    part = np.exp(depth * np.float32(-(0.5 ** (OCTAVES - 1))))
-    total = np.float32(weights[-1]) * part
+    octave = np.exp(depth * np.float32(-(0.5 ** (OCTAVES - 1))))
+    total = np.float32(weights[-1]) * octave
     for w in weights[-2::-1]:
-        part = part * part
-        total += np.float32(w) * part
+        octave = octave * octave
+        total += np.float32(w) * octave
     return total
 
 
 def _sky(light: KeyLight, smoke: Smoke) -> np.ndarray:
     """(a, b, c, 3) the sky's light at each node of `smoke`, through the smoke from 14 sides."""
     top, ground = (linear(c) for c in (light.ambient, light.ambient if light.ground is None else light.ground))
-    table = np.zeros((*smoke.dense.shape, 3), np.float32)
+    sky = np.zeros((*smoke.extinction.shape, 3), np.float32)
     if light.ambient_intensity == 0.0:
-        return table
+        return sky
     weights = octaves(light.scatter)
-    for way, part in zip(DIRECTIONS, WEIGHTS):
-        height = -(way / np.linalg.norm(way)) @ smoke.axes[:, 1]  # of where this light comes from
+    for direction, direction_weight in zip(DIRECTIONS, WEIGHTS):
+        height = -(direction / np.linalg.norm(direction)) @ smoke.axes[:, 1]  # 1: this light comes from straight above
         colour = (0.5 + 0.5 * height) * top + (0.5 - 0.5 * height) * ground
-        table += _let_through(smoke.depth(way), weights)[..., None] * np.float32(
-            part * light.ambient_intensity * colour
-        )
-    return table
+        transmittance = _transmittance(smoke.depth(direction), weights)
+        sky += transmittance[..., None] * np.float32(direction_weight * light.ambient_intensity * colour)
+    return sky
 
 
-def _lamp(light: KeyLight, eye, parallel: bool) -> np.ndarray:
+def _kernel_numbers(light: KeyLight, eye, parallel: bool) -> np.ndarray:
     q = np.zeros(OCTAVE + 2 * OCTAVES)
     q[FORWARD : FORWARD + 3] = np.asarray(light.direction) / np.linalg.norm(light.direction)
     q[EYE : EYE + 3] = -np.asarray(eye) if parallel else eye
@@ -150,71 +168,84 @@ def _lamp(light: KeyLight, eye, parallel: bool) -> np.ndarray:
     return q
 
 
-def shine(systems: list[LitParticles], eye, parallel: bool = False, glows: list[EmittedLight] = ()) -> list[np.ndarray]:
-    """For each system (n, 3) float32 linear light that its particles scatter towards the camera at `eye` (3,), before
-    their albedo. All systems stand in each other's light.
+def scattered_light(
+    systems: list[LitParticles], eye, parallel: bool = False, emitted: list[EmittedLight] = ()
+) -> list[np.ndarray]:
+    """For each system, (n, 3) float32 linear light that its particles scatter towards the camera, before their albedo.
 
-    parallel : the camera is orthographic and `eye` the direction it looks in
-    glows : for each system, the light of others that it gathers, or None
+    All systems shadow each other.
+    eye : (3,) position of the camera
+    parallel : the camera is orthographic and `eye` is the direction it looks in
+    emitted : for each system, the light of others that it scatters, or None
     """
     positions, radii = (np.concatenate([getattr(s, n) for s in systems]) for n in ("positions", "radii"))
-    sections = np.concatenate([s.sections * np.float32(s.light.depth) for s in systems])
-    grids: dict = {}
+    cross_sections = np.concatenate([s.cross_sections * np.float32(s.light.depth) for s in systems])
+    smoke_by_light: dict = {}
     results = []
-    for number, system in enumerate(systems):
+    for index, system in enumerate(systems):
         light = system.light
-        kind = (light.direction, light.resolution)
-        if kind not in grids:
-            smoke = Smoke.of(positions, sections, radii, _axes(light.direction), light.resolution)
-            grids[kind] = (
+        key = (light.direction, light.resolution)
+        if key not in smoke_by_light:
+            smoke = Smoke.of(positions, cross_sections, radii, _axes(light.direction), light.resolution)
+            smoke_by_light[key] = (
                 smoke,
                 smoke.depth((0, 0, 1)).reshape(-1),
                 smoke.coarse(1 if light.resolution <= 2 * SKY else 2),
             )
-        q = _lamp(light, eye, parallel)
+        q = _kernel_numbers(light, eye, parallel)
         out = np.zeros((len(system.positions), 3), np.float32)
-        smoke, depth, coarse = grids[kind]
+        smoke, depth, coarse = smoke_by_light[key]
         sky = _sky(light, coarse)
-        if number < len(glows) and glows[number] is not None:
-            sky += glow_on(smoke.coarse(2), coarse, glows[number], light, octaves(light.scatter), eye, parallel)
+        if index < len(emitted) and emitted[index] is not None:
+            weights = octaves(light.scatter)
+            sky += scatter_emitted_light(smoke.coarse(2), coarse, emitted[index], light, weights, eye, parallel)
         if len(out):
-            gather(
-                np.ascontiguousarray(system.positions, np.float32), smoke.places(system.positions), len(out), depth,
-                smoke.dense.shape[1], smoke.dense.shape[2], sky.reshape(-1, 3), sky.shape[1], sky.shape[2],
+            _scatter_kernel(
+                np.ascontiguousarray(system.positions, np.float32), smoke.to_nodes(system.positions), len(out), depth,
+                smoke.extinction.shape[1], smoke.extinction.shape[2], sky.reshape(-1, 3), sky.shape[1], sky.shape[2],
                 smoke.cell / coarse.cell, q, out,
             )  # fmt: skip
         results.append(out)
     return results
 
 
-def incoming_light(light: KeyLight, positions, sections, eye, parallel: bool = False, radii=None) -> np.ndarray:
-    """`shine` for one system whose sprites are points unless `radii` (n,) are given."""
+def scattered_light_of_system(
+    light: KeyLight, positions, cross_sections, eye, parallel: bool = False, radii=None
+) -> np.ndarray:
+    """`scattered_light` for one system, whose sprites are points unless `radii` (n,) are given."""
     radii = np.zeros(len(positions), np.float32) if radii is None else radii
-    return shine([LitParticles(light, positions, sections, radii)], eye, parallel)[0]
+    return scattered_light([LitParticles(light, positions, cross_sections, radii)], eye, parallel)[0]
 
 
-def add_light(lit: dict, drawn: dict, view, scale: float) -> None:
-    """Add to the columns of lit systems what they scatter of all light, in place.
+def add_scattered_light(lit: dict, drawn: dict, view, scale: float) -> None:
+    """Add the light that lit systems scatter to their channels, in place.
 
-    lit : name -> (KeyLight, columns (11, n), (n, 8) position, extinction cross section, albedo times cover, radius)
-    drawn : name -> (system, columns), all that is in the picture      scale : pixels per world unit or unit of slope
+    lit : name -> (KeyLight, channels (11, n), (n, 8) columns LIT_... of shading.py)
+    drawn : name -> (system, channels) of everything in the picture
+    scale : pixels per world unit, or per unit of slope
     """
     parallel = view.height is not None
     eye = view.axes[2] if parallel else view.position
-    glows = [_glow_of(light, drawn, parallel, scale) for light, _, _ in lit.values()]
-    systems = [LitParticles(light, a[:, :3], a[:, 3], a[:, 7]) for light, _, a in lit.values()]
-    for (_, columns, a), light in zip(lit.values(), shine(systems, eye, parallel, glows)):
-        columns[RED : BLUE + 1] += (a[:, 4:7] * light).T
+    emitted = [_emitted_light(light, drawn, parallel, scale) for light, _, _ in lit.values()]
+    systems = [
+        LitParticles(light, columns[:, LIT_POSITION], columns[:, LIT_EXTINCTION], columns[:, LIT_RADIUS])
+        for light, _, columns in lit.values()
+    ]
+    for (_, channels, columns), light in zip(lit.values(), scattered_light(systems, eye, parallel, emitted)):
+        channels[RED : BLUE + 1] += (columns[:, LIT_ALBEDO] * light).T
 
 
-def _glow_of(light: KeyLight, drawn: dict, parallel: bool, scale: float) -> EmittedLight | None:
-    """What the systems named by `glow` give off, as their sprites show it: light over pixels turned into world units."""
+def _emitted_light(light: KeyLight, drawn: dict, parallel: bool, scale: float) -> EmittedLight | None:
+    """The light of the systems named by the look's `glow`, as their sprites show it, or None.
+
+    Light times area in pixels is converted to world units.
+    """
     positions, power = [], []
     for name in light.glow:
         if name in drawn:
-            system, columns = drawn[name]
-            unit = (1.0 if parallel else columns[DEPTH]) / np.float32(scale)
-            given = columns[RED : BLUE + 1] * (unit * unit)
-            positions.append(system.floats[POSITION, : columns.shape[1]].T)
-            power.append(np.where(np.isfinite(given), given, 0.0).T)
+            system, channels = drawn[name]
+            world_per_pixel = (1.0 if parallel else channels[DEPTH]) / np.float32(scale)
+            light_power = channels[RED : BLUE + 1] * (world_per_pixel * world_per_pixel)
+            positions.append(system.floats[POSITION, : channels.shape[1]].T)
+            power.append(np.where(np.isfinite(light_power), light_power, 0.0).T)
     return EmittedLight(np.concatenate(positions), np.concatenate(power)) if positions else None

@@ -1,4 +1,4 @@
-"""A film drawn larger than its picture: each pixel is the mean of the pixels it was drawn as."""
+"""Supersampling: a framebuffer larger than its picture, each pixel of which is the mean of a block."""
 
 import numpy as np
 
@@ -7,11 +7,11 @@ from gen_art.backend.runtime import kernel, ti
 __all__ = ["box_averaged"]
 
 PIXEL = ti.types.vector(4, ti.f32)
-FILM = ti.types.ndarray(PIXEL, 1)
+PIXELS = ti.types.ndarray(PIXEL, 1)
 
 
 @ti.kernel
-def _reduce(large: FILM, stride: ti.i32, times: ti.i32, width: ti.i32, height: ti.i32, small: FILM):
+def _reduce(large: PIXELS, stride: ti.i32, times: ti.i32, width: ti.i32, height: ti.i32, small: PIXELS):
     ti.loop_config(block_dim=4)
     for row in range(height):
         share = 1.0 / ti.cast(times * times, ti.f32)
@@ -26,9 +26,9 @@ def _reduce(large: FILM, stride: ti.i32, times: ti.i32, width: ti.i32, height: t
 reduce_kernel = kernel(_reduce)
 
 
-def box_averaged(film, times: int) -> np.ndarray:
-    """(height, width, 4) float32: the film's pixels, `times` x `times` of them in one."""
-    height, width = film.height // times, film.width // times
+def box_averaged(framebuffer, times: int) -> np.ndarray:
+    """(height, width, 4) float32: the means of the framebuffer's pixels over blocks of `times` x `times`."""
+    height, width = framebuffer.height // times, framebuffer.width // times
     small = np.empty((height * width, 4), np.float32)
-    reduce_kernel(film.buffer.reshape(-1, 4), film.stride // 4, times, width, height, small)
+    reduce_kernel(framebuffer.buffer.reshape(-1, 4), framebuffer.stride // 4, times, width, height, small)
     return small.reshape(height, width, 4)

@@ -96,7 +96,7 @@ class CoupledSystems:
             if one.implicit and state.count:
                 before = state.floats[VELOCITY, : state.count].copy() if self.ledger else None
                 one.solve(state, part)
-                carrier = one if one.carries else carrier
+                carrier = one if one.moves_particles else carrier
                 if self.ledger and before is not None:
                     self.ledger.record_implicit(name, one, state, before, part)
         if carrier is None:

@@ -50,7 +50,6 @@ def _kernel(composition: KernelTerms, channels: tuple, precision: str):
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
     terms = TileTerms(composition, channels, 0, real=real)
-    potentials = [(t.force, t.offset, t.count_offset()) for t in composition.potentials]
 
     @ti.kernel
     def measure(
@@ -80,10 +79,11 @@ def _kernel(composition: KernelTerms, channels: tuple, precision: str):
                     out[b, 9 + c] = out[b, 9 + c] + m * X[c]
                 out[b, 12] = out[b, 12] + m * kinetic
                 age = ti.cast(time - birth[i], real)
-                for j, entry in ti.static(enumerate(potentials)):
-                    for repeat in range(repeats(Q, entry[2])):
+                for j, term in ti.static(enumerate(terms.potentials)):
+                    for repeat in range(repeats(Q, term.count_offset)):
                         p = view(terms, S, K, i, x, v, age)
-                        U = entry[0].potential(p, ti.cast(time, real), parameters(Q, entry[0], entry[1], repeat))
+                        q = parameters(Q, term.force, term.offset, repeat)
+                        U = term.force.potential(p, ti.cast(time, real), q)
                         out[b, _BASIC + j] = out[b, _BASIC + j] + ti.cast(U, ti.f64)
 
     return runtime.kernel(measure, precision)

@@ -1,18 +1,22 @@
 """From a Preset to the ParticleSystems of a Simulation."""
 
 import math
+from typing import TYPE_CHECKING
 
 from gen_art.emitters.births import ActiveEmitter, BirthEvent, BirthKind, EmitterMotion
 from gen_art.emitters.schedule import Burst, Pulse, Rate, Schedule
 from gen_art.forces.medium import Medium
 from gen_art.simulation.system import ParticleSystem
 
+if TYPE_CHECKING:
+    from gen_art.preset.schema import Preset
+
 __all__ = ["systems_of"]
 
 _DEFAULTS = {"radius": (0.01, 0.01), "mass": (1.0, 1.0), "charge": (0.0, 0.0), "lifetime": (math.inf, math.inf)}
 
 
-def systems_of(preset) -> dict[str, ParticleSystem]:
+def systems_of(preset: "Preset") -> dict[str, ParticleSystem]:
     """A ParticleSystem for each system of a preset, in the preset's order."""
     shared = _medium(preset.medium)
     systems = {}

@@ -112,7 +112,7 @@ class LedgerKeeper:
             for part in one.parts
         )
         kernel = make_ledger_kernel(
-            system.composition, system.scheme.kind, system.scheme.rotates, mutual, stepper.coupled,
+            system.composition, system.scheme.kind, system.scheme.rotation, mutual, stepper.coupled,
             state.attributes, self.sim.precision,
         )  # fmt: skip
         size = state.floats.shape[1] if system.composition.colliders else 1
@@ -134,13 +134,13 @@ class LedgerKeeper:
         change = now - before
         row = self._solved.setdefault(f"{name}.{one.name}", np.zeros(4))
         row[:3] += change @ mass
-        if not one.carries:
+        if not one.moves_particles:
             row[3] += one.dissipated(state, before, turn.dt)
             return
         taken = 0.5 * float(((before.astype(np.float64) ** 2 - now**2) @ mass).sum())
         if turn.drift > 0:
-            taken += self._lifted(name, state, change * turn.kick + one.shifts())
-        for label, (impulse, work) in one.impulses().items():
+            taken += self._lifted(name, state, change * turn.kick + one.drift_displacement())
+        for label, (impulse, work) in one.collider_impulses().items():
             other = self._solved.setdefault(f"{name}.{label}", np.zeros(4))
             other[:3] += impulse
             row[:3] -= impulse

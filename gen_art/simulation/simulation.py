@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gen_art.backend import runtime
-from gen_art.emitters.births import BirthBatch, give_birth, scheduled
-from gen_art.emitters.events import EventWindow, children
+from gen_art.emitters.births import BirthBatch, give_birth, scheduled_births
+from gen_art.emitters.events import EventWindow, event_births
 from gen_art.errors import UsageError
 from gen_art.maths.random import channel_of, derive
 from gen_art.particles.storage import Particles
@@ -83,7 +83,7 @@ class Simulation:
         self._coupled = CoupledSystems(self._steppers, coupled, self.dt, precision)
         self._event_emitters = [(n, e, e.event) for n, s in members.items() for e in s.emitters if e.event is not None]
         for system in members.values():
-            give_birth(system.state, [b for e in system.emitters for b in scheduled(e, 0.0)], precision)
+            give_birth(system.state, [b for e in system.emitters for b in scheduled_births(e, 0.0)], precision)
         # by system, the ids from..to of particles born at the end of the last step: no emitter has seen their births yet
         self._unprocessed_ids = {name: (0, system.state.next_id) for name, system in members.items()}
         for system in members.values():
@@ -202,7 +202,9 @@ class Simulation:
                 self._coupled.forget()
         unprocessed = self._unprocessed_ids
         for name, system in self.members.items():
-            new = give_birth(system.state, [b for e in system.emitters for b in scheduled(e, t1)], self.precision)
+            new = give_birth(
+                system.state, [b for e in system.emitters for b in scheduled_births(e, t1)], self.precision
+            )
             if new.stop > new.start:
                 self._coupled.forget()
                 if self._ledger:
@@ -244,7 +246,7 @@ class Simulation:
         for name, emitter, event in self._event_emitters:
             parent = event.system
             window = EventWindow(t0, t1, before.get(parent), self._unprocessed_ids[parent])
-            made.setdefault(name, []).extend(children(emitter, name, self.members[parent].state, window))
+            made.setdefault(name, []).extend(event_births(emitter, name, self.members[parent].state, window))
         self._unprocessed_ids = {name: (s.state.next_id, s.state.next_id) for name, s in self.members.items()}
         for name, batches in made.items():
             new = give_birth(self.members[name].state, batches, self.precision)

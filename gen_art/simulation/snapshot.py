@@ -164,9 +164,9 @@ def _definition(system: ParticleSystem) -> dict:
     for one in laws:
         if one.name not in FORCES or any(isinstance(v, np.ndarray) for v in one.values.values()):
             raise UsageError(f"{one!r} cannot be saved: register its class with @ga.force('name')")
-    for one in system.colliders:
-        if any(callable(v) for v in one.values.values()):
-            raise UsageError(f"{one!r} is given by a function, and a function cannot be saved: give it as a grid")
+    for surface in system.colliders:
+        if any(callable(v) for v in surface.values.values()):
+            raise UsageError(f"{surface!r} is given by a function, and a function cannot be saved: give it as a grid")
     return {
         "forces": [_law(f) for f in system.forces],
         "interactions": [_law(i) for i in system.interactions],

@@ -27,7 +27,7 @@ class Stepper:
         self.scratch = np.zeros((1, 1), dtype)
         self.parts = np.cumsum([0, *(len(one.parts) for one in system.interactions)]).tolist()
         self.kernel = make_step(
-            system.composition, system.scheme.kind, system.scheme.rotates, self.parts[-1],
+            system.composition, system.scheme.kind, system.scheme.rotation, self.parts[-1],
             coupled, system.state.attributes, precision,
         )  # fmt: skip
 

@@ -1,10 +1,15 @@
 """A ParticleSystem: a named group of particles with its forces, and, once it is part of a simulation, their state."""
 
-import numpy as np
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gen_art.colliders.base import Collider
 from gen_art.emitters.births import ActiveEmitter
 from gen_art.errors import UsageError
-from gen_art.forces.base import burns
+from gen_art.forces.base import Force, loses_mass
 from gen_art.forces.medium import Medium
 from gen_art.integrators import scheme
 from gen_art.integrators.kernel_terms import KernelTerms
@@ -13,6 +18,9 @@ from gen_art.interactions import Interaction
 from gen_art.particles.fixed import FIXED
 from gen_art.particles.rows import FIRST_ATTRIBUTE, LIFETIME, POSITION, VELOCITY
 from gen_art.particles.storage import Particles
+
+if TYPE_CHECKING:
+    from gen_art.preset.look import Look
 
 __all__ = ["ParticleSystem"]
 
@@ -25,7 +33,8 @@ class ParticleSystem:
     colliders : a list of ga.colliders
     medium : the ga.Medium that drag pulls towards     attributes : further (n,) numbers by name, seen by forces as p.name
     fixed : which particles stay where they are whatever pulls at them: indices, or (n,) bool
-    emitters : Emission objects (a preset makes them)     look : how it is drawn
+    emitters : ActiveEmitter objects (a preset makes them)
+    look : how it is drawn: a ga.Look, or a mapping of its keys as in YAML; white points when left out
     speed_of_light : m/s, makes boris, vay and higuera_cary relativistic     exact_gyration : they turn by the exact angle in
     uniform fields, up to 3 rad a step
     Raises UsageError for arrays of the wrong shape or with numbers that are not finite, and for unknown laws.
@@ -36,24 +45,24 @@ class ParticleSystem:
 
     def __init__(
         self,
-        position=None,
-        velocity=None,
-        mass=None,
-        charge=None,
-        radius=None,
+        position: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        mass: ArrayLike | None = None,
+        charge: ArrayLike | None = None,
+        radius: ArrayLike | None = None,
         *,
-        forces=(),
-        interactions=(),
-        colliders=(),
+        forces: Iterable[Force] = (),
+        interactions: Iterable[Interaction] = (),
+        colliders: Iterable[Collider] = (),
         integrator: str = "leapfrog",
         speed_of_light: float | None = None,
         exact_gyration: bool = False,
         medium: Medium | None = None,
-        attributes=None,
-        fixed=None,
-        emitters=(),
-        look=None,
-    ):
+        attributes: Mapping[str, ArrayLike] | None = None,
+        fixed: ArrayLike | None = None,
+        emitters: Iterable[ActiveEmitter] = (),
+        look: "Look | Mapping[str, Any] | None" = None,
+    ) -> None:
         self.colliders = list(colliders)
         self.forces, self.interactions = list(forces), list(interactions)
         for one in self.interactions:
@@ -63,20 +72,21 @@ class ParticleSystem:
         self.scheme = charged(
             scheme(integrator), self.forces, speed_of_light, exact_gyration, self.interactions, self.colliders
         )
-        carriers = [one for one in self.interactions if one.carries]
+        carriers = [one for one in self.interactions if one.moves_particles]
         for one in carriers:
             one.take_colliders(self.colliders)
             for force in self.forces:
-                if burns(force):
+                if loses_mass(force):
                     raise UsageError(
                         f"{force.name} takes mass, which a body of {one.name} keeps: push it with `propeller` instead"
                     )
         self.composition = KernelTerms(self.forces, self.medium, () if carriers else self.colliders)
         self.emitters: list[ActiveEmitter] = list(emitters)
-        self.look = look
+        self.look = _checked_look(look)
         lightest = min(self._least_masses(mass), default=None)
-        for one in self.forces if lightest is not None else ():
-            one.check_mass(lightest)
+        if lightest is not None:
+            for force in self.forces:
+                force.check_mass(lightest)
         self.name = ""
         self._initial = self._arrays(position, velocity, mass, charge, radius, dict(attributes or {}))
         if (
@@ -87,11 +97,11 @@ class ParticleSystem:
             raise UsageError(f"velocity must be below the speed of light, {speed_of_light:g} m/s")
         self._attributes = dict(attributes or {})
         self._fixed = self._which(fixed)
-        for one in self.forces:
-            missing = [name for name in one.needs if name not in self.attribute_names]
+        for force in self.forces:
+            missing = [name for name in force.needs if name not in self.attribute_names]
             if missing:
                 raise UsageError(
-                    f"{one.name} needs particles with the attribute {missing[0]}: declare it, or use rigid bodies"
+                    f"{force.name} needs particles with the attribute {missing[0]}: declare it, or use rigid bodies"
                 )
         self._state: Particles | None = None
         self._time = lambda: 0.0
@@ -270,6 +280,25 @@ class ParticleSystem:
     def age(self) -> np.ndarray:
         """(n,) s since birth."""
         return self._copy(self._time() - self.state.birth[self._living()])
+
+
+def _checked_look(look) -> "Look | None":
+    from gen_art.preset.look import Look
+
+    if look is None or isinstance(look, Look):
+        return look
+    if not isinstance(look, Mapping):
+        raise UsageError(f"look must be a ga.Look or a mapping of its keys, such as {{'draw': 'disc'}}, not {look!r}")
+    from pydantic import ValidationError
+
+    from gen_art.preset.model import friendly
+    from gen_art.preset.problems import dotted
+
+    try:
+        return Look.model_validate(dict(look))
+    except ValidationError as error:
+        problems = [f"{dotted(('look', *one['loc']))}: {friendly(one)}" for one in error.errors()]
+        raise UsageError("; ".join(problems)) from None
 
 
 class ParticleOrigin:

@@ -50,7 +50,7 @@ def test_what_cannot_be_drawn_is_a_sentence(gen_art, tmp_path, monkeypatch):
 
     monkeypatch.setattr(builtins, "__import__", none)
     missing = gen_art(*SHORT, "-o", str(tmp_path / "a.png"))
-    assert missing.status == 2 and "pip install 'gen-art[plots]'" in missing.err
+    assert missing.status == 2 and "pip install matplotlib" in missing.err
     assert not list(tmp_path.iterdir())
 
 

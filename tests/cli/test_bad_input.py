@@ -91,7 +91,7 @@ def test_an_unknown_preset_is_suggested(refused, monkeypatch):
     ("arguments", "status", "words"),
     [
         (["-o", "film.xyz"], 2, "'.xyz'"),
-        (["-o", "film"], 2, "no ending"),
+        (["-o", "film"], 2, "no extension"),
         (["-o", "film.mp4", "--frames", "9..0"], 2, "names no frame"),
         (["-o", "film.mp4", "--frames", "-1"], 2, "--frames"),
         (["-o", "film.mp4", "--frames", "a"], 2, "first..last..step"),

@@ -62,7 +62,7 @@ def test_a_still_is_the_film_s_linear_light(tmp_path):
     (path,) = job.still(preset, tmp_path / "a.exr", 0.3, bits=32)
     channels, header = read(path)
     run = Playback(preset, (96, 54), "f32", None)
-    assert np.array_equal(channels["RGBA"], run.film(run.step_of(0.3)))
+    assert np.array_equal(channels["RGBA"], run.picture(run.step_of(0.3)))
     assert channels["RGBA"][..., :3].max() > 0.1 and header["exposure"] == 2
 
 

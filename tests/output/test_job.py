@@ -82,13 +82,13 @@ FILMS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("ending, asked", FILMS)
-def test_films_repeat_and_hold_their_recipe(tmp_path, ending, asked):
-    (path,) = job.render(piece(), tmp_path / f"a.{ending}", frames=range(1, 6), quality="preview", **asked)
+@pytest.mark.parametrize("extension, asked", FILMS)
+def test_films_repeat_and_hold_their_recipe(tmp_path, extension, asked):
+    (path,) = job.render(piece(), tmp_path / f"a.{extension}", frames=range(1, 6), quality="preview", **asked)
     recipe = read_recipe(path)
     assert recipe["frames"] == [1, 5, 1] and recipe["preset"] == piece().resolved() and recipe["size"] == [96, 54]
-    assert digest(job.rerun(path, tmp_path / f"b.{ending}")[0]) == digest(path)
-    assert sorted(p.name for p in tmp_path.iterdir()) == [f"a.{ending}", f"b.{ending}"], "nothing else is left"
+    assert digest(job.rerun(path, tmp_path / f"b.{extension}")[0]) == digest(path)
+    assert sorted(p.name for p in tmp_path.iterdir()) == [f"a.{extension}", f"b.{extension}"], "nothing else is left"
 
 
 def test_recipes_say_what_the_encoder_was_asked(tmp_path):
@@ -106,7 +106,7 @@ def test_recipes_say_what_the_encoder_was_asked(tmp_path):
         target, _ = job.check_target(piece(), tmp_path / "b.mp4", quality=quality, profile=profile)
         assert target.film.profile == found
     (other,) = job.rerun(path, tmp_path / "b.mkv")
-    assert read_recipe(other)["codec"] == "ffv1", "another ending has its own codec"
+    assert read_recipe(other)["codec"] == "ffv1", "another extension has its own codec"
 
 
 @pytest.mark.parametrize("bits, transparent", [(8, False), (16, False), (8, True), (16, True)])
@@ -183,7 +183,7 @@ def test_transparent_pictures_have_holes(tmp_path):
         ("a.mp4", {"transparent": True}, UsageError, "cannot be transparent"),
         ("a_##.jpg", {"transparent": True}, UsageError, "cannot be transparent"),
         ("a.mp4", {"codec": "h264x"}, UsageError, "did you mean 'h264'"),
-        ("a.mp4", {"codec": "vp9"}, UsageError, r"VP9 goes into \.webm or \.mkv"),
+        ("a.mp4", {"codec": "vp9"}, UsageError, r"VP9 needs the extension \.webm or \.mkv"),
         ("a_##.png", {"codec": "h264"}, UsageError, "for films"),
         ("a_##.png", {"profile": "web"}, UsageError, "for films"),
         ("a_##.png", {"bits": 10}, UsageError, r"\.png 8 or 16"),
@@ -191,7 +191,7 @@ def test_transparent_pictures_have_holes(tmp_path):
         ("a.mp4", {"bits": 16}, UsageError, "8 or 10 bits"),
         ("a.webm", {"size": (96, 55)}, UsageError, "96x54 and 96x56"),
         ("a.mp5", {}, UsageError, "did you mean '.mp4'"),
-        ("a", {}, UsageError, "has no ending"),
+        ("a", {}, UsageError, "has no extension"),
         ("a.exr", {}, UsageError, r"a_####\.exr"),
         ("a.png", {}, UsageError, "a_####.png"),
         ("-", {}, UsageError, "path"),
@@ -289,14 +289,56 @@ def test_recipes_name_the_preset_s_files_and_rerun_finds_them(tmp_path, pictured
     assert digest(job.rerun(film, tmp_path / "e.mkv")[0]) == digest(film), "beside the picture"
 
 
-def test_a_sprite_that_changed_or_is_gone_is_a_sentence(tmp_path, pictured):
+def test_small_files_travel_in_the_recipe(tmp_path, pictured):
     (path,) = job.still(pictured, tmp_path / "a.png", 0.3)
+    (pictured.parent / "spark.png").unlink()
+    assert digest(job.rerun(path, tmp_path / "b.png")[0]) == digest(path)
+    with pytest.raises(UsageError, match=r"spark\.png, which is not in .* give --folder"):
+        job.rerun(path, tmp_path / "c.png", folder=pictured.parent)
+
+
+@pytest.mark.parametrize(
+    "damage", [{"path": "../spark.png"}, {"path": "/tmp/spark.png"}, {"data": "AAAA"}, {"data": "?"}, {"data": 3}]
+)
+def test_a_damaged_file_in_a_recipe_is_refused(tmp_path, pictured, damage):
+    from gen_art.output.stills import write_still
+
+    (path,) = job.still(pictured, tmp_path / "a.png", 0.3)
+    (pictured.parent / "spark.png").unlink()
+    recipe = read_recipe(path)
+    recipe["files"][0] |= damage
+    write_still(path, np.zeros((4, 4, 3), np.uint8), recipe)
+    with pytest.raises(UsageError):
+        job.rerun(path, tmp_path / "b.png")
+    assert sorted(p.name for p in tmp_path.iterdir() if p.suffix == ".png") == ["a.png"]
+
+
+def test_a_large_sprite_that_changed_or_is_gone_is_a_sentence(tmp_path, pictured):
+    noise = np.random.default_rng(0).integers(0, 255, (120, 120, 4), dtype=np.uint8)
+    Image.fromarray(noise).save(pictured.parent / "spark.png")
+    (path,) = job.still(pictured, tmp_path / "a.png", 0.3)
+    assert "data" not in read_recipe(path)["files"][0]
     with pytest.raises(UsageError, match=r"spark\.png, which is not in .* give --folder"):
         job.rerun(path, tmp_path / "b.png")
     Image.new("RGBA", (8, 8), "red").save(pictured.parent / "spark.png")
     with pytest.raises(UsageError, match=r"spark\.png is not the file that the picture was made with \(sha256"):
         job.rerun(path, tmp_path / "b.png", folder=pictured.parent)
     assert not (tmp_path / "b.png").exists()
+
+
+def test_a_picture_of_another_version_is_made_on_request(tmp_path, sequence):
+    from gen_art.output.stills import write_still
+
+    older = write_still(
+        tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), {**read_recipe(sequence[2]), "gen_art": "0.0.9"}
+    )
+    with pytest.raises(UsageError, match=r"made by gen-art 0\.0\.9; .* --other-version"):
+        job.rerun(older, tmp_path / "b.png")
+    with pytest.warns(UserWarning, match=r"made by gen-art 0\.0\.9"):
+        job.rerun(older, tmp_path / "b.png", other_version=True)
+    assert digest(tmp_path / "b.png") == digest(sequence[2])
+    assert run(["rerun", str(older), "-o", str(tmp_path / "c.png"), "--other-version"]) == 0
+    assert digest(tmp_path / "c.png") == digest(sequence[2])
 
 
 def test_rerun_says_the_path_and_nothing_else(tmp_path, sequence):

@@ -37,7 +37,7 @@ def orbits(look: dict, *, subframes=1, shutter=180.0, supersample=1, step="1/800
 
 def frame(preset, k: int = 3, size=SIZE) -> np.ndarray:
     clock = preset.clock
-    return np.array(Playback(preset, size, "f32", None).film(clock.preroll_steps + k * clock.steps_per_frame))
+    return np.array(Playback(preset, size, "f32", None).picture(clock.preroll_steps + k * clock.steps_per_frame))
 
 
 STREAK = {"draw": "streak", "width": 0.1, "emission": {"intensity": 1}}
@@ -131,7 +131,7 @@ def test_a_frame_is_the_same_whichever_came_before(preset):
     clock = preset.clock
     step = lambda k: clock.preroll_steps + k * clock.steps_per_frame  # noqa: E731
     film = Playback(preset, SIZE, "f32", None)
-    pictures = [np.array(film.film(step(k))) for k in range(6)]
+    pictures = [np.array(film.picture(step(k))) for k in range(6)]
     for k in (0, 5):
         assert np.array_equal(pictures[k], frame(preset, k))
     assert pictures[5].any()
@@ -152,8 +152,8 @@ def test_layers_hold_depth_and_motion():
         }
     )  # fmt: skip
     run = Playback(preset, SIZE, "f32", None)
-    run.film(4)  # film time 0.2
-    layers = run.layers()
+    run.picture(4)  # film time 0.2
+    layers = run.aovs()
     scale = 45 / np.tan(np.radians(20))
 
     def at(x, y, depth):

@@ -38,7 +38,7 @@ def frames_of(path):
 
 
 @pytest.mark.parametrize("name", ["a.mp4", "a.mov", "a.webm", "a.mkv", "a.gif"])
-def test_the_growing_film_plays_up_to_the_last_whole_segment(tmp_path, name):
+def test_the_partial_film_plays_up_to_the_last_whole_segment(tmp_path, name):
     path = tmp_path / name
     film = find_format(path)
     writer = film_writer(path, SIZE, 5, {"format": 1, "preset": {}})
@@ -46,14 +46,14 @@ def test_the_growing_film_plays_up_to_the_last_whole_segment(tmp_path, name):
     for picture in pictures(length * 4 + 1):
         writer.add(picture)
     # two segments are encoded at a time, so the first is written when the third has begun
-    grown = frames_of(partial_path(path))
-    assert len(grown) >= length and len(grown) % length == 0
+    partial = frames_of(partial_path(path))
+    assert len(partial) >= length and len(partial) % length == 0
     assert read_recipe(partial_path(path))["preset"] == {}
     writer.close()
     if name != "a.gif":
         whole = frames_of(path)
         assert len(whole) == length * 4 + 1
-        assert all(np.array_equal(one, two) for one, two in zip(grown, whole)), "joining changes no picture"
+        assert all(np.array_equal(one, two) for one, two in zip(partial, whole)), "joining changes no picture"
     assert [p.name for p in tmp_path.iterdir()] == [name]
 
 
@@ -133,9 +133,9 @@ def test_a_killed_render_leaves_a_film_that_plays(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["a.partial.mp4"]
     found = probe(tmp_path / "a.partial.mp4")
     assert found.frames in (40, 80), "whole segments of two seconds at 20 frames a second"
-    grown = frames_of(tmp_path / "a.partial.mp4")
+    partial = frames_of(tmp_path / "a.partial.mp4")
     (whole,) = job.render(piece(clock__duration=5, camera__size=[32, 18]), path)
-    assert all(np.array_equal(a, b) for a, b in zip(grown, frames_of(whole)))
+    assert all(np.array_equal(a, b) for a, b in zip(partial, frames_of(whole)))
     assert [p.name for p in tmp_path.iterdir()] == ["a.mp4"], "the next render takes the killed one's place"
 
 
@@ -145,7 +145,9 @@ def test_a_killed_render_leaves_a_film_that_plays(tmp_path):
 def test_a_stopped_render_names_what_it_keeps(tmp_path, signal_, status, word):
     preset = tmp_path / "small.yaml"
     preset.write_text(json.dumps(piece(clock__duration=2000).resolved()))
-    command = [sys.executable, str(ROOT / "cli.py"), "render", str(preset), "-o", str(tmp_path / "a.mp4"), "--size", "32x18", "--progress", "json"]  # fmt: skip
+    # tests in the background of a shell run with SIGINT ignored, which a child inherits: the child heeds it again
+    start = "import runpy, signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); runpy.run_path(sys.argv.pop(1), run_name='__main__')"
+    command = [sys.executable, "-c", start, str(ROOT / "cli.py"), "render", str(preset), "-o", str(tmp_path / "a.mp4"), "--size", "32x18", "--progress", "json"]  # fmt: skip
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=ROOT) as process:
         for line in process.stderr:
             if '"frame": 4,' in line:

@@ -65,7 +65,7 @@ def test_threads_of_a_colour_share_no_particle():
     pairs = np.concatenate([net.pairs, ring, hub])
     numbers = np.random.default_rng(0).uniform(1, 2, (len(pairs), 3))
     threads = Strands(pairs, numbers, n, np.float64)
-    assert np.array_equal(threads.numbers.reshape(-1)[threads.at], numbers)
+    assert np.array_equal(threads.numbers.reshape(-1)[threads.places], numbers)
     seen = []
     for begin, end in threads.colours:
         used = np.zeros(n, int)
@@ -122,7 +122,7 @@ def test_a_cloth_hangs_by_its_threads_without_stretching(dt):
 def test_tethers_hold_what_sweeps_cannot():
     """A cloth of 96 x 96 by its corners, ten steps a frame: no particle beyond 1 % of its way from a corner; without, far beyond."""
     from gen_art.interactions.adjacency import Adjacency
-    from gen_art.interactions.tethers import ways
+    from gen_art.interactions.tethers import find_tethers
 
     found = []
     for tether in (0.01, None):
@@ -133,12 +133,12 @@ def test_tethers_hold_what_sweeps_cannot():
         springs = Adjacency(net.pairs, np.stack([net.share, net.rest_length, net.share], 1), len(held), np.float64)
         x = sim["s"].position.astype(float)
         worst = 0.0
-        for anchor, way in ways(springs, held, np.float64):
+        for anchor, way in find_tethers(springs, held, np.float64):
             free = anchor != np.arange(len(held))
             worst = max(worst, (np.linalg.norm(x - x[anchor], axis=1)[free] / way[free]).max())
         found.append(worst)
     assert found[0] < 1.0101 and found[1] > 1.1
-    sizes = sorted(way.max() for _, way in ways(springs, held, np.float64))
+    sizes = sorted(way.max() for _, way in find_tethers(springs, held, np.float64))
     assert sizes == pytest.approx([np.sqrt(2)] * 2, rel=1e-6)  # along the diagonal
 
 

@@ -14,7 +14,7 @@ from tests.physics.bodies import SHAPES, G, inside, slope, speed, world
 @pytest.mark.parametrize("two", ["sphere", "capsule", "box"])
 def test_contacts_lie_where_the_shapes_are_nearest(one, two):
     """Against the nearest of 10,000 points on one shape to the other: the least gap, and its normal leads apart."""
-    from gen_art.interactions.rigid.collision_detection import Shapes, touching
+    from gen_art.interactions.rigid.collision_detection import Shapes, detect_contacts
     from gen_art.interactions.rigid.shapes import parts_of
 
     r = np.random.default_rng(7)
@@ -35,7 +35,7 @@ def test_contacts_lie_where_the_shapes_are_nearest(one, two):
             np.array([p.kind for p in parts]), np.array([0, 1]), np.array([p.half for p in parts]),
             np.array([p.radius for p in parts]), places, np.array(turns),
         )  # fmt: skip
-        found = touching(shapes, np.array([0.05, 0.05]), np.array([True, True]))
+        found = detect_contacts(shapes, np.array([0.05, 0.05]), np.array([True, True]))
         assert len(found.gap) >= 1
         k = found.gap.argmin()
         errors.append(found.gap[k] - 5e-3)
@@ -98,7 +98,7 @@ def test_bouncing_block_never_gains_energy(restitution, friction):
         energy.append(sim.diagnostics().energy)
     steps = np.diff(energy)
     assert steps.max() < 1e-8 * energy[0]
-    assert inside(sim).meeting.gap.min(initial=0) > -1e-3
+    assert inside(sim).contacts.gap.min(initial=0) > -1e-3
     if restitution == 1.0:
         assert energy[-1] > 0.9 * energy[0]  # a contact may rest for a moment, and then takes a little
     else:
@@ -140,10 +140,10 @@ def test_blocks_of_all_shapes_collide_and_come_to_rest():
     deepest, energy = 0.0, [sim.diagnostics().energy]
     for _ in range(12):
         sim.step(20)
-        deepest = min(deepest, inside(sim).meeting.gap.min(initial=0))
+        deepest = min(deepest, inside(sim).contacts.gap.min(initial=0))
         energy.append(sim.diagnostics().energy)
     assert deepest > -0.012
-    assert inside(sim).meeting.gap.min() > -1.5e-3  # what sank in on the way has been taken back
+    assert inside(sim).contacts.gap.min() > -1.5e-3  # what sank in on the way has been taken back
     assert np.diff(energy).max() < 1e-3 * energy[0]
     assert sim.diagnostics().kinetic_energy < 0.02 * energy[0]
     account = sim.ledger()
@@ -195,12 +195,12 @@ def test_what_has_sunk_in_is_taken_back():
     one = ga.body({"box": [0.2, 0.2, 0.2]}, position=(0, 0.1, 0))
     sim = world([one], floor=0.5)
     inside(sim).x[0, 1] -= 5e-3
-    inside(sim).meeting.look(0.0)
-    inside(sim)._put(sim["b"].state, True)
+    inside(sim).contacts.detect(0.0)
+    inside(sim)._write_particles(sim["b"].state, True)
     sim.keep_ledger()
     energy = sim.diagnostics().energy
     sim.step(60)
-    assert inside(sim).meeting.gap.min() == pytest.approx(-1e-3, abs=1e-4)
+    assert inside(sim).contacts.gap.min() == pytest.approx(-1e-3, abs=1e-4)
     assert np.abs(inside(sim).v).max() < 1e-9
     assert sim.diagnostics().energy - energy == pytest.approx(one.mass * G * 4e-3, rel=0.03)
     assert sim.ledger().dissipated["b.rigid"] == pytest.approx(energy - sim.diagnostics().energy, rel=1e-6)

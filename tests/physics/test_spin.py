@@ -126,7 +126,7 @@ def test_spin_can_be_given_in_yaml_and_is_part_of_the_state(tmp_path):
 
 def test_spin_needs_one_kick_a_step():
     with pytest.raises(
-        ga.UsageError, match="spin is turned once a step; give 's' semi_implicit_euler or position_verlet"
+        ga.UsageError, match="spin is advanced once a step; give 's' semi_implicit_euler or position_verlet"
     ):
         made(np.eye(3), np.zeros((3, 3)), 1e-3, integrator="leapfrog", spin=True)
 

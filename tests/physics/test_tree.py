@@ -11,7 +11,7 @@ import pytest
 import gen_art as ga
 from gen_art.backend import runtime
 from gen_art.interactions import tree_sum as tree
-from gen_art.interactions.octree import grow
+from gen_art.interactions.octree import build_octree
 
 I = ga.interactions
 
@@ -137,7 +137,7 @@ def test_energy_of_a_steady_sphere():
 def test_every_particle_has_one_leaf_even_where_many_share_a_place():
     r = np.random.default_rng(7)
     x = np.concatenate([r.normal(size=(3, 500)), np.zeros((3, 200)), np.full((3, 3), 1e6)], axis=1)
-    made = grow(x)
+    made = build_octree(x)
     leaves = made.leaves
     covered = np.sort(np.concatenate([np.arange(made.begin[c], made.end[c]) for c in leaves]))
     assert np.array_equal(covered, np.arange(703)) and np.array_equal(np.sort(made.order), np.arange(703))

@@ -48,8 +48,8 @@ def test_a_turning_paddle_strikes_at_the_speed_it_has_there(precision, tolerance
     sim.step(400)
     v, start = sim["s"].velocity[0], np.array([0.5, 0.3, 0])
     # the upper face reaches it where the distance from the turning middle plane is its radius and half the thickness
-    stability_limit = np.hypot(0.5, 0.3)
-    angle = np.arctan2(0.3, 0.5) - np.arcsin((0.05 + R) / stability_limit)
+    reach = np.hypot(0.5, 0.3)
+    angle = np.arctan2(0.3, 0.5) - np.arcsin((0.05 + R) / reach)
     normal = np.array([-np.sin(angle), np.cos(angle), 0])
     struck = 2 * np.cross([0, 0, w], start).dot(normal) * normal
     assert np.allclose(v, struck, rtol=tolerance, atol=tolerance)

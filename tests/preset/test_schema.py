@@ -288,8 +288,8 @@ def test_the_json_schema_holds_registered_classes_and_units():
     schema = json_schema()
     forces = schema["properties"]["forces"]["properties"]
     assert forces["gravity"]["anyOf"][0]["properties"]["field"]["unit"] == "m/s^2"
-    emitter = schema["$defs"]["Emitter"]["properties"]
+    emitter = schema["$defs"]["EmitterSpec"]["properties"]
     assert {"rate", "from", "shape", "velocity"} <= set(emitter)
     assert schema["$defs"]["Clock"]["properties"]["duration"]["unit"] == "s"
-    assert schema["$defs"]["System"]["additionalProperties"] is False
+    assert schema["$defs"]["SystemSpec"]["additionalProperties"] is False
     json.dumps(schema, allow_nan=False)

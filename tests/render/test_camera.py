@@ -1,4 +1,4 @@
-"""The camera: projection, paths, orbits, roll, and where a particle lands on the film."""
+"""The camera: projection, paths, orbits, roll, and where a particle is projected."""
 
 import numpy as np
 import pytest

@@ -5,10 +5,16 @@ import pytest
 
 from gen_art.preset.look import KeyLight, Look
 from gen_art.renderer.camera import Camera
-from gen_art.renderer.emissive_lighting import EmittedLight, gathered, glow_on
+from gen_art.renderer.emissive_lighting import EmittedLight, cluster_lights, scatter_emitted_light
 from gen_art.renderer.painter import Painter
 from gen_art.renderer.smoke_density import DIRECTIONS, STEP, WEIGHTS, Smoke
-from gen_art.renderer.smoke_lighting import LitParticles, incoming_light, octaves, phase_function, shine
+from gen_art.renderer.smoke_lighting import (
+    LitParticles,
+    octaves,
+    phase_function,
+    scattered_light,
+    scattered_light_of_system,
+)
 from tests.render.particles import scene, state
 
 DARK = {"ambient_intensity": 0.0}
@@ -39,7 +45,7 @@ def turned(axis, degrees):
 def test_the_lamp_s_light_falls_off_exponentially_through_a_uniform_slab(direction):
     x, section = slab()
     lamp = KeyLight(direction=direction, intensity=2.0, scatter=0.0, resolution=32, **DARK)
-    got = incoming_light(lamp, x, section, (0, 0, 9))[:, 1]
+    got = scattered_light_of_system(lamp, x, section, (0, 0, 9))[:, 1]
     along = x @ np.array(direction, np.float32)
     inside = np.delete(np.abs(x), int(np.flatnonzero(direction)[0]), axis=1).max(axis=1) < 0.8
     for place in (-0.6, 0.0, 0.33, 0.8):
@@ -51,7 +57,9 @@ def test_the_lamp_s_light_falls_off_exponentially_through_a_uniform_slab(directi
 def test_depth_counts_the_opacity_it_is_told():
     x, section = slab()
     thin, thick = (
-        np.log(incoming_light(KeyLight(depth=d, scatter=0, intensity=1, **DARK), x, section, (0, 0, 9))).mean()
+        np.log(
+            scattered_light_of_system(KeyLight(depth=d, scatter=0, intensity=1, **DARK), x, section, (0, 0, 9))
+        ).mean()
         for d in (0.5, 1.5)
     )
     assert thick == pytest.approx(3 * thin, rel=1e-3)
@@ -69,10 +77,10 @@ def test_the_phase_function_is_what_a_camera_sees():
     x, section = np.zeros((1, 3), np.float32), np.zeros(1, np.float32)
     lamp = KeyLight(direction=(0, 0, 2), phase=0.6, scatter=0.0, intensity=1.0, **DARK)
     for eye, cosine in (((0, 0, 5), 1.0), ((0, 0, -5), -1.0), ((4, 0, 0), 0.0), ((3, 0, 4), 0.8)):
-        assert incoming_light(lamp, x, section, eye)[0, 0] == pytest.approx(
+        assert scattered_light_of_system(lamp, x, section, eye)[0, 0] == pytest.approx(
             4 * np.pi * phase_function(cosine, 0.6), rel=1e-5
         )
-    assert incoming_light(lamp, x, section, (0, 0, -1), parallel=True)[0, 0] == pytest.approx(
+    assert scattered_light_of_system(lamp, x, section, (0, 0, -1), parallel=True)[0, 0] == pytest.approx(
         4 * np.pi * phase_function(1.0, 0.6), rel=1e-5
     )
 
@@ -82,12 +90,12 @@ def test_light_that_was_scattered_before_has_forgotten_its_direction_by_halves()
     x, section = np.zeros((1, 3), np.float32), np.zeros(1, np.float32)
     for eye, cosine in (((0, 0, 5), 1.0), ((0, 0, -5), -1.0)):
         expected = sum(w * 4 * np.pi * phase_function(cosine, 0.6 / 2**i) for i, w in enumerate(octaves(0.5)))
-        assert incoming_light(lamp, x, section, eye)[0, 0] == pytest.approx(expected, rel=1e-5)
+        assert scattered_light_of_system(lamp, x, section, eye)[0, 0] == pytest.approx(expected, rel=1e-5)
 
 
 def test_no_smoke_no_shadow():
     lamp = KeyLight(intensity=1.0, ambient_intensity=0.5, scatter=0.7)
-    got = incoming_light(lamp, np.zeros((3, 3), np.float32), np.zeros(3, np.float32), (0, 0, 9))
+    got = scattered_light_of_system(lamp, np.zeros((3, 3), np.float32), np.zeros(3, np.float32), (0, 0, 9))
     assert got == pytest.approx(np.full((3, 3), 1.5))
 
 
@@ -102,7 +110,7 @@ def test_a_slab_gives_off_no_more_light_than_falls_on_it(scatter):
         x, section = slab(40_000, depth)
         lamp = KeyLight(direction=(0, 0, 1), scatter=scatter, intensity=1.0, resolution=48, **DARK)
         middle = (np.abs(x[:, :2]) < 0.8).all(axis=1)
-        light = incoming_light(lamp, x, section, (0, 0, 9))[middle, 0]
+        light = scattered_light_of_system(lamp, x, section, (0, 0, 9))[middle, 0]
         t = (x[middle, 2] + 1.0) * depth / 2
         out = sum(0.5 * w * (np.exp(-t / m) + np.exp((t - depth) / m)) for m, w in zip(mu, weight)) / 2
         scattered = (section[middle] * light * out).sum() / 2.56
@@ -120,7 +128,7 @@ def test_the_skin_of_dense_smoke_takes_in_light(depth, least):
     x, section = slab(60_000, depth)
     lamp = KeyLight(direction=(0, 0, 1), scatter=0.0, intensity=1.0, resolution=32, **DARK)
     middle = (np.abs(x[:, :2]) < 0.8).all(axis=1)
-    light = incoming_light(lamp, x, section, (0, 0, 9))[middle, 0]
+    light = scattered_light_of_system(lamp, x, section, (0, 0, 9))[middle, 0]
     assert least < (section[middle] * light).sum() / 2.56 <= 1.02
 
 
@@ -128,7 +136,7 @@ def test_scattered_light_goes_deeper():
     x, section = slab(20_000, 10.0)
     deep = x[:, 2] > 0.8
     light = [
-        incoming_light(KeyLight(direction=(0, 0, 1), scatter=s, **DARK), x, section, (0, 0, 9))[deep].mean()
+        scattered_light_of_system(KeyLight(direction=(0, 0, 1), scatter=s, **DARK), x, section, (0, 0, 9))[deep].mean()
         for s in (0.0, 0.3, 0.6)
     ]
     assert light[2] > 2 * light[1] > 20 * light[0]
@@ -156,7 +164,9 @@ def test_the_depth_along_each_direction_is_the_smoke_s():
 
 def test_the_sky_is_darker_in_the_middle_of_a_ball_than_at_its_skin_from_every_side_alike():
     x, section = ball()
-    sky = incoming_light(KeyLight(intensity=0.0, ambient_intensity=1.0, scatter=0.0), x, section, (0, 0, 9))[:, 1]
+    sky = scattered_light_of_system(KeyLight(intensity=0.0, ambient_intensity=1.0, scatter=0.0), x, section, (0, 0, 9))[
+        :, 1
+    ]
     r = np.linalg.norm(x, axis=1)
     core, skin = r < 0.3, r > 0.93
     assert sky[core].mean() < 0.1 * sky[skin].mean()
@@ -168,7 +178,7 @@ def test_the_sky_is_darker_in_the_middle_of_a_ball_than_at_its_skin_from_every_s
 def test_the_sky_and_the_ground_have_their_own_colours():
     x, section = ball()
     lamp = KeyLight(direction=(1, -1, 0), intensity=0, ambient=(0, 0, 1), ground=(1, 0, 0), ambient_intensity=1)
-    got = incoming_light(lamp, x, section, (0, 0, 9))
+    got = scattered_light_of_system(lamp, x, section, (0, 0, 9))
     top, bottom = got[x[:, 1] > 0.9].mean(axis=0), got[x[:, 1] < -0.9].mean(axis=0)
     assert top[2] > 2.0 * top[0]
     assert bottom[0] > 2.0 * bottom[2]
@@ -182,7 +192,7 @@ def test_light_turns_with_the_scene(axis, degrees):
     turn = turned(axis, degrees)
     eye, way = np.array((2.0, 1.0, 9.0)), np.array((-1.0, -0.6, -0.5))
     lights = [
-        incoming_light(
+        scattered_light_of_system(
             KeyLight(direction=tuple(r @ way), phase=0.3, ambient_intensity=1.0, intensity=1.0),
             x @ r.T.astype(np.float32), section, r @ eye, radii=np.full(len(x), 0.08, np.float32),
         )[:, 1]
@@ -196,11 +206,11 @@ def test_light_does_not_crawl_with_the_grid():
     radii = np.full(len(x), 0.08, np.float32)
     lamp = KeyLight(resolution=48, ambient_intensity=0.5, intensity=1.0)
     cell = Smoke.of(x, section, radii, np.eye(3), 48).cell
-    base = incoming_light(lamp, x, section, (0, 0, 9), True, radii)[:, 1]
+    base = scattered_light_of_system(lamp, x, section, (0, 0, 9), True, radii)[:, 1]
     for shift in (cell / 3, 2.4 * cell):
-        moved = incoming_light(lamp, x + np.float32(shift), section, (0, 0, 9), True, radii)[:, 1]
+        moved = scattered_light_of_system(lamp, x + np.float32(shift), section, (0, 0, 9), True, radii)[:, 1]
         assert np.abs(moved - base).mean() < 0.02 * base.mean()
-    finer = incoming_light(
+    finer = scattered_light_of_system(
         lamp.model_copy(update={"resolution": 68}), x, section, (0, 0, 9), True, radii
     )[:, 1]  # fmt: skip
     assert np.abs(finer - base).mean() < 0.03 * base.mean(), "a cloud that outgrows its cells does not flicker"
@@ -224,12 +234,12 @@ def test_large_sprites_cast_wide_shadows():
     for radius in (0.3, 0.6, 1.0):
         x, section = np.concatenate([centre, rim]), np.array([4.0, 1e-9, 1e-9], np.float32)
         smoke = Smoke.of(x, section, np.array([radius] * 3, np.float32), np.eye(3), 48)
-        place = [(smoke.corner[c] + np.arange(smoke.dense.shape[c])) * smoke.cell for c in range(3)]
+        place = [(smoke.corner[c] + np.arange(smoke.extinction.shape[c])) * smoke.cell for c in range(3)]
         for c in range(3):
-            line = smoke.dense.sum(axis=tuple(k for k in range(3) if k != c))
+            line = smoke.extinction.sum(axis=tuple(k for k in range(3) if k != c))
             spread = np.sqrt((line * place[c] ** 2).sum() / line.sum() - ((line * place[c]).sum() / line.sum()) ** 2)
             assert spread == pytest.approx(radius / 2.2, rel=0.15), radius
-        assert smoke.dense.sum() == pytest.approx(4.0, rel=1e-4), "and nothing is lost on the way"
+        assert smoke.extinction.sum() == pytest.approx(4.0, rel=1e-4), "and nothing is lost on the way"
 
 
 def test_smoke_of_one_system_shadows_another():
@@ -238,8 +248,8 @@ def test_smoke_of_one_system_shadows_another():
     lamps = [KeyLight(direction=(0, 0, 1), scatter=0, intensity=1.0, **DARK) for _ in range(2)]
     one = LitParticles(lamps[0], x, section, np.full(len(x), 0.15, np.float32))
     two = LitParticles(lamps[1], behind, np.full(9, 1e-6, np.float32), np.zeros(9, np.float32))
-    assert shine([one, two], (0, 0, 9))[1][:, 0].mean() == pytest.approx(np.exp(-3.0), rel=0.1)
-    assert shine([two], (0, 0, 9))[0] == pytest.approx(np.ones((9, 3)), abs=2e-3)
+    assert scattered_light([one, two], (0, 0, 9))[1][:, 0].mean() == pytest.approx(np.exp(-3.0), rel=0.1)
+    assert scattered_light([two], (0, 0, 9))[0] == pytest.approx(np.ones((9, 3)), abs=2e-3)
 
 
 def test_the_glow_of_others_falls_with_the_square_of_the_distance_and_through_the_smoke():
@@ -249,14 +259,14 @@ def test_the_glow_of_others_falls_with_the_square_of_the_distance_and_through_th
     x = np.array([[1.0, 0, 0], [2, 0, 0], [0, 4, 0], [0, 0, -4]], np.float32)
     lamp = KeyLight(intensity=0.0, scatter=0.0, resolution=64, **DARK)
     thin = LitParticles(lamp, x, np.full(4, 1e-7, np.float32), np.zeros(4, np.float32))
-    got = shine([thin], (0, 0, 9), False, [EmittedLight(lights, power)])[0]
+    got = scattered_light([thin], (0, 0, 9), False, [EmittedLight(lights, power)])[0]
     assert got[:, 0] == pytest.approx(6.0 / (4 * np.pi) / np.array([1, 4, 16, 16]), rel=0.12)
     assert got[:, 1] == pytest.approx(got[:, 0] / 2, rel=1e-5)
     assert np.all(got[:, 2] == 0.0)
     screen = rng.uniform(-1, 1, (20_000, 3)).astype(np.float32) * np.float32((0.1, 2, 2)) + np.float32((0.5, 0, 0))
     wall = LitParticles(lamp, np.concatenate([x, screen]), np.concatenate([np.full(4, 1e-7), np.full(20_000, 16 / 20_000)]).astype(
         np.float32), np.zeros(20_004, np.float32))  # fmt: skip
-    through = shine([wall], (0, 0, 9), False, [EmittedLight(lights, power)])[0]
+    through = scattered_light([wall], (0, 0, 9), False, [EmittedLight(lights, power)])[0]
     assert through[1, 0] == pytest.approx(got[1, 0] * np.exp(-1.0), rel=0.2)
     assert through[3, 0] > 0.7 * got[3, 0]
 
@@ -269,20 +279,20 @@ def test_the_glow_in_thin_smoke_is_the_sum_over_cells_of_light(parallel):
     smoke = Smoke.of(x, np.full(60, 1e-9, np.float32), np.zeros(60, np.float32), np.eye(3), 24)
     lamp = KeyLight(phase=0.5, glow_intensity=3.0, glow_softness=0.4)
     eye = np.array((0.6, 0.0, -0.8)) if parallel else np.array((3.0, 1.0, 9.0))
-    got = glow_on(smoke, smoke, EmittedLight(lights, power), lamp, octaves(0.5), eye, parallel)
+    got = scatter_emitted_light(smoke, smoke, EmittedLight(lights, power), lamp, octaves(0.5), eye, parallel)
     nodes = (
-        smoke.corner + np.stack(np.meshgrid(*map(np.arange, smoke.dense.shape), indexing="ij"), axis=-1)
+        smoke.corner + np.stack(np.meshgrid(*map(np.arange, smoke.extinction.shape), indexing="ij"), axis=-1)
     ) * smoke.cell
     seen = -eye if parallel else (eye - nodes) / np.linalg.norm(eye - nodes, axis=-1, keepdims=True)
     expected = np.zeros_like(got)
-    for cell in gathered(lights, power):
+    for cell in cluster_lights(lights, power):
         way = nodes - cell[:3]
         square = (way**2).sum(axis=-1)
         cosine = (way * seen).sum(axis=-1) / np.maximum(np.sqrt(square), 1e-9)
         p = sum(w * phase_function(cosine, 0.5 / 2**i) for i, w in enumerate(octaves(0.5)))
         near = square + cell[6] + 0.4**2 + smoke.cell**2 / 4
         expected += 3.0 * (p / near)[..., None] * cell[3:6]
-    some = smoke.dense > 0
+    some = smoke.extinction > 0
     assert some.sum() > 200
     assert got[some] == pytest.approx(expected[some], rel=2e-3)
 
@@ -290,14 +300,14 @@ def test_the_glow_in_thin_smoke_is_the_sum_over_cells_of_light(parallel):
 def test_cells_of_light_keep_their_power_and_their_middle():
     rng = np.random.default_rng(6)
     x, power = rng.normal(0, 1, (5000, 3)), rng.uniform(0, 1, (5000, 3))
-    cells = gathered(x, power)
+    cells = cluster_lights(x, power)
     assert 40 < len(cells) < 512
     assert cells[:, 3:6].sum(axis=0) == pytest.approx(power.sum(axis=0))
     weight = power.sum(axis=1)
     assert (cells[:, :3] * cells[:, 3:6].sum(axis=1)[:, None]).sum(axis=0) == pytest.approx(
         (x * weight[:, None]).sum(axis=0)
     )
-    assert len(gathered(x, 0 * power)) == 0
+    assert len(cluster_lights(x, 0 * power)) == 0
 
 
 def test_a_fire_shines_on_the_smoke_above_it_at_any_size_of_the_picture():

@@ -10,10 +10,10 @@ import pytest
 
 from gen_art.backend import runtime
 from gen_art.preset.look import Look
-from gen_art.renderer import direct_splat as scatter
-from gen_art.renderer import painter as frame
+from gen_art.renderer import direct_splat as direct_splat
+from gen_art.renderer import painter as painter_module
 from gen_art.renderer.camera import Camera
-from gen_art.renderer.direct_splat import FEW
+from gen_art.renderer.direct_splat import MIN_PARTICLES
 from gen_art.renderer.framebuffer import FrameBuffer
 from gen_art.renderer.painter import Painter, render_frame
 from gen_art.renderer.sprite import AREA, BLUE, RED, X, Y, profile_integral
@@ -120,7 +120,7 @@ def test_discs_are_round():
 
 
 @pytest.mark.parametrize("radius", [7.0, 10.0, 15.0, 25.0, 60.0])
-def test_large_discs_on_coarser_films_keep_their_shape(radius):
+def test_large_discs_in_coarser_framebuffers_keep_their_shape(radius):
     picture = paint(
         {"draw": "disc", "radius": radius},
         [[0.3, -0.2, 0]],
@@ -178,7 +178,7 @@ def test_premultiplied_alpha_stays_within_bounds():
     assert np.all(picture[..., :3] <= picture[..., 3:] * (1 + 1e-4) + 1e-6), "white smoke is as bright as it covers"
 
 
-def test_light_in_the_frame_is_the_mean_of_the_film():
+def test_light_in_the_frame_is_the_mean_of_the_framebuffer():
     stars = scene(stars=state(np.random.default_rng(1).normal(0, 1, (500, 3))))
     far = Camera(position=(0, 0, 30), fov=60)
     for size in ((160, 90), (640, 360), (1280, 720)):
@@ -233,8 +233,8 @@ dense = dict(
 lens = Camera(position=(0, 0, 6), lens=(0.05, None))
 for looks, camera, times in ((light, lens, 1), (light, Camera(position=(0, 0, 6)), 1), (dict(light, **dense), Camera(position=(0, 0, 6)), 2)):
     systems = {{k: state(x + i, v) for i, k in enumerate(looks)}}
-    film = Painter((320, 200), camera, looks, 0.05, times).paint(scene(1.0, **systems), 0.0)
-    print(hashlib.sha256(np.ascontiguousarray(film)).hexdigest(), hashlib.sha256(develop(film)).hexdigest())
+    linear = Painter((320, 200), camera, looks, 0.05, times).paint(scene(1.0, **systems), 0.0)
+    print(hashlib.sha256(np.ascontiguousarray(linear)).hexdigest(), hashlib.sha256(develop(linear)).hexdigest())
 """
 
 
@@ -258,58 +258,60 @@ def test_a_picture_repeats(places):
 @pytest.mark.parametrize(
     "look", [{"draw": "point"}, {"draw": "pixel"}, {"draw": "disc", "radius": 1.0}, {"draw": "disc", "radius": 2.6}]
 )
-def test_many_small_sprites_take_another_way_to_the_same_picture(look, monkeypatch):
-    """Straight into the film, or listed tile by tile; sprites over the border, out of sight and of several sizes among them."""
+def test_many_small_sprites_are_drawn_directly_to_the_same_picture(look, monkeypatch):
+    """Drawn directly, or listed in bins; some sprites lie over the border or outside, and there are several sizes."""
     rng = np.random.default_rng(11)
-    place = np.append(rng.uniform(-1, 1, (FEW + 1001, 3)) * (205, 125, 0), [[np.nan, 0, 0], [1e9, 0, 0]], axis=0)
+    place = np.append(
+        rng.uniform(-1, 1, (MIN_PARTICLES + 1001, 3)) * (205, 125, 0), [[np.nan, 0, 0], [1e9, 0, 0]], axis=0
+    )
     look = {**look, "size": {"by": "random", "curve": [[0, 0.3], [1, 1.3]]}, "emission": {"color": [0.2, 0.5, 1.0]}}
     scattered = paint(look, place)
-    monkeypatch.setattr(frame, "FEW", 10**9)
+    monkeypatch.setattr(painter_module, "MIN_PARTICLES", 10**9)
     listed = paint(look, place)
     assert light(listed)[2] > 0
     assert light(scattered) == pytest.approx(light(listed), rel=1e-5)
     assert np.abs(scattered - listed).max() < 1e-5 * listed.max()
 
 
-@pytest.mark.parametrize("draw", [scatter.pixels, scatter.points])
-def test_of_columns_only_the_first_are_drawn(draw):
-    """A picture after one with more particles: what the columns held then stays undrawn."""
-    columns, film = runtime.aligned((11, 2048), np.float32), FrameBuffer((64, 48))
-    columns[[X, Y]], columns[RED : BLUE + 1] = 20.5, 1.0
+@pytest.mark.parametrize("draw", [direct_splat.pixels, direct_splat.points])
+def test_only_the_first_n_particles_are_drawn(draw):
+    """After a picture with more particles, those that remain in the arrays are not drawn."""
+    channels, framebuffer = runtime.aligned((11, 2048), np.float32), FrameBuffer((64, 48))
+    channels[[X, Y]], channels[RED : BLUE + 1] = 20.5, 1.0
     for n in (1, 31, 512, 513, 1000):
-        film.clear()
-        draw(columns, n, film)
-        assert film.pixels[..., :3].sum((0, 1)).tolist() == [n, n, n]
+        framebuffer.clear()
+        draw(channels, n, framebuffer)
+        assert framebuffer.pixels[..., :3].sum((0, 1)).tolist() == [n, n, n]
 
 
-@pytest.mark.parametrize("draw", [scatter.pixels, scatter.points])
-def test_points_on_the_border_stay_in_their_row_and_touch_nothing_behind_the_film(draw):
-    """A film without padding, and minus zeros behind it: adding no light to one would make it a plus."""
-    film = FrameBuffer((128, 128))
-    assert film.buffer.size == 128 * 128 * 4
-    memory = runtime.aligned(film.buffer.size + 4 * 4 * 128, np.float32)
+@pytest.mark.parametrize("draw", [direct_splat.pixels, direct_splat.points])
+def test_points_on_the_border_stay_in_their_row_and_write_nothing_behind_the_framebuffer(draw):
+    """A framebuffer without padding, and minus zeros behind it: adding 0 to one would make it +0."""
+    framebuffer = FrameBuffer((128, 128))
+    assert framebuffer.buffer.size == 128 * 128 * 4
+    memory = runtime.aligned(framebuffer.buffer.size + 4 * 4 * 128, np.float32)
     memory[:] = -0.0
-    film.buffer = memory[: film.buffer.size]
-    columns = runtime.aligned((11, 512), np.float32)
-    columns[X], columns[Y] = 127.8, np.arange(512) / 4
-    columns[RED : BLUE + 1] = 1.0
-    draw(columns, 512, film)
-    assert (film.pixels[:, -1, 0] > 2).all()
-    assert not film.pixels[:, 0].any()
-    assert np.signbit(memory[film.buffer.size :]).all()
+    framebuffer.buffer = memory[: framebuffer.buffer.size]
+    channels = runtime.aligned((11, 512), np.float32)
+    channels[X], channels[Y] = 127.8, np.arange(512) / 4
+    channels[RED : BLUE + 1] = 1.0
+    draw(channels, 512, framebuffer)
+    assert (framebuffer.pixels[:, -1, 0] > 2).all()
+    assert not framebuffer.pixels[:, 0].any()
+    assert np.signbit(memory[framebuffer.buffer.size :]).all()
 
 
-def test_a_large_film_is_cleared_whole(monkeypatch):
-    monkeypatch.setattr("gen_art.renderer.framebuffer.LARGE", 0)
+def test_a_large_framebuffer_is_cleared_completely(monkeypatch):
+    monkeypatch.setattr("gen_art.renderer.framebuffer.PARALLEL_CLEAR", 0)
     for size in ((1, 1), (33, 7), (640, 360)):
-        film = FrameBuffer(size)
-        film.buffer[:] = 1.0
-        film.clear()
-        assert not film.buffer.any()
+        framebuffer = FrameBuffer(size)
+        framebuffer.buffer[:] = 1.0
+        framebuffer.clear()
+        assert not framebuffer.buffer.any()
 
 
-def test_every_pixel_of_the_largest_film_has_an_index_of_its_own():
-    """NO_SIGN must leave it as it is."""
+def test_every_pixel_of_the_largest_framebuffer_has_an_index_of_its_own():
+    """INDEX_MASK must leave it as it is."""
     assert 16384 * 16384 - 1 & runtime.INDEX_MASK == 16384 * 16384 - 1
 
 

@@ -15,9 +15,9 @@ COLOURS[0, 32:35] = np.eye(3)
 
 def seen(light: np.ndarray, tone: str, **more) -> np.ndarray:
     """The linear light of a developed picture, float64; a 16-bit code is about 4e-5 of it at most."""
-    film = np.zeros((*light.shape[:2], 4), np.float32)
-    film[..., :3] = light
-    return to_linear(develop(film, DevelopSpec(tone=tone, bloom=0, **more), bits=16) / 65535)
+    linear = np.zeros((*light.shape[:2], 4), np.float32)
+    linear[..., :3] = light
+    return to_linear(develop(linear, DevelopSpec(tone=tone, bloom=0, **more), bits=16) / 65535)
 
 
 def agrees(picture: np.ndarray, formula: np.ndarray, within: float = 6e-5) -> None:
@@ -113,11 +113,11 @@ def test_contrast_is_a_power_about_grey_before_the_tone_map():
 def test_the_srgb_transfer_is_right_to_a_code_of_sixteen_bits():
     """Rounded to the nearest code: the exact value lies within half a code, but for 0.15 of the polynomial and of float32."""
     x = np.concatenate([np.linspace(0, 1, 100_001), np.geomspace(1e-6, 0.02, 20_000)]).astype(np.float32)
-    film = np.zeros((1, len(x), 4), np.float32)
-    film[0, :, :3] = x[:, None]
-    codes = develop(film, DevelopSpec(tone="none", bloom=0), bits=16)[0].astype(np.float64)
+    linear = np.zeros((1, len(x), 4), np.float32)
+    linear[0, :, :3] = x[:, None]
+    codes = develop(linear, DevelopSpec(tone="none", bloom=0), bits=16)[0].astype(np.float64)
     assert np.abs(codes - encode_srgb(x.astype(np.float64))[:, None] * 65535).max() < 0.65
-    eight = develop(film, DevelopSpec(tone="none", bloom=0, dither=False))[0].astype(np.float64)
+    eight = develop(linear, DevelopSpec(tone="none", bloom=0, dither=False))[0].astype(np.float64)
     assert np.abs(eight - encode_srgb(x.astype(np.float64))[:, None] * 255).max() < 0.501
 
 

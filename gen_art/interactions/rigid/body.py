@@ -1,9 +1,9 @@
-"""A rigid body: its shape, mass and start, and the particles that stand for it.
+"""A rigid body: its shape, mass and start, and the particles that represent it.
 
-The particles carry the whole mass: points on the surface, or along the edges, have a part of it, and six carriers inside
-have the rest, placed so that mass, centre and all second moments are exactly those of the solid. Sums over particles are
-then the body's momentum, angular momentum and energy. Carriers have the radius 0: sprites as large as their particles leave
-them out.
+The particles have the whole mass. Points on the surface, or along the edges, have a part of it; six carriers inside have the
+rest and are placed so that mass, centre and all second moments are exactly those of the solid. Sums over particles are then
+the body's momentum, angular momentum and energy. Carriers have the radius 0, so that sprites of the particles' size do not
+show them.
 """
 
 import math
@@ -19,21 +19,30 @@ __all__ = ["AXLED", "FREE", "PIVOTED", "STATIC", "Body", "body"]
 
 FREE, PIVOTED, AXLED, STATIC = range(4)
 _CARRIERS = 6
+_GRAIN = 3 / 4  # default radius of the particles, relative to their spacing
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
     """A body at its start. Its frame has the origin at the centre of mass, or at the pivot, and axes along principal axes.
 
-    spec : the plain arguments it was made of     parts : in its own frame     hold : FREE, PIVOTED, AXLED or STATIC
-    mass : kg     inertia : (3,) kg m^2 about the origin     axle : (3,) unit, in its frame
-    place : (3,) m, of the origin     attitude : (4,) quaternion     velocity : (3,) m/s, of the origin     spin : (3,) rad/s
-    local, masses, radii, normals, areas : of its particles, in its frame
+    spec : the arguments of `body`, as plain values
+    parts : its shapes, in its own frame
+    constraint : FREE, PIVOTED, AXLED or STATIC
+    mass : kg
+    inertia : (3,) kg m^2, principal moments about the origin
+    axle : (3,) unit vector, in its frame
+    place : (3,) m, of the origin
+    attitude : (4,) quaternion
+    velocity : (3,) m/s, of the origin
+    spin : (3,) rad/s
+    local, masses, radii, normals, areas : of its particles: positions (n, 3) m, kg, m, (n, 3), m^2, in its frame
+    tint : a number to colour it by
     """
 
     spec: dict
     parts: list[Part]
-    hold: int
+    constraint: int
     mass: float
     inertia: np.ndarray
     axle: np.ndarray
@@ -54,55 +63,66 @@ def body(
     shape, *, mass=None, density=1000.0, hollow=False, position=(0, 0, 0), turn=(0, 0, 0), velocity=(0, 0, 0), spin=(0, 0, 0),
     pivot=None, axle=None, static=False, draw="cloud", points=400, grain=None, tint=0.0, name="body",
 ) -> Body:  # fmt: skip
-    """A rigid body, to be put together with others by ga.bodies.
+    """A rigid body, to be combined with others by ga.bodies.
 
     shape : {"sphere": radius}, {"capsule": [length of the straight part, radius]} along y, {"box": [x, y, z]}, m; or a list of
-    such, each with `at`, `turn` (degrees) and `density` relative to the others beside it; parts should not overlap
-    mass : kg, or density : kg/m^3     hollow : the mass is on the surface     position : m, of the shape's origin
-    turn : rad, rotation vector     velocity : m/s, of the centre of mass     spin : rad/s
-    pivot : (3,) m, a point that is held in place     axle : (3,), it turns about this axis alone, through the pivot or the
-    centre of mass     static : it stays where it is
-    draw : "cloud", points on the surface, or "wire", along edges     points : about how many
-    grain : m, radius of the particles; three quarters of their spacing when left out     tint : a number to colour it by
+        them, each with `at`, `turn` (degrees) and `density` relative to the others; parts should not overlap
+    mass : kg; when left out, density times volume (or surface)
+    density : kg/m^3
+    hollow : the mass is on the surface
+    position : m, of the shape's origin
+    turn : rad, rotation vector
+    velocity : m/s, of the centre of mass
+    spin : rad/s
+    pivot : (3,) m, a point that stays in place
+    axle : (3,), the only axis it rotates about, through the pivot or the centre of mass
+    static : it never moves
+    draw : "cloud", points on the surface, or "wire", points along the edges
+    points : approximate number of points
+    grain : m, radius of the particles; three quarters of their spacing when left out
+    tint : a number to colour it by
     Raises UsageError.
     """
     spec = {k: _plain(v) for k, v in locals().items()}
     parts = parts_of(shape)
     weights = np.array([p.share * (p.area if hollow else p.volume) for p in parts])
-    whole = float(mass) if mass is not None else density * float(weights.sum())
-    if not (math.isfinite(whole) and whole > 0):
-        raise UsageError(f"{name}: a body's mass must be above 0 kg, not {whole:g}")
+    total = float(mass) if mass is not None else density * float(weights.sum())
+    if not (math.isfinite(total) and total > 0):
+        raise UsageError(f"{name}: a body's mass must be above 0 kg, not {total:g}")
     centre, second = _moments(parts, weights / weights.sum(), hollow)
     x, n, area, spacing = _samples(parts, draw, int(points))
-    x, masses = _carried(x - centre, whole, second)
-    inside = np.zeros(_CARRIERS)
-    radii = np.concatenate([np.full(len(n), spacing * 0.75 if grain is None else float(grain)), inside])
-    n, area = np.concatenate([n, np.zeros((_CARRIERS, 3))]), np.concatenate([area, inside])
-    user = rotation(np.asarray(turn, float))
-    R = matrices(user)
+    x, masses = _with_carriers(x - centre, total, second)
+    zeros = np.zeros(_CARRIERS)
+    radii = np.concatenate([np.full(len(n), spacing * _GRAIN if grain is None else float(grain)), zeros])
+    n, area = np.concatenate([n, np.zeros((_CARRIERS, 3))]), np.concatenate([area, zeros])
+    shape_attitude = rotation(np.asarray(turn, float))
+    R = matrices(shape_attitude)
     at = np.asarray(position, float) + R @ centre
     origin = at if pivot is None or static else np.asarray(pivot, float)
     lever = R.T @ (at - origin)  # from the origin of the body's frame to the centre, along the shape's axes
     second = second + np.outer(lever, lever)
-    inertia, axes = _principal(whole * (np.trace(second) * np.eye(3) - second))
+    inertia, axes = _principal(total * (np.trace(second) * np.eye(3) - second))
 
-    def own(p):
-        """From the centre of mass and the shape's axes to the body's frame."""
+    def to_body_frame(p):
+        """Positions p relative to the centre of mass, in the shape's axes, in the body's frame."""
         return (p + lever) @ axes
 
-    turned = [Part(p.kind, p.half, p.radius, own(p.center - centre), axes.T @ p.axes, p.share) for p in parts]
-    attitude = product(user, quaternion(axes))
+    body_parts = [
+        Part(p.kind, p.half, p.radius, to_body_frame(p.center - centre), axes.T @ p.axes, p.share) for p in parts
+    ]
+    attitude = product(shape_attitude, quaternion(axes))
     v, w = np.asarray(velocity, float), np.asarray(spin, float)
-    hold = STATIC if static else AXLED if axle is not None else PIVOTED if pivot is not None else FREE
-    direction = _held(name, hold, axle, v, w)
+    constraint = STATIC if static else AXLED if axle is not None else PIVOTED if pivot is not None else FREE
+    direction = _axle_direction(name, constraint, axle, v, w)
+    body_axle = matrices(attitude).T @ direction
     return Body(
-        spec, turned, hold, whole, inertia, matrices(attitude).T @ direction, origin, attitude, v, w, own(x), masses, radii,
+        spec, body_parts, constraint, total, inertia, body_axle, origin, attitude, v, w, to_body_frame(x), masses, radii,
         n @ axes, area, float(tint), name,
     )  # fmt: skip
 
 
 def _plain(value):
-    """Numbers, words and lists, as a snapshot keeps them."""
+    """The value as the plain numbers, strings and lists that a snapshot stores."""
     if isinstance(value, dict):
         return {k: _plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple, np.ndarray)):
@@ -111,30 +131,30 @@ def _plain(value):
 
 
 def _moments(parts: list[Part], shares: np.ndarray, hollow: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Centre of mass (3,) and mean of x x^T about it (3, 3), of parts with these shares of the mass."""
+    """Centre of mass (3,) and mean of x x^T about it (3, 3), m^2, of parts with these shares of the mass."""
     centers = np.array([p.center for p in parts])
     centre = (shares[:, None] * centers).sum(0)
     each = [p.moments(hollow) + np.outer(p.center - centre, p.center - centre) for p in parts]
     return centre, (shares[:, None, None] * np.array(each)).sum(0)
 
 
-def _held(name: str, hold: int, axle, v: np.ndarray, w: np.ndarray) -> np.ndarray:
-    """The axle's direction (3,) in the world. Raises UsageError for motion that a held body cannot have."""
-    way = np.array([0.0, 1.0, 0.0]) if axle is None else np.asarray(axle, float)
-    length = float(np.linalg.norm(way))
+def _axle_direction(name: str, constraint: int, axle, v: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """The axle's unit vector (3,) in the world. Raises UsageError for motion that the constraint forbids."""
+    direction = np.array([0.0, 1.0, 0.0]) if axle is None else np.asarray(axle, float)
+    length = float(np.linalg.norm(direction))
     if length == 0:
         raise UsageError(f"{name}: axle must not be the zero vector")
-    if hold == AXLED and np.linalg.norm(cross(w, way)) > 1e-9 * np.linalg.norm(w) * length:
+    if constraint == AXLED and np.linalg.norm(cross(w, direction)) > 1e-9 * np.linalg.norm(w) * length:
         raise UsageError(f"{name}: spin must be along the axle")
-    if hold != FREE and v.any():
+    if constraint != FREE and v.any():
         raise UsageError(f"{name}: a body that is held has no velocity of its own: give it a spin")
-    if hold == STATIC and w.any():
+    if constraint == STATIC and w.any():
         raise UsageError(f"{name}: a static body does not spin; give it an axle")
-    return way / length
+    return direction / length
 
 
 def _principal(inertia: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Moments and a right-handed frame of principal axes; the shape's own axes where they are such."""
+    """Moments and a right-handed frame of principal axes; the shape's own axes where they are principal."""
     off = inertia - np.diag(np.diag(inertia))
     if np.abs(off).max() <= 1e-12 * np.trace(inertia):
         return np.diag(inertia).copy(), np.eye(3)
@@ -145,7 +165,7 @@ def _principal(inertia: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _samples(parts: list[Part], draw: str, points: int):
-    """Points, normals and areas of the surface (half a surface's: a thin plate's two faces are one panel), and spacing."""
+    """Points, normals, areas and spacing. Areas are half the surface's, because the two faces of a thin plate are one panel."""
     if draw not in ("cloud", "wire"):
         raise UsageError(f"draw must be cloud or wire, not {draw!r}")
     if points < 8:
@@ -156,20 +176,20 @@ def _samples(parts: list[Part], draw: str, points: int):
         spacing = sum(p.wire_length() for p in parts) / points
     found = [p.surface(spacing) if draw == "cloud" else p.wires(spacing) for p in parts]
     for k, (x, n, area) in enumerate(found):
-        free = np.ones(len(x), bool)
+        outside = np.ones(len(x), bool)
         for other in (*parts[:k], *parts[k + 1 :]):
-            free &= other.distance(x) > -1e-9 * spacing
-        found[k] = x[free], n[free], 0.5 * area[free]
+            outside &= other.distance(x) > -1e-9 * spacing
+        found[k] = x[outside], n[outside], 0.5 * area[outside]
     x, n, area = (np.concatenate([f[k] for f in found]) for k in range(3))
     return x, n, area, spacing
 
 
-def _carried(x: np.ndarray, mass: float, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The points (about the centre of mass) and six carriers, and masses with the mean of x x^T = second exactly."""
+def _with_carriers(x: np.ndarray, mass: float, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The points (about the centre of mass) with six carriers, and masses whose mean of x x^T is exactly `second`."""
     mean, spread = x.mean(0), np.einsum("ni,nj->ij", x, x) / len(x)
     least = np.linalg.eigvalsh(second)[0]
     share = 0.5
-    while True:  # the less the points have, the nearer are the carriers to the solid's own moments
+    while True:  # the smaller the share of the points, the closer the carriers' moments are to those of the solid
         centre = -share / (1 - share) * mean
         rest = (second - share * spread) / (1 - share) - np.outer(centre, centre)
         squares, axes = np.linalg.eigh(rest)

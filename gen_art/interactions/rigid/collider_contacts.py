@@ -1,7 +1,7 @@
-"""Colliders as bodies meet them: solid spheres, blocks and capsules as shapes of their own, all others by their distance.
+"""Colliders as rigid bodies touch them: solid spheres, blocks and capsules as shapes, all others by their signed distance.
 
-The distance of a collider, whatever it is, is asked for at points of each shape: the middle of a ball, the ends and the
-middle of a capsule, the corners, edges and faces of a box.
+The distance is evaluated at probe points of each body: the centre of a ball, points along the axis of a capsule, and the
+corners, the middles of the edges and the centres of the faces of a box.
 """
 
 from functools import cache
@@ -15,13 +15,13 @@ from gen_art.integrators.kernel_terms import KernelTerms
 from gen_art.integrators.tile import TileTerms
 from gen_art.interactions.rigid.shapes import BALL, BOX, CAPSULE, Part
 
-__all__ = ["Walls", "probes"]
+__all__ = ["RigidColliders", "probe_points"]
 
-_FLAT = ("plane", "box", "sphere")  # corners and ends are the first to meet them
+_FLAT = ("plane", "box", "sphere")  # plane or concave: corners and ends touch first
 
 
-def probes(part: Part, flat: bool) -> np.ndarray:
-    """Points (n, 3) of the part's core, in the body's frame; `flat`: corners and ends alone."""
+def probe_points(part: Part, flat: bool) -> np.ndarray:
+    """Points (n, 3) of the part's core, in the body's frame; `flat`: only corners and ends."""
     if part.kind == BALL:
         x = np.zeros((1, 3))
     elif part.kind == CAPSULE:
@@ -32,47 +32,48 @@ def probes(part: Part, flat: bool) -> np.ndarray:
     return x @ part.axes.T + part.center
 
 
-class Walls:
-    """The colliders of a system. `solids`: those that are shapes, with their index; `others`: those asked by distance."""
+class RigidColliders:
+    """The colliders of a system of rigid bodies.
+
+    members: all of them
+    solids: (index, shape) of those that are shapes
+    flat: whether probes at corners and ends are enough for all others
+    owner: the index of the collider that each surface belongs to, without those of the solids
+    names, velocity, restitution, friction: of each collider
+    """
 
     def __init__(self, colliders):
-        self.colliders = list(colliders)
-        self.solids: list[tuple[int, Part]] = []
-        self.others: list[int] = []
-        for k, one in enumerate(self.colliders):
-            part = _solid(one)
-            if part is None:
-                self.others.append(k)
-            else:
-                self.solids.append((k, part))
-        self.flat = all(self.colliders[k].name in _FLAT for k in self.others)
-        self._composition = KernelTerms((), None, [self.colliders[k] for k in self.others])
+        self.members = list(colliders)
+        shapes = [_solid(collider) for collider in self.members]
+        self.solids: list[tuple[int, Part]] = [(k, part) for k, part in enumerate(shapes) if part is not None]
+        by_distance = [k for k, part in enumerate(shapes) if part is None]
+        self.flat = all(self.members[k].name in _FLAT for k in by_distance)
+        self._composition = KernelTerms((), None, [self.members[k] for k in by_distance])
         self._numbers = self._composition.numbers(np.float64)
-        sides = [self.colliders[k].sides for k in self.others]
-        self.owner = np.repeat(np.array(self.others, int), sides)  # of each surface
-        self.names = [t.name for t in KernelTerms((), None, self.colliders).colliders]
-        self.velocity = np.array([c.values["velocity"] for c in self.colliders], float).reshape(-1, 3)
-        self.restitution = np.array([c.values["restitution"] for c in self.colliders], float)
-        self.friction = np.array([tuple(c.values["friction"]) for c in self.colliders], float).reshape(-1, 2)
+        self.owner = np.repeat(np.array(by_distance, int), [self.members[k].sides for k in by_distance])
+        self.names = [t.name for t in KernelTerms((), None, self.members).colliders]
+        self.velocity = np.array([c.values["velocity"] for c in self.members], float).reshape(-1, 3)
+        self.restitution = np.array([c.values["restitution"] for c in self.members], float)
+        self.friction = np.array([tuple(c.values["friction"]) for c in self.members], float).reshape(-1, 2)
 
     def distances(self, points: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n, surfaces) m and (n, surfaces, 3): distances of points from each surface, and its normals there."""
-        n, many = len(points), len(self.owner)
-        D, N = np.zeros((n, many)), np.zeros((n, 3 * many))
-        if n and many:
-            _kernel(self._composition)(np.ascontiguousarray(points), time, self._numbers, D, N)
-        return D, N.reshape(n, many, 3)
+        """Distances, m, of points (n, 3) from each surface, (n, surfaces), and its normals there, (n, surfaces, 3)."""
+        n, surfaces = len(points), len(self.owner)
+        D, N = np.zeros((n, surfaces)), np.zeros((n, 3 * surfaces))
+        if n and surfaces:
+            _distance_kernel(self._composition)(np.ascontiguousarray(points), time, self._numbers, D, N)
+        return D, N.reshape(n, surfaces, 3)
 
 
-def _solid(one) -> Part | None:
-    """The collider as a fixed shape, if it is one that stands in the way."""
-    v, eye = one.values, np.eye(3)
-    if one.name == "sphere" and not v["inside"]:
+def _solid(collider) -> Part | None:
+    """The collider as a fixed shape; None unless it is a solid sphere, block or capsule."""
+    v, eye = collider.values, np.eye(3)
+    if collider.name == "sphere" and not v["inside"]:
         return Part(BALL, np.zeros(3), v["radius"], np.array(v["center"], float), eye)
-    if one.name == "block":
+    if collider.name == "block":
         low, high = np.array(v["min"], float), np.array(v["max"], float)
         return Part(BOX, (high - low) / 2, 0.0, (high + low) / 2, eye)
-    if one.name == "capsule":
+    if collider.name == "capsule":
         a, b = np.array(v["a"], float), np.array(v["b"], float)
         length = float(np.linalg.norm(b - a))
         along = (b - a) / length if length > 0 else np.array([0.0, 1.0, 0.0])
@@ -84,7 +85,7 @@ def _solid(one) -> Part | None:
 
 
 @cache
-def _kernel(composition: KernelTerms):
+def _distance_kernel(composition: KernelTerms):
     terms = TileTerms(composition, (), 0, real=ti.f64)
     matrix = ti.types.ndarray(ti.f64, 2)
 
@@ -94,10 +95,10 @@ def _kernel(composition: KernelTerms):
         ti.loop_config(block_dim=1)
         for block in range((n + 255) // 256):
             for i in range(block * 256, ti.min((block + 1) * 256, n)):
-                for s in range(count(terms.walls)):
-                    on = terms.surface(Q, s, ti.Vector([X[i, 0], X[i, 1], X[i, 2]]), time, 1)
-                    D[i, s] = on[3]
+                for s in range(count(terms.colliders)):
+                    hit = terms.surface(Q, s, ti.Vector([X[i, 0], X[i, 1], X[i, 2]]), time, 1)
+                    D[i, s] = hit[3]
                     for c in ti.static(range(3)):
-                        N[i, 3 * s + c] = on[c]
+                        N[i, 3 * s + c] = hit[c]
 
     return runtime.kernel(measure, "f64")

@@ -1,23 +1,32 @@
-"""Where bodies touch: pairs whose boxes along the axes overlap, then the contacts of each pair of shapes.
+"""Collision detection: pairs whose axis-aligned bounding boxes overlap, then the contacts of each pair of shapes.
 
-Every shape is a core rounded by a radius, so that all but two boxes come down to the nearest points of two cores.
+Every shape is a core (point, segment or box) rounded by a radius. The contacts of all pairs but two boxes are therefore the
+nearest points of two cores.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from gen_art.interactions.rigid.box_contacts import between_boxes
+from gen_art.interactions.rigid.box_contacts import contacts_between_boxes
 from gen_art.interactions.rigid.shapes import BALL, BOX
 
-__all__ = ["ContactPoints", "Shapes", "near_pairs", "detect_contacts"]
+__all__ = ["MAX_FEATURES", "ContactPoints", "Shapes", "detect_contacts", "near_pairs"]
 
-_THIRDS = 48  # steps of the search along a segment: each keeps two thirds, so 4e-9 of it is left
+MAX_FEATURES = 512  # a contact's key is its pair of shapes times this, plus the number of its feature
+_TERNARY_STEPS = 48  # of the search along a segment: each keeps two thirds, so 4e-9 of the segment is left
 
 
 @dataclass
 class Shapes:
-    """The shapes of all bodies in the world: kind (s,), body (s,), half (s, 3), radius (s,), center (s, 3), axes (s, 3, 3)."""
+    """The shapes of all bodies, placed in the world.
+
+    kind, body : (s,)
+    half : (s, 3) m, half extents of the core
+    radius : (s,) m
+    center : (s, 3) m
+    axes : (s, 3, 3), columns are the shape's axes
+    """
 
     kind: np.ndarray
     body: np.ndarray
@@ -29,7 +38,14 @@ class Shapes:
 
 @dataclass
 class ContactPoints:
-    """k contacts: shapes first and second (k,), point (k, 3), normal (k, 3) from second to first, gap (k,), key (k,) int64."""
+    """k contacts.
+
+    first, second : (k,) shapes
+    point : (k, 3) m
+    normal : (k, 3), from second to first
+    gap : (k,) m, negative where they overlap
+    key : (k,) int64, the same for the same contact in the next step
+    """
 
     first: np.ndarray
     second: np.ndarray
@@ -39,9 +55,9 @@ class ContactPoints:
     key: np.ndarray
 
 
-def near_pairs(shapes: Shapes, reach: np.ndarray, movable: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of shapes of different bodies, one of them movable (s,), whose boxes, widened by reach (s,), overlap."""
-    extent = np.einsum("sij,sj->si", np.abs(shapes.axes), shapes.half) + (shapes.radius + reach)[:, None]
+def near_pairs(shapes: Shapes, margin: np.ndarray, movable: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of shapes of different bodies whose bounding boxes, widened by margin (s,), m, overlap; at least one is movable."""
+    extent = np.einsum("sij,sj->si", np.abs(shapes.axes), shapes.half) + (shapes.radius + margin)[:, None]
     low, high = shapes.center - extent, shapes.center + extent
     order = np.argsort(low[:, 0], kind="stable")
     many = np.searchsorted(low[order, 0], high[order, 0], "right") - np.arange(len(order)) - 1
@@ -58,85 +74,83 @@ def near_pairs(shapes: Shapes, reach: np.ndarray, movable: np.ndarray) -> tuple[
     return i[order], j[order]
 
 
-def detect_contacts(shapes: Shapes, reach: np.ndarray, movable: np.ndarray) -> ContactPoints:
-    """Every contact whose gap is below the sum of the two shapes' reach, m; in the order of the shapes."""
-    i, j = near_pairs(shapes, reach, movable)
-    s, most = shapes, reach[i] + reach[j]
+def detect_contacts(shapes: Shapes, margin: np.ndarray, movable: np.ndarray) -> ContactPoints:
+    """Every contact whose gap is below the sum of the two shapes' margins (s,), m, in the order of the shapes."""
+    i, j = near_pairs(shapes, margin, movable)
+    s, most = shapes, margin[i] + margin[j]
     found = []
-    both = s.kind[j] == BOX
-    for group, boxes in ((np.flatnonzero(~both), 0), (np.flatnonzero(both & (s.kind[i] != BOX)), 1)):
+    box_i, box_j = s.kind[i] == BOX, s.kind[j] == BOX  # in a pair the box comes last
+    for group, with_box in ((np.flatnonzero(~box_j), False), (np.flatnonzero(box_j & ~box_i), True)):
         if len(group):
-            found.append(_rounded(s, i[group], j[group], most[group], group, boxes == 1))
-    group = np.flatnonzero(both & (s.kind[i] == BOX))
+            found.append(_rounded_contacts(s, i[group], j[group], most[group], group, with_box))
+    group = np.flatnonzero(box_j & box_i)
     if len(group):
         a, b = i[group], j[group]
-        k, *rest = between_boxes(
-            s.center[a], s.axes[a], s.half[a], s.center[b], s.axes[b], s.half[b], most[group]
-        )  # fmt: skip
+        box_a, box_b = (s.center[a], s.axes[a], s.half[a]), (s.center[b], s.axes[b], s.half[b])
+        k, *rest = contacts_between_boxes(*box_a, *box_b, most[group])
         found.append((group[k], *rest))
     if not found:
         none = np.zeros(0, np.int64)
         return ContactPoints(none, none, np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), none)
-    pair, point, normal, gap, feature = (np.concatenate(part) for part in zip(*found))
+    pair, point, normal, gap, feature = (np.concatenate(column) for column in zip(*found))
     order = np.lexsort((feature, pair))
-    pair, point, normal, gap, feature = (part[order] for part in (pair, point, normal, gap, feature))
+    pair, point, normal, gap, feature = (column[order] for column in (pair, point, normal, gap, feature))
     first, second = i[pair].astype(np.int64), j[pair].astype(np.int64)
-    return ContactPoints(first, second, point, normal, gap, (first * len(s.kind) + second) * 512 + feature)
+    return ContactPoints(first, second, point, normal, gap, (first * len(s.kind) + second) * MAX_FEATURES + feature)
 
 
-def _rounded(s: Shapes, i, j, most, pair, box: bool):
-    """Contacts of points and segments i with those, or with boxes, j: the nearest points, and each end of a segment."""
+def _rounded_contacts(s: Shapes, i, j, most, pair, with_box: bool):
+    """Contacts of points and segments i with points and segments, or boxes, j: nearest points, and each end of a segment."""
     arm = s.half[i, 1][:, None] * s.axes[i][:, :, 1]
     c = s.center[i]
-    if box:
+    if with_box:
         near = _nearest_to_box(s, j, c, arm)
-        tries = [c + near[:, None] * arm, c - arm, c + arm]
-        sides = [(p, _on_box(s, j, p)) for p in tries]
+        candidates = [(p, *_to_box(s, j, p)) for p in (c + near[:, None] * arm, c - arm, c + arm)]
     else:
         other = s.half[j, 1][:, None] * s.axes[j][:, :, 1]
         d = s.center[j]
         a, b = _between_segments(c, arm, d, other)
-        sides = [(c + a[:, None] * arm, d + b[:, None] * other)]
-        sides += [(p, d + _along(p - d, other)[:, None] * other) for p in (c - arm, c + arm)]
-        sides += [(c + _along(p - c, arm)[:, None] * arm, p) for p in (d - other, d + other)]
-        sides = [(p, (q, *_apart(p - q))) for p, q in sides]
+        points = [(c + a[:, None] * arm, d + b[:, None] * other)]
+        points += [(p, d + _nearest_on_segment(p - d, other)[:, None] * other) for p in (c - arm, c + arm)]
+        points += [(c + _nearest_on_segment(p - c, arm)[:, None] * arm, p) for p in (d - other, d + other)]
+        candidates = [(p, *_direction(p - q)) for p, q in points]
     found = []
-    longer = (s.kind[i] != BALL) | (s.kind[j] != BALL) if not box else s.kind[i] != BALL
-    for feature, (p, (_, normal, distance)) in enumerate(sides):
+    with_ends = s.kind[i] != BALL if with_box else (s.kind[i] != BALL) | (s.kind[j] != BALL)
+    for feature, (p, normal, distance) in enumerate(candidates):
         gap = distance - s.radius[i] - s.radius[j]
-        take = (gap < most) & (longer | (feature == 0))
+        keep = (gap < most) & (with_ends | (feature == 0))
         point = p - (s.radius[i] + 0.5 * gap)[:, None] * normal
-        found.append((pair[take], point[take], normal[take], gap[take], np.full(int(take.sum()), feature)))
-    return tuple(np.concatenate(part) for part in zip(*found))
+        found.append((pair[keep], point[keep], normal[keep], gap[keep], np.full(int(keep.sum()), feature)))
+    return tuple(np.concatenate(column) for column in zip(*found))
 
 
-def _apart(d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Direction and length; straight up where there is none."""
+def _direction(d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unit vectors and lengths of vectors d (m, 3); straight up where the length is 0."""
     length = np.sqrt((d * d).sum(1))
     flat = length > 1e-12
     return np.where(flat[:, None], d / np.where(flat, length, 1.0)[:, None], np.array([0.0, 1.0, 0.0])), length
 
 
-def _along(d: np.ndarray, arm: np.ndarray) -> np.ndarray:
-    """Where on the segment -arm to arm, -1 to 1, is nearest to d."""
+def _nearest_on_segment(d: np.ndarray, arm: np.ndarray) -> np.ndarray:
+    """The parameter, -1 to 1, of the point of the segment from -arm to arm that is nearest to d."""
     square = (arm * arm).sum(1)
     return np.clip((d * arm).sum(1) / np.where(square > 0, square, 1.0), -1, 1)
 
 
 def _between_segments(c, u, d, v):
-    """The shares a, b, -1 to 1, at which c + a u and d + b v are nearest."""
+    """The parameters a, b, -1 to 1, at which c + a u and d + b v are nearest to each other."""
     w = c - d
     uu, vv, uv = (u * u).sum(1), (v * v).sum(1), (u * v).sum(1)
     det = uu * vv - uv * uv
     flat = det > 1e-12 * uu * vv
     a = np.where(flat, (uv * (w * v).sum(1) - vv * (w * u).sum(1)) / np.where(flat, det, 1.0), 0.0)
-    b = _along(w + np.clip(a, -1, 1)[:, None] * u, v)
-    a = _along(d + b[:, None] * v - c, u)
-    return a, _along(c + a[:, None] * u - d, v)
+    b = _nearest_on_segment(w + np.clip(a, -1, 1)[:, None] * u, v)
+    a = _nearest_on_segment(d + b[:, None] * v - c, u)
+    return a, _nearest_on_segment(c + a[:, None] * u - d, v)
 
 
-def _on_box(s: Shapes, j, p):
-    """(nearest point, normal out of the box, distance) of points p."""
+def _to_box(s: Shapes, j, p):
+    """(normal out of the box, distance) of points p."""
     x = np.einsum("mji,mj->mi", s.axes[j], p - s.center[j])
     q = np.abs(x) - s.half[j]
     out = np.maximum(q, 0)
@@ -147,11 +161,11 @@ def _on_box(s: Shapes, j, p):
     n = np.where(inside[:, None], face, out / np.where(inside, 1.0, length)[:, None]) * np.where(x < 0, -1.0, 1.0)
     distance = np.where(inside, q.max(1), length)
     n = np.einsum("mij,mj->mi", s.axes[j], n)
-    return p - distance[:, None] * n, n, distance
+    return n, distance
 
 
 def _nearest_to_box(s: Shapes, j, c, arm):
-    """Where on the segment c - arm to c + arm, -1 to 1, is nearest to the box, or deepest inside: its distance is convex."""
+    """The parameter, -1 to 1, of the point of c + t arm nearest to the box, or deepest inside; the distance is convex in t."""
     low, high = np.full(len(c), -1.0), np.full(len(c), 1.0)
     x, u = (np.einsum("mji,mj->mi", s.axes[j], w) for w in (c - s.center[j], arm))
 
@@ -162,7 +176,7 @@ def _nearest_to_box(s: Shapes, j, c, arm):
 
     if not u.any():
         return 0.5 * (low + high)
-    for _ in range(_THIRDS):
+    for _ in range(_TERNARY_STEPS):
         a, b = low + (high - low) / 3, high - (high - low) / 3
         left = distance(a) <= distance(b)
         low, high = np.where(left, low, a), np.where(left, b, high)

@@ -1,175 +1,194 @@
 """The impulses of all contacts of one system at one moment.
 
-Before a drift, no gap may close within it, and what comes in fast leaves at once, with restitution times its speed; at the
-end of a step, what touches must not approach. What has sunk in, as bodies that spin against each other do by a little, is
-moved apart again, slowly and without speed. Where the speeds that restitution asks for would gain energy, as they can with
-friction or several contacts at once, the impulses are taken part of the way from the inelastic ones: as far as none is gained.
+Before a drift, no gap may close within the drift, and what arrives fast leaves at once with restitution times its speed. At
+the end of a step, bodies that touch must not approach each other. Overlaps, which bodies that spin against each other build up
+slightly, are removed slowly, by displacements that give no speed. With friction or several contacts at once, the speeds that
+restitution gives can gain energy: the impulses are then scaled back towards the inelastic ones until none is gained.
 """
 
 import numpy as np
 
-from gen_art.interactions.rigid.kernels import NUMBERS, contact_kernel
+from gen_art.interactions.rigid import contact_columns as col
+from gen_art.interactions.rigid.kernels import contact_kernel
 from gen_art.interactions.rigid.quaternions import cross
 
 __all__ = ["ContactSolver"]
 
-_OVERLAP = 5e-3  # of the smaller body's size: what is left alone
-_PART = 0.1  # of what is beyond it, taken back in a step
-_EXACT = 1e-8  # of the largest speed: what a sweep over the contacts may still change
+_OVERLAP = 5e-3  # relative to the smaller body's size: overlaps up to this are not corrected
+_CORRECTION = 0.1  # the part of a deeper overlap's excess that one step removes
+_TOLERANCE = 1e-8  # relative to the largest speed: the sweeps end when they change no speed by more
+
+# columns of C as slices
+_ARM_A = slice(col.ARM_A, col.ARM_A + 3)
+_ARM_B = slice(col.ARM_B, col.ARM_B + 3)
+_FRAME = slice(col.FRAME, col.FRAME + 9)
+_IMPULSE = slice(col.IMPULSE, col.IMPULSE + 3)
+_SURFACE_SPEED = slice(col.SURFACE_SPEED, col.SURFACE_SPEED + 3)
 
 
 class ContactSolver:
-    """Impulses are (k, 3): along the normal and two tangents. `hits` (k,): contacts that bounce; `sign` (k, 1): -1 where the
-    wall stands first."""
+    """Solves for the impulses of a ContactSet. Impulses are (k, 3): along the normal and two tangents.
 
-    def __init__(self, contacts, v: np.ndarray, w: np.ndarray, turn):
+    v, w (b, 3): velocities and spins before the forces' kick
+    stage: the part of the step
+    bounces (k,): the contacts that bounce
+    sign (k, 1): -1 where the first of the pair is a collider, else 1
+    """
+
+    def __init__(self, contacts, v: np.ndarray, w: np.ndarray, stage):
         self._contacts, self._world = contacts, contacts.world
         world, k = contacts.world, len(contacts.gap)
         n = contacts.normal
-        across = np.zeros((k, 3))
-        across[np.arange(k), np.abs(n).argmin(1)] = 1.0
-        u = cross(n, across)
-        u /= np.sqrt((u * u).sum(1))[:, None]
-        self._frame = np.stack([n, u, cross(n, u)], 1)
-        one, two = contacts.first, contacts.second
-        self._a, self._b = np.maximum(one, 0), np.maximum(two, 0)
-        self._on_a, self._on_b = (one >= 0)[:, None], (two >= 0)[:, None]
-        self._ra = np.where(self._on_a, contacts.point - world.x[self._a], 0.0)
-        self._rb = np.where(self._on_b, contacts.point - world.x[self._b], 0.0)
-        self.sign = np.where(self._on_a, 1.0, -1.0)
-        self._surface = np.zeros((k, 3))
-        met = contacts.wall >= 0
-        self._surface[met] = contacts.walls.velocity[contacts.wall[met]] * self.sign[met]
-        self._aims(v, w, turn)
+        axis = np.zeros((k, 3))
+        axis[np.arange(k), np.abs(n).argmin(1)] = 1.0
+        tangent = cross(n, axis)
+        tangent /= np.sqrt((tangent * tangent).sum(1))[:, None]
+        self._frame = np.stack([n, tangent, cross(n, tangent)], 1)
+        first, second = contacts.first, contacts.second
+        self._a, self._b = np.maximum(first, 0), np.maximum(second, 0)
+        self._has_a, self._has_b = (first >= 0)[:, None], (second >= 0)[:, None]
+        self._arm_a = np.where(self._has_a, contacts.point - world.x[self._a], 0.0)
+        self._arm_b = np.where(self._has_b, contacts.point - world.x[self._b], 0.0)
+        self.sign = np.where(self._has_a, 1.0, -1.0)
+        self._surface_velocity = np.zeros((k, 3))
+        met = contacts.collider >= 0
+        self._surface_velocity[met] = contacts.colliders.velocity[contacts.collider[met]] * self.sign[met]
+        self._set_targets(v, w, stage)
 
-    def _sides(self, v, w):
-        """(k, 3) each: velocities of the two bodies at the contacts."""
-        one = np.where(self._on_a, v[self._a] + cross(w[self._a], self._ra), 0.0)
-        return one, np.where(self._on_b, v[self._b] + cross(w[self._b], self._rb), 0.0)
+    def _contact_velocities(self, v, w):
+        """The velocities of the two bodies at each contact, (k, 3) each."""
+        first = np.where(self._has_a, v[self._a] + cross(w[self._a], self._arm_a), 0.0)
+        return first, np.where(self._has_b, v[self._b] + cross(w[self._b], self._arm_b), 0.0)
 
-    def _slip(self, v, w):
-        one, two = self._sides(v, w)
-        return one - two - self._surface
+    def _relative_velocity(self, v, w):
+        first, second = self._contact_velocities(v, w)
+        return first - second - self._surface_velocity
 
-    def _aims(self, v, w, turn) -> None:
-        """What each contact asks for: the least speed along its normal, without bounces and with them, and its friction."""
+    def _set_targets(self, v, w, stage) -> None:
+        """Set each contact's least speed along the normal, without bounces and with them, and its friction coefficient."""
         world, contacts, n = self._world, self._contacts, self._contacts.normal
-        was, now = self._sides(v, w), self._sides(world.v, world.w)
-        self._before, self._after = was[0] - was[1] - self._surface, now[0] - now[1] - self._surface
+        was, now = self._contact_velocities(v, w), self._contact_velocities(world.v, world.w)
+        self._before = was[0] - was[1] - self._surface_velocity
+        self._after = now[0] - now[1] - self._surface_velocity
         w0, w1 = (self._before * n).sum(1), (self._after * n).sum(1)
-        laws = contacts.laws[contacts.wall + 1]
-        whole = turn.dt / turn.kick
-        # what presses two bodies together may be what pulls both of them against a third
-        pull = whole * sum(np.abs(((b - a) * n).sum(1)) for a, b in zip(was, now))
-        fast = (-laws[:, 0] * w0 > pull) & (w0 < 0)
-        span = turn.drift if turn.drift > 0 else turn.dt
-        self._soft = -np.maximum(contacts.gap, 0.0) / span
-        self.lone, self.wait = np.zeros(len(w0), bool), np.zeros(len(w0))
-        if turn.drift > 0:
-            self.hits = fast & (contacts.gap + span * w1 < 0)
-            self._meet_in_time(w1, turn)
+        restitution, kinetic, static = contacts.materials[contacts.collider + 1].T
+        steps_per_kick = stage.dt / stage.kick
+        # summed over both bodies: the same force may press both against a third body
+        pressing = steps_per_kick * sum(np.abs(((b - a) * n).sum(1)) for a, b in zip(was, now))
+        fast = (-restitution * w0 > pressing) & (w0 < 0)
+        span = stage.drift if stage.drift > 0 else stage.dt
+        self._inelastic = -np.maximum(contacts.gap, 0.0) / span
+        self._lone, self._wait = np.zeros(len(w0), bool), np.zeros(len(w0))
+        if stage.drift > 0:
+            self.bounces = fast & (contacts.gap + span * w1 < 0)
+            self._find_lone_impacts(w1, stage)
             w0 = (self._before * n).sum(1)
-            self._hard = np.where(self.hits, w1 - (1 + laws[:, 0]) * w0, self._soft)
+            self._elastic = np.where(self.bounces, w1 - (1 + restitution) * w0, self._inelastic)
         else:
-            self.hits = fast
-            self._soft = np.where(fast, -1e300, self._soft)  # it hits in the next step, with its restitution
-            self._hard = self._soft
+            self.bounces = fast
+            # it bounces in the next step, with its restitution
+            self._inelastic = np.where(fast, col.NO_TARGET, self._inelastic)
+            self._elastic = self._inelastic
         slide = self._before - w0[:, None] * n
-        change = whole * sum(np.sqrt(((b - a) ** 2).sum(1)) for a, b in zip(was, now))
-        self._friction = np.where((slide * slide).sum(1) <= change**2, laws[:, 2], laws[:, 1])
+        change = steps_per_kick * sum(np.sqrt(((b - a) ** 2).sum(1)) for a, b in zip(was, now))
+        self._friction = np.where((slide * slide).sum(1) <= change**2, static, kinetic)
 
-    def _meet_in_time(self, w1: np.ndarray, turn) -> None:
-        """Find the time of impact of balls that meet nothing but one wall, and the speed that forces give them until then.
+    def _find_lone_impacts(self, w1: np.ndarray, stage) -> None:
+        """Find the time of impact of balls that touch nothing but one collider, and their speed at that time.
 
-        Other shapes turn on their way to the wall, and a blow off their middle turns them: they bounce where they are.
+        All other bodies bounce where they are: other shapes rotate before they arrive, and an eccentric impact spins them.
 
-        lone (k,): such contacts     wait (k,): s from the start of the drift to the impact
+        _lone (k,): such contacts
+        _wait (k,): s, from the start of the drift to the impact
         """
-        contacts, many = self._contacts, len(self._world.members)
-        one, two = contacts.first, contacts.second
-        met = np.bincount(one[one >= 0], minlength=many) + np.bincount(two[two >= 0], minlength=many)
-        alone = met[np.maximum(one, two)] == 1
-        turned = sum(np.abs(cross(arm, contacts.normal)).max(1) for arm in (self._ra, self._rb))
-        central = turned <= 1e-9 * contacts.sizes
-        self.lone = self.hits & alone & central & (contacts.wall >= 0) & (contacts.gap > 0)
-        self.wait[self.lone] = -contacts.gap[self.lone] / w1[self.lone]
-        self._before += (self.wait / turn.kick)[:, None] * (self._after - self._before)
+        contacts, bodies = self._contacts, len(self._world.members)
+        first, second = contacts.first, contacts.second
+        touched = np.bincount(first[first >= 0], minlength=bodies) + np.bincount(second[second >= 0], minlength=bodies)
+        alone = touched[np.maximum(first, second)] == 1
+        levers = sum(np.abs(cross(arm, contacts.normal)).max(1) for arm in (self._arm_a, self._arm_b))
+        central = levers <= 1e-9 * contacts.sizes
+        self._lone = self.bounces & alone & central & (contacts.collider >= 0) & (contacts.gap > 0)
+        self._wait[self._lone] = -contacts.gap[self._lone] / w1[self._lone]
+        self._before += (self._wait / stage.kick)[:, None] * (self._after - self._before)
 
-    def late(self, v: np.ndarray, w: np.ndarray) -> np.ndarray | None:
-        """Shifts (b, 3) m and turns (b, 3) rad, as v and w (b, 3), from before the impulses, hold until the impact; or None."""
-        if not self.lone.any():
+    def delays(self, v: np.ndarray, w: np.ndarray) -> np.ndarray | None:
+        """Displacements, m and rad, (b, 6), that let v and w (b, 3) from before the impulses last until the impact; or None."""
+        if not self._lone.any():
             return None
         world, out = self._world, np.zeros((len(v), 6))
-        k = np.flatnonzero(self.lone)
+        k = np.flatnonzero(self._lone)
         b = np.maximum(self._contacts.first, self._contacts.second)[k]
-        out[b] = self.wait[k, None] * np.concatenate([v - world.v, w - world.w], 1)[b]
+        out[b] = self._wait[k, None] * np.concatenate([v - world.v, w - world.w], 1)[b]
         return out
 
-    def _solved(self, aim: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Impulses for the aims, and how they change the speeds at the contacts, both (k, 3)."""
+    def _solve(self, target: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Impulses for the target speeds, and their changes of the velocities at the contacts, both (k, 3)."""
         world = self._world
-        C = self._numbers(aim)
-        C[:, 16], C[:, 17:20] = self._friction, start
-        C[:, 20:23] = (self._frame * self._surface[:, None]).sum(2)
-        V = self._swept(C, np.concatenate([world.v, world.w], 1))
-        change = self._slip(V[:, :3], V[:, 3:]) - self._after
-        return C[:, 17:20], (self._frame * change[:, None]).sum(2)
+        C = self._contact_array(target)
+        C[:, col.FRICTION], C[:, _IMPULSE] = self._friction, start
+        C[:, _SURFACE_SPEED] = (self._frame * self._surface_velocity[:, None]).sum(2)
+        V = self._sweep(C, np.concatenate([world.v, world.w], 1))
+        change = self._relative_velocity(V[:, :3], V[:, 3:]) - self._after
+        return C[:, _IMPULSE], (self._frame * change[:, None]).sum(2)
 
-    def _numbers(self, aim: np.ndarray) -> np.ndarray:
-        C = np.zeros((len(aim), NUMBERS))
-        C[:, 0:3], C[:, 3:6], C[:, 6:15], C[:, 15] = self._ra, self._rb, self._frame.reshape(-1, 9), aim
+    def _contact_array(self, target: np.ndarray) -> np.ndarray:
+        C = np.zeros((len(target), col.CONTACT_COLUMNS))
+        C[:, _ARM_A], C[:, _ARM_B] = self._arm_a, self._arm_b
+        C[:, _FRAME], C[:, col.TARGET_SPEED] = self._frame.reshape(-1, 9), target
         return C
 
-    def _swept(self, C: np.ndarray, start: np.ndarray) -> np.ndarray:
-        """Velocities and spins (b, 6) after the contacts C have acted on those at the start; their impulses are left in C."""
-        contacts, world, many = self._contacts, self._world, len(start)
-        V, B = np.zeros((many + 1, 6)), np.zeros((many + 1, 10))
-        V[:many], B[:many, 0], B[:many, 1:] = start, world.ease, world.J.reshape(-1, 9)
-        one, two = (np.where(i >= 0, i, many).astype(np.int32) for i in (contacts.first, contacts.second))
-        tolerance = (
-            _EXACT * float(max(np.abs(V).max(), np.abs(C[:, 15]).max(where=C[:, 15] > -1e299, initial=0))) + 1e-300
-        )
-        contact_kernel()(B, V, one, two, C, np.zeros((len(C), 36)), np.zeros((len(C), 9)), contacts.most, tolerance)
-        return V[:many]
+    def _sweep(self, C: np.ndarray, start: np.ndarray) -> np.ndarray:
+        """Velocities and spins (b, 6) after the contacts C have acted on those of `start`; the impulses are left in C."""
+        contacts, world, bodies = self._contacts, self._world, len(start)
+        V, B = np.zeros((bodies + 1, col.VELOCITY_COLUMNS)), np.zeros((bodies + 1, col.BODY_COLUMNS))
+        V[:bodies], B[:bodies, col.INVERSE_MASS] = start, world.inverse_mass
+        B[:bodies, col.INVERSE_INERTIA :] = world.inverse_inertia.reshape(-1, 9)
+        first, second = (np.where(i >= 0, i, bodies).astype(np.int32) for i in (contacts.first, contacts.second))
+        target = C[:, col.TARGET_SPEED]
+        fastest = float(max(np.abs(V).max(), np.abs(target).max(where=target > 0.1 * col.NO_TARGET, initial=0)))
+        D, M = np.zeros((len(C), col.DIRECTION_COLUMNS)), np.zeros((len(C), col.SCRATCH_COLUMNS))
+        contact_kernel()(B, V, first, second, C, D, M, contacts.iterations, _TOLERANCE * fastest + 1e-300)
+        return V[:bodies]
 
-    def parting(self) -> np.ndarray | None:
-        """Shifts (b, 3) m and turns (b, 3) rad that take bodies apart by a part of what they overlap by; None if they do not."""
+    def overlap_correction(self) -> np.ndarray | None:
+        """Displacements, m and rad, (b, 6), that remove a part of the overlaps; None if there are none."""
         contacts = self._contacts
         deep = np.maximum(-contacts.gap - _OVERLAP * contacts.sizes, 0.0)
         if not deep.any():
             return None
-        return self._swept(
-            self._numbers(_PART * deep - np.maximum(contacts.gap, 0.0)), np.zeros((len(self._world.v), 6))
-        )
+        C = self._contact_array(_CORRECTION * deep - np.maximum(contacts.gap, 0.0))
+        return self._sweep(C, np.zeros((len(self._world.v), 6)))
 
     def impulses(self, start: np.ndarray) -> np.ndarray:
-        """What the contacts give, found from the guess `start`."""
-        start = np.where(self.hits[:, None], 0.0, start)
-        full, answer = self._solved(self._hard, start)
-        if self._hard is self._soft or not self.hits.any():
+        """The impulses of the contacts, found from the guess `start`."""
+        start = np.where(self.bounces[:, None], 0.0, start)
+        full, full_change = self._solve(self._elastic, start)
+        if self._elastic is self._inelastic or not self.bounces.any():
             return full
+        # impulses P gain the energy sum P (before + change / 2), a quadratic on the line from the inelastic ones to `full`
         before = (self._frame * self._before[:, None]).sum(2)
-        gained = (full * (before + 0.5 * answer)).sum()
+        gained = (full * (before + 0.5 * full_change)).sum()
         if gained <= 0:
             return full
-        least, least_answer = self._solved(self._soft, start)
-        way, way_answer = full - least, answer - least_answer
-        flat = (least * (before + 0.5 * least_answer)).sum()
-        slope = (way * before).sum() + 0.5 * ((least * way_answer).sum() + (way * least_answer).sum())
-        bend = 0.5 * (way * way_answer).sum()
-        room = max(flat, 0.0) - flat
-        if gained <= max(flat, 0.0) or bend <= 0:
+        least, least_change = self._solve(self._inelastic, start)
+        rest, rest_change = full - least, full_change - least_change
+        gained_by_least = (least * (before + 0.5 * least_change)).sum()
+        slope = (rest * before).sum() + 0.5 * ((least * rest_change).sum() + (rest * least_change).sum())
+        curvature = 0.5 * (rest * rest_change).sum()
+        allowed = max(gained_by_least, 0.0) - gained_by_least
+        if gained <= max(gained_by_least, 0.0) or curvature <= 0:
             return full
-        part = (np.sqrt(max(slope * slope + 4 * bend * room, 0.0)) - slope) / (2 * bend)
-        return least + min(max(part, 0.0), 1.0) * way
+        part = (np.sqrt(max(slope * slope + 4 * curvature * allowed, 0.0)) - slope) / (2 * curvature)
+        return least + min(max(part, 0.0), 1.0) * rest
 
-    def give(self, impulses: np.ndarray) -> np.ndarray:
-        """Let the bodies take them; returns the impulses (k, 3), N s, in the world, on the first of each pair."""
+    def apply(self, impulses: np.ndarray) -> np.ndarray:
+        """Apply the impulses to the bodies. Returns the impulse on the first body of each pair, (k, 3), N s, in world axes."""
         given = (self._frame * impulses[:, :, None]).sum(1)
         P, L = np.zeros_like(self._world.v), np.zeros_like(self._world.v)
-        for body, on, arm, way in ((self._a, self._on_a, self._ra, 1.0), (self._b, self._on_b, self._rb, -1.0)):
-            on = on[:, 0]
-            np.add.at(P, body[on], way * given[on])
-            np.add.at(L, body[on], way * cross(arm[on], given[on]))
-        self._world.impulse(P, L)
+        sides = ((self._a, self._has_a, self._arm_a, 1.0), (self._b, self._has_b, self._arm_b, -1.0))
+        for body, has_body, arm, sign in sides:
+            on = has_body[:, 0]
+            np.add.at(P, body[on], sign * given[on])
+            np.add.at(L, body[on], sign * cross(arm[on], given[on]))
+        self._world.apply_impulse(P, L)
         return given

@@ -1,4 +1,4 @@
-"""Bodies together, as the particles of one system."""
+"""Several bodies as the particles of one system."""
 
 import numpy as np
 
@@ -12,9 +12,12 @@ ATTRIBUTES = ("area", "normal_x", "normal_y", "normal_z", "shade", "tint")
 
 
 class Group:
-    """Bodies, and the particles that stand for them, one body after the other.
+    """Bodies and the particles that represent them, one body after the other.
 
-    members : the bodies     position, velocity : (n, 3)     mass, radius : (n,)     fixed : (n,) bool
+    members : the bodies
+    position, velocity : (n, 3) m and m/s
+    mass, radius : (n,) kg and m
+    fixed : (n,) bool
     attributes : ATTRIBUTES of the particles, by name, each (n,)
     Raises UsageError unless there is at least one body.
     """
@@ -23,24 +26,24 @@ class Group:
         self.members: list[Body] = list(members)
         if not self.members or not all(isinstance(b, Body) for b in self.members):
             raise UsageError("bodies must be a list of what ga.body makes")
-        turns = [matrices(b.attitude) for b in self.members]
-        arms = [b.local @ R.T for b, R in zip(self.members, turns)]
+        rotations = [matrices(b.attitude) for b in self.members]
+        arms = [b.local @ R.T for b, R in zip(self.members, rotations)]
         self.position = np.concatenate([b.place + arm for b, arm in zip(self.members, arms)])
         self.velocity = np.concatenate([b.velocity + np.cross(b.spin, arm) for b, arm in zip(self.members, arms)])
         self.mass = np.concatenate([b.masses for b in self.members])
         self.radius = np.concatenate([b.radii for b in self.members])
-        self.fixed = self._each([b.hold == STATIC for b in self.members])
+        self.fixed = self._each([b.constraint == STATIC for b in self.members])
         area = np.concatenate([b.areas for b in self.members])
-        normal = np.concatenate([b.normals @ R.T for b, R in zip(self.members, turns)])
+        normal = np.concatenate([b.normals @ R.T for b, R in zip(self.members, rotations)])
         shade, tint = np.zeros(len(area)), self._each([b.tint for b in self.members])
         self.attributes = dict(zip(ATTRIBUTES, (area, *normal.T, shade, tint)))
 
     def _each(self, values) -> np.ndarray:
-        """One value for each body, on all its particles."""
+        """The value of each body, repeated for all its particles."""
         return np.repeat(np.array(values), [len(b.local) for b in self.members])
 
     def rigid(self, **parameters):
-        """The interaction for a ParticleSystem whose particles are these, in their order."""
+        """The interaction for a ParticleSystem that consists of these particles, in this order."""
         from gen_art.interactions.rigid.interaction import Rigid
 
         return Rigid(bodies=[b.spec for b in self.members], **parameters)

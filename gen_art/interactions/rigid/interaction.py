@@ -11,19 +11,21 @@ __all__ = ["Rigid"]
 
 @interaction("rigid")
 class Rigid(Interaction):
-    """Rigid bodies: each moves as one, turns with its full inertia, and pushes the others and the colliders where they touch.
+    """Rigid bodies that rotate with their full inertia and collide with each other and with colliders.
 
     m dV/dt = sum F_i,  dL/dt = sum r_i x F_i,  v_i = V + w x r_i,  w = I^-1 L  over the particles i of a body
     at a contact: w_n' = -restitution w_n, and 0 where gravity undoes the bounce within the step; F_t <= friction F_n
 
-    restitution : speed after over speed before, between bodies     friction : Coulomb's coefficient between bodies
-    Colliders of the system act on the shapes, with their own restitution and friction; their action is to bounce.
-    iterations : most sweeps over the contacts in a half step     lamp : what the attribute `shade`, 0 to 1, looks towards
-    Bodies are those that the system's `body` emitters lay; in Python ga.bodies(...).system(...). Torque-free rotation has
-    order 4 and keeps L exactly; with leapfrog, contacts and constant forces have order 2. Impulses are exchanged at the
-    speeds of the moment, so that a bounce never gains energy; it comes early by up to a step, but in time where a ball meets
-    one wall alone.
-    Needs leapfrog, velocity_verlet or semi_implicit_euler. Contacts are dissipative; reciprocal but for held bodies.
+    restitution : speed after over speed before, between bodies
+    friction : Coulomb's coefficient between bodies
+    iterations : largest number of pairs of sweeps over the contacts in a half step
+    lamp : the direction that the attribute `shade`, 0 to 1, is lit from
+    bodies : those that the system's `body` emitters lay; in Python ga.bodies(...).system(...)
+    Colliders of the system act on the shapes, with their own restitution and friction; their action must be to bounce.
+    Torque-free rotation has order 4 and keeps L exactly; with leapfrog, contacts and constant forces have order 2. Impulses are
+    exchanged at the speeds of the moment, so that a bounce never gains energy; it comes early by up to a step, but at the right
+    time where a ball touches only one collider.
+    Needs leapfrog, velocity_verlet or semi_implicit_euler. Contacts are dissipative; reciprocal except for bodies that are held.
     Sources: Catto (2005) for sequential impulses; Andersen (1983) for the velocities at the end of a step (RATTLE).
     """
 
@@ -34,7 +36,7 @@ class Rigid(Interaction):
     bodies: object = param(None, doc="arguments of ga.body, in Python; those that emitters lay when left out")
 
     implicit = True
-    carries = True
+    moves_particles = True
     conservative = False
     parts = ()
 
@@ -48,36 +50,32 @@ class Rigid(Interaction):
         self._world = None
 
     def take_colliders(self, colliders) -> None:
-        """The system's colliders, which meet the bodies instead of their particles."""
+        """Take over the system's colliders, which act on the bodies instead of their particles."""
         for one in colliders:
             if one.values["action"] != "bounce":
                 raise UsageError(f"rigid bodies bounce off a {one.name}: its action cannot be {one.values['action']}")
-            if one.turns:
+            if one.rotates:
                 raise UsageError(
-                    f"rigid bodies meet walls that stand or slide: leave out the angular_velocity of the {one.name}"
+                    f"rigid bodies need colliders that do not rotate: leave out the angular_velocity of the {one.name}"
                 )
         self._colliders = list(colliders)
 
     def attach(self, system, dt):
         from gen_art.interactions.rigid.world import World
 
-        if sum(one.carries for one in system.interactions) > 1:
+        if sum(one.moves_particles for one in system.interactions) > 1:
             raise UsageError(f"system '{system.name}' has two `rigid`: give it one")
         scheme = system.scheme
-        if (
-            scheme.kind != "splitting"
-            or scheme.first_drift
-            or sum(s[2] > 0 for s in scheme.stages) != 1
-            or scheme.light
-        ):
+        drifts = sum(drift > 0 for _, _, drift in scheme.stages)
+        if scheme.kind != "splitting" or scheme.first_drift or drifts != 1 or scheme.light:
             raise UsageError(
                 f"rigid bodies move by leapfrog, velocity_verlet or semi_implicit_euler; give '{system.name}' one of them, "
                 f"not {scheme.name}"
             )
-        self._world = World(self._laid(system), self._colliders, self.values, system, dt)
+        self._world = World(self._members(system), self._colliders, self.values, system, dt)
 
-    def _laid(self, system) -> list:
-        """The bodies in the order of their particles. Raises UsageError for particles that belong to none."""
+    def _members(self, system) -> list:
+        """The bodies in the order of their particles. Raises UsageError for particles that belong to no body."""
         from gen_art.interactions.rigid.body import body
 
         if self.values["bodies"] is not None:
@@ -112,17 +110,17 @@ class Rigid(Interaction):
     def restore_arrays(self, saved_arrays, time):
         self._world.restore_arrays(saved_arrays, time)
 
-    def solve(self, state, turn):
-        self._world.push(state, turn)
+    def solve(self, state, stage):
+        self._world.solve(state, stage)
 
-    def drift(self, state, turn):
-        self._world.drift(state, turn)
+    def drift(self, state, stage):
+        self._world.drift(state, stage)
 
-    def impulses(self):
-        return self._world.given
+    def collider_impulses(self):
+        return self._world.collider_impulses
 
-    def shifts(self):
-        return self._world.shifts()
+    def drift_displacement(self):
+        return self._world.particle_displacement()
 
     def energy(self, state, slots, precision):
         return 0.0

@@ -1,6 +1,6 @@
-"""Rotations of many bodies at once, in NumPy: unit quaternions (w, x, y, z) and the matrices they stand for.
+"""Rotations of many bodies at once, in NumPy: unit quaternions (w, x, y, z) and their rotation matrices.
 
-Sums are written out or left to einsum without BLAS, so that their order, and the bits, never depend on threads.
+Sums are written out or use einsum without BLAS, so that their order, and the bits, never depend on the number of threads.
 """
 
 import numpy as np
@@ -9,20 +9,20 @@ __all__ = ["cross", "matrices", "product", "quaternion", "rotation"]
 
 
 def rotation(vectors: np.ndarray) -> np.ndarray:
-    """(..., 4) quaternions of turns about rotation vectors (..., 3): axis times angle, rad."""
+    """Quaternions (..., 4) of the rotation vectors (..., 3), axis times angle, rad."""
     v = np.asarray(vectors, float)
     square = (v * v).sum(-1, keepdims=True)
     half = 0.5 * np.sqrt(square)
-    near = half < 1e-4
-    share = np.where(near, 0.5 - square / 48, np.sin(half) / np.where(near, 1.0, 2 * half))
-    return np.concatenate([np.cos(half), share * v], -1)
+    small = half < 1e-4
+    factor = np.where(small, 0.5 - square / 48, np.sin(half) / np.where(small, 1.0, 2 * half))
+    return np.concatenate([np.cos(half), factor * v], -1)
 
 
 def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """The turn q, then p, as a unit quaternion (..., 4)."""
+    """The rotation q followed by p, as a unit quaternion (..., 4)."""
     a, u, b, v = p[..., :1], p[..., 1:], q[..., :1], q[..., 1:]
-    both = np.concatenate([a * b - (u * v).sum(-1, keepdims=True), a * v + b * u + cross(u, v)], -1)
-    return both / np.sqrt((both * both).sum(-1, keepdims=True))
+    result = np.concatenate([a * b - (u * v).sum(-1, keepdims=True), a * v + b * u + cross(u, v)], -1)
+    return result / np.sqrt((result * result).sum(-1, keepdims=True))
 
 
 def cross(u: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -38,7 +38,7 @@ def cross(u: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 def matrices(q: np.ndarray) -> np.ndarray:
-    """(..., 3, 3): from the body's frame to the world's; columns are the body's axes."""
+    """Matrices (..., 3, 3) from the body's frame to the world's; columns are the body's axes."""
     w, x, y, z = (q[..., k] for k in range(4))
     return np.stack(
         [
@@ -51,7 +51,7 @@ def matrices(q: np.ndarray) -> np.ndarray:
 
 
 def quaternion(matrix: np.ndarray) -> np.ndarray:
-    """(4,) of one rotation matrix (3, 3), by its largest component."""
+    """The quaternion (4,) of one rotation matrix (3, 3), from its largest component."""
     m = matrix
     squares = np.array([m[0, 0] + m[1, 1] + m[2, 2], m[0, 0], m[1, 1], m[2, 2]])
     k = int(np.argmax(squares))

@@ -1,6 +1,6 @@
-"""The shapes bodies are made of: balls, capsules and boxes, each a core (a point, a segment, a box) with a rounding.
+"""The shapes of bodies: balls, capsules and boxes, each a core (a point, a segment, a box) rounded by a radius.
 
-Volume, area and second moments of the solid and of the shell, and points on the surface or along the edges.
+Volume, area, second moments of the solid and of the shell, and points on the surface or along the edges.
 """
 
 import math
@@ -21,8 +21,13 @@ _GOLDEN = math.pi * (3 - math.sqrt(5))
 
 @dataclass(frozen=True)
 class Part:
-    """One shape of a body: a core of half extents `half` (3,), rounded by `radius`, m, at `center`, turned by `axes` (3, 3).
+    """One shape of a body.
 
+    kind : BALL, CAPSULE or BOX
+    half : (3,) m, half extents of the core
+    radius : m, of the rounding
+    center : (3,) m
+    axes : (3, 3), columns are the shape's axes
     share : its density relative to the body's other parts
     """
 
@@ -44,31 +49,29 @@ class Part:
         return 8 * (a * b + b * c + c * a) if self.kind == BOX else 4 * math.pi * r * (b + r)
 
     def moments(self, hollow: bool) -> np.ndarray:
-        """(3, 3): the mean of x x^T over the solid, or over its surface, about the part's centre; m^2."""
+        """The mean of x x^T, (3, 3) m^2, over the solid, or over its surface, about the part's centre."""
         r, (a, b, c) = self.radius, self.half
         if self.kind == BOX:
             squares = np.array([a * a, b * b, c * c]) / 3
             if hollow:
                 faces = np.array([b * c, c * a, a * b])
                 squares *= 1 + 2 * faces / faces.sum()
-        else:  # a cylinder of half length b between two halves of a ball
-            rod, ball = (
-                (4 * math.pi * r * b, 4 * math.pi * r * r)
-                if hollow
-                else (2 * math.pi * r * r * b, 4 / 3 * math.pi * r**3)
-            )
+        else:  # a cylinder of half length b between two hemispheres
+            rod, ball = 2 * math.pi * r * r * b, 4 / 3 * math.pi * r**3
+            if hollow:
+                rod, ball = 4 * math.pi * r * b, 4 * math.pi * r * r
             along = rod * b * b / 3 + ball * (b * b + b * r * (1 if hollow else 0.75) + r * r / (3 if hollow else 5))
             across = rod * r * r / (2 if hollow else 4) + ball * r * r / (3 if hollow else 5)
             squares = np.array([across, along, across]) / (rod + ball)
         return self.axes @ np.diag(squares) @ self.axes.T
 
     def distance(self, x: np.ndarray) -> np.ndarray:
-        """(n,) m, from points (n, 3) of the body's frame to the surface, negative inside."""
+        """Distances (n,), m, of points (n, 3) in the body's frame from the surface; negative inside."""
         q = np.abs((x - self.center) @ self.axes) - self.half
         return np.linalg.norm(np.maximum(q, 0), axis=-1) + np.minimum(q.max(-1), 0) - self.radius
 
     def surface(self, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Points about `spacing` m apart, outward normals (n, 3), and the area, m^2, each stands for."""
+        """Points about `spacing` m apart, outward normals (n, 3), and the area, m^2, that each represents."""
         if self.kind == BOX:
             x, n, area = _faces(self.half, spacing)
         else:
@@ -76,8 +79,8 @@ class Part:
         return x @ self.axes.T + self.center, n @ self.axes.T, area
 
     def wires(self, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The same along edges and great circles; they have no area."""
-        x = _edges(self.half, spacing) if self.kind == BOX else _hoops(float(self.half[1]), self.radius, spacing)
+        """The same along edges and great circles; their area is 0."""
+        x = _edges(self.half, spacing) if self.kind == BOX else _rings(float(self.half[1]), self.radius, spacing)
         n = x - np.clip(x, -self.half, self.half)
         if self.kind == BOX:
             n = np.sign(x) * (np.abs(x) > self.half * (1 - 1e-9))
@@ -85,14 +88,15 @@ class Part:
         return x @ self.axes.T + self.center, n @ self.axes.T, np.zeros(len(x))
 
     def wire_length(self) -> float:
+        """The length, m, of the edges and great circles."""
         r, b = self.radius, float(self.half[1])
-        return (
-            8 * float(self.half.sum()) if self.kind == BOX else 6 * math.pi * r + (2 * math.pi * r + 8 * b if b else 0)
-        )
+        if self.kind == BOX:
+            return 8 * float(self.half.sum())
+        return 6 * math.pi * r + (2 * math.pi * r + 8 * b if b else 0)
 
 
 def parts_of(shape) -> list[Part]:
-    """The parts of {"sphere": radius}, {"capsule": [length, radius]}, {"box": [x, y, z]}, or of a list of such.
+    """The parts of {"sphere": radius}, {"capsule": [length, radius]}, {"box": [x, y, z]}, or of a list of them.
 
     Each may have `at` (3,) m, `turn` (3,) degrees as a rotation vector, and `density` relative to the others.
     Raises UsageError.
@@ -111,9 +115,9 @@ def _part(entry) -> Part:
     kinds = [key for key in entry if key in _KINDS]
     extra = [key for key in entry if key not in (*_KINDS, "at", "turn", "density")]
     if extra or len(kinds) != 1:
-        what = (
-            f"'{extra[0]}'{suggest(extra[0], [*_KINDS, 'at', 'turn', 'density'])}" if extra else f"{len(kinds)} of them"
-        )
+        what = f"{len(kinds)} of them"
+        if extra:
+            what = f"'{extra[0]}'{suggest(extra[0], [*_KINDS, 'at', 'turn', 'density'])}"
         raise UsageError(f"a shape is one of sphere, capsule, box, with at, turn and density beside it; not {what}")
     kind = kinds[0]
     size = _numbers(kind, entry[kind], {"sphere": 1, "capsule": 2, "box": 3}[kind])
@@ -124,12 +128,12 @@ def _part(entry) -> Part:
         half, radius = size / 2, 0.0
     elif kind == "capsule":
         half[1] = size[0] / 2
-    turn = np.radians(_numbers("turn", entry.get("turn", (0, 0, 0)), 3))
+    rotation_vector = np.radians(_numbers("turn", entry.get("turn", (0, 0, 0)), 3))
     share = float(_numbers("density", entry.get("density", 1.0), 1)[0])
     if share <= 0:
         raise UsageError(f"density must be above 0, not {share:g}")
     at = _numbers("at", entry.get("at", (0, 0, 0)), 3)
-    return Part(_KINDS[kind], half, radius, at, matrices(rotation(turn)), share)
+    return Part(_KINDS[kind], half, radius, at, matrices(rotation(rotation_vector)), share)
 
 
 def _numbers(what: str, value, count: int) -> np.ndarray:
@@ -152,7 +156,7 @@ def _sphere(count: int) -> np.ndarray:
 
 def _rounded(b: float, r: float, spacing: float):
     count = max(6, round(4 * math.pi * r * r / spacing**2))
-    n = _sphere(count + count % 2)  # as many on either half
+    n = _sphere(count + count % 2)  # an even number: as many on either half
     x = r * n + np.sign(n[:, 1:2]) * np.array([0, b, 0])
     area = np.full(len(n), 4 * math.pi * r * r / len(n))
     if b > 0:
@@ -197,7 +201,7 @@ def _edges(half: np.ndarray, spacing: float) -> np.ndarray:
     return np.concatenate(points)
 
 
-def _hoops(b: float, r: float, spacing: float) -> np.ndarray:
+def _rings(b: float, r: float, spacing: float) -> np.ndarray:
     count = 4 * max(2, round(math.pi * r / 2 / spacing))
     angle = 2 * np.pi * (np.arange(count) + 0.5) / count
     c, s, o = r * np.cos(angle), r * np.sin(angle), np.zeros(count)

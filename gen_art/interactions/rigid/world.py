@@ -1,11 +1,11 @@
-"""The bodies of one system together: their state, and one step of it in the parts that the simulation asks for."""
+"""The rigid bodies of one system: their state, and one step of it in the parts that the simulation asks for."""
 
 import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.interactions.rigid.body import AXLED, FREE, STATIC, Body
 from gen_art.interactions.rigid.contact_set import ContactSet
-from gen_art.interactions.rigid.free_motion import ANGLE, inverse_inertia, plan, turn_kernel
+from gen_art.interactions.rigid.free_motion import MAX_ANGLE, inverse_inertia, rotation_kernel, splitting_table
 from gen_art.interactions.rigid.kernels import particle_kernels
 from gen_art.interactions.rigid.quaternions import cross, matrices, product, rotation
 from gen_art.particles.fixed import fixed_lifetimes
@@ -13,60 +13,67 @@ from gen_art.particles.rows import LIFETIME
 
 __all__ = ["World"]
 
+_POSITION = slice(1, 4)  # columns of the particle table, see kernels.py
+
 
 class World:
-    """State: place x (b, 3), attitude q (b, 4), velocity v (b, 3) of the origins, angular momentum L (b, 3) about them."""
+    """The state of b bodies.
+
+    x, q : (b, 3) m and (b, 4), positions of the origins, and attitudes as quaternions
+    v, L : (b, 3) m/s and (b, 3) kg m^2/s, velocities of the origins and angular momenta about them
+    R, w, inverse_inertia : rotation matrices, spins (b, 3) rad/s and inverse inertia (b, 3, 3) in the world, derived from q and L
+    displacement : (b, 6) m and rad, by which the coming drift moves the bodies beside their motion, or None
+    collider_impulses : each collider's impulse, N s, and work, J, in the last solve, by name
+    """
 
     def __init__(self, members: list[Body], colliders, values: dict, system, dt: float):
         self.members, self.precision = members, "f64" if system.state.floats.dtype == np.float64 else "f32"
         stack = lambda f: np.array([f(b) for b in members], float)  # noqa: E731
         self.x, self.q = stack(lambda b: b.place), stack(lambda b: b.attitude)
         self.v = stack(lambda b: b.velocity)
-        self.hold = np.array([b.hold for b in members])
+        self.constraint = np.array([b.constraint for b in members])
         self.inertia, self.axle = stack(lambda b: b.inertia), stack(lambda b: b.axle)
-        self.ease = np.where(self.hold == FREE, 1 / stack(lambda b: b.mass), 0.0)
-        self.turning = inverse_inertia(self.inertia, self.hold, self.axle)
+        self.inverse_mass = np.where(self.constraint == FREE, 1 / stack(lambda b: b.mass), 0.0)
+        self._body_inverse_inertia = inverse_inertia(self.inertia, self.constraint, self.axle)
         R = matrices(self.q)
-        own = np.einsum("bji,bj->bi", R, stack(lambda b: b.spin))
-        self.L = np.einsum("bij,bj->bi", R, self.inertia * own)
-        self._still = bool((self.hold == STATIC).all())
-        self._plan = plan(self.inertia, self.hold, self.axle)
+        body_spin = np.einsum("bji,bj->bi", R, stack(lambda b: b.spin))
+        self.L = np.einsum("bij,bj->bi", R, self.inertia * body_spin)
+        self._all_static = bool((self.constraint == STATIC).all())
+        self._splitting = splitting_table(self.inertia, self.constraint, self.axle)
         counts = [len(b.local) for b in members]
         self._first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-        self._of = np.repeat(np.arange(len(members)), counts).astype(np.int32)
+        self._owner = np.repeat(np.arange(len(members)), counts).astype(np.int32)
         self._table = np.concatenate([np.column_stack([b.masses, b.local, b.normals, 0 * b.masses]) for b in members])
         rows = system.state.channels
         self._rows = np.array([rows.get(k, -1) for k in ("normal_x", "normal_y", "normal_z", "shade")], np.int32)
         lamp = np.array(values["lamp"], float)
         self._lamp = lamp / np.linalg.norm(lamp)
         self._check(system)
-        self._bound()
+        self._update_derived()
         self.contacts = ContactSet(self, colliders, values, dt)
-        self.shift: np.ndarray | None = None  # (b, 6) that the drift moves and turns the bodies by beside their motion
-        self.given: dict[str, tuple[np.ndarray, float]] = {}
+        self.displacement: np.ndarray | None = None
+        self.collider_impulses: dict[str, tuple[np.ndarray, float]] = {}
         if system.state.count:
-            self.contacts.look(0.0)
+            self.contacts.detect(0.0)
             self.contacts.refuse_overlaps(system.name)
-            self._put(system.state, True)
+            self._write_particles(system.state, True)
 
     def _check(self, system) -> None:
         state = system.state
         n = state.count
         if n == 0:  # a snapshot is being restored: the particles come later
             return
-        if n != len(self._of):
-            raise UsageError(f"system '{system.name}' has {n} particles, but its bodies have {len(self._of)}")
-        if (
-            state.may_die
-            and (np.isfinite(state.floats[LIFETIME, :n]) & ~fixed_lifetimes(state.floats[LIFETIME, :n])).any()
-        ):
+        if n != len(self._owner):
+            raise UsageError(f"system '{system.name}' has {n} particles, but its bodies have {len(self._owner)}")
+        lifetime = state.floats[LIFETIME, :n]
+        if state.may_die and (np.isfinite(lifetime) & ~fixed_lifetimes(lifetime)).any():
             raise UsageError(f"rigid bodies do not die: leave out the lifetime of system '{system.name}'")
 
-    def _bound(self) -> None:
-        """How the bodies stand now: matrices, inverse inertia and spin in the world."""
+    def _update_derived(self) -> None:
+        """Update rotation matrices, inverse inertia and spins from attitudes and angular momenta."""
         self.R = matrices(self.q)
-        self.J = np.einsum("bij,bjk,blk->bil", self.R, self.turning, self.R)
-        self.w = np.einsum("bij,bj->bi", self.J, self.L)
+        self.inverse_inertia = np.einsum("bij,bjk,blk->bil", self.R, self._body_inverse_inertia, self.R)
+        self.w = np.einsum("bij,bj->bi", self.inverse_inertia, self.L)
 
     @property
     def saved_arrays(self) -> dict[str, np.ndarray]:
@@ -74,64 +81,63 @@ class World:
 
     def restore_arrays(self, saved_arrays: dict[str, np.ndarray], time: float) -> None:
         self.x, self.q, self.v, self.L = (saved_arrays[k].copy() for k in ("x", "q", "v", "L"))
-        self._bound()
+        self._update_derived()
         self.contacts.restore_arrays(saved_arrays)
-        self.contacts.look(time)
+        self.contacts.detect(time)
 
     def _frames(self) -> np.ndarray:
         return np.concatenate([self.x, self.R.reshape(-1, 9), self.v, self.w], 1)
 
-    def _put(self, state, moves: bool) -> None:
-        put = particle_kernels(self.precision)[1]
-        put(state.floats, self._table, self._frames(), self._of, self._lamp, self._rows, int(moves))
+    def _write_particles(self, state, moves: bool) -> None:
+        _, put = particle_kernels(self.precision)
+        put(state.floats, self._table, self._frames(), self._owner, self._lamp, self._rows, int(moves))
 
-    def push(self, state, turn) -> None:
-        """What forces gave the particles since their velocities were turn.old, then the impulses of contacts."""
-        if self._still:
+    def solve(self, state, stage) -> None:
+        """Collect what forces gave the particles since their velocities were stage.old, and add the impulses of contacts."""
+        if self._all_static:
             return
         gained = np.zeros((len(self.members), 6))
-        particle_kernels(self.precision)[0](
-            state.floats, np.ascontiguousarray(turn.old), self._table, self._frames(), self._first, gained
-        )
+        gather, _ = particle_kernels(self.precision)
+        gather(state.floats, np.ascontiguousarray(stage.old), self._table, self._frames(), self._first, gained)
         v, w = self.v, self.w
-        self.v = v + gained[:, :3] * self.ease[:, None]
+        self.v = v + gained[:, :3] * self.inverse_mass[:, None]
         self.L = self._allowed(self.L + gained[:, 3:])
-        self._bound()
-        self.given = self.contacts.solve(v, w, turn)
-        if turn.booked or not turn.drift:
-            self._put(state, False)
+        self._update_derived()
+        self.collider_impulses = self.contacts.solve(v, w, stage)
+        if stage.with_ledger or not stage.drift:
+            self._write_particles(state, False)
 
-    def shifts(self) -> np.ndarray | float:
-        """(3, n) m, how far the coming drift moves the particles beside their velocities."""
-        if self.shift is None:
+    def particle_displacement(self) -> np.ndarray | float:
+        """(3, n) m, how far the coming drift moves the particles beside their velocities; or 0."""
+        if self.displacement is None:
             return 0.0
-        arm = np.einsum("nij,nj->ni", self.R[self._of], self._table[:, 1:4])
-        by = self.shift[self._of]
+        arm = np.einsum("nij,nj->ni", self.R[self._owner], self._table[:, _POSITION])
+        by = self.displacement[self._owner]
         return (by[:, :3] + cross(by[:, 3:], arm)).T
 
-    def impulse(self, P: np.ndarray, L: np.ndarray) -> None:
-        """Take impulses (b, 3) and angular impulses (b, 3) about the origins."""
-        self.v = self.v + P * self.ease[:, None]
+    def apply_impulse(self, P: np.ndarray, L: np.ndarray) -> None:
+        """Apply impulses (b, 3), N s, and angular impulses (b, 3), N m s, about the origins."""
+        self.v = self.v + P * self.inverse_mass[:, None]
         self.L = self._allowed(self.L + L)
-        self._bound()
+        self._update_derived()
 
     def _allowed(self, L: np.ndarray) -> np.ndarray:
-        """The part of an angular momentum that bodies may have, as they are held."""
+        """The part of an angular momentum (b, 3) that the bodies' constraints allow."""
         R = self.R
-        along = np.einsum("bij,bj->bi", R, self.axle)
-        L = np.where((self.hold == AXLED)[:, None], along * (along * L).sum(1)[:, None], L)
-        L[self.hold == STATIC] = 0.0
+        axle = np.einsum("bij,bj->bi", R, self.axle)
+        L = np.where((self.constraint == AXLED)[:, None], axle * (axle * L).sum(1)[:, None], L)
+        L[self.constraint == STATIC] = 0.0
         return L
 
-    def drift(self, state, turn) -> None:
-        """Move on with the velocities as they are, and see what touches there."""
-        if self._still:
+    def drift(self, state, stage) -> None:
+        """Move the bodies with their present velocities, and find the contacts at their new positions."""
+        if self._all_static:
             return
-        self.x = self.x + turn.drift * self.v
-        if self.shift is not None:
-            self.x += self.shift[:, :3]
-            self.q = product(rotation(self.shift[:, 3:]), self.q)
-        turn_kernel()(self.q, self.L, self._plan, self.axle, turn.drift, ANGLE)
-        self._bound()
-        self._put(state, True)
-        self.contacts.look(turn.time + turn.dt)
+        self.x = self.x + stage.drift * self.v
+        if self.displacement is not None:
+            self.x += self.displacement[:, :3]
+            self.q = product(rotation(self.displacement[:, 3:]), self.q)
+        rotation_kernel()(self.q, self.L, self._splitting, self.axle, stage.drift, MAX_ANGLE)
+        self._update_derived()
+        self._write_particles(state, True)
+        self.contacts.detect(stage.time + stage.dt)

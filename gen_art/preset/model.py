@@ -1,128 +1,21 @@
-"""Building blocks of the preset's models: strict, frozen, with messages for a person and JSON schema for an editor.
+"""The base of a preset's models: frozen; every problem collected, with a message for a person; a JSON schema for an editor."""
 
-Field types: Number (`1/240` allowed), Positive, NotNegative, Fraction (0 to 1), Whole, Vector, RangeOf (`2..4`),
-CurveOf, Words.
-A unit goes in the field's description: `fps: Positive = about(30, "frames per second", unit="1/s")`.
-"""
-
-import math
-from typing import Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
-from pydantic_core import InitErrorDetails, PydanticCustomError, core_schema
+from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from gen_art.errors import UsageError
-from gen_art.preset.values import Curve, Range, number, shown, vector
+from gen_art.preset.values import shown
 from gen_art.registry import suggest
 
-__all__ = [
-    "CurveOf",
-    "Fraction",
-    "Model",
-    "NotNegative",
-    "Number",
-    "Positive",
-    "RangeOf",
-    "Vector",
-    "Whole",
-    "Words",
-    "about",
-    "collected",
-    "friendly",
-    "parsed",
-]
+__all__ = ["Model", "about", "collected", "friendly"]
 
 
 def about(default: Any = ..., text: str = "", *, unit: str = "", **more):
     """A pydantic Field with a description and, in the JSON schema, a unit."""
     extra: dict[str, Any] = {"unit": unit} if unit else {}
     return Field(default, description=f"{text} [{unit}]" if unit else text, json_schema_extra=extra or None, **more)
-
-
-class parsed:
-    """Annotation: values pass through `parse` (ValueError = a problem); `schema` describes them in the JSON schema."""
-
-    def __init__(self, parse, schema: dict):
-        self.parse, self.schema = parse, schema
-
-    def __get_pydantic_core_schema__(self, source, handler):
-        return core_schema.no_info_plain_validator_function(self.parse)
-
-    def __get_pydantic_json_schema__(self, schema, handler):
-        return dict(self.schema)
-
-
-def bounded(minimum=-math.inf, maximum=math.inf, *, above: bool = False, whole: bool = False):
-    """A parser of numbers in a closed range; `above` leaves the minimum itself out."""
-
-    def check(value: float):
-        if value < minimum or value > maximum or (above and value == minimum):
-            low = f"more than {minimum:g}" if above else f"at least {minimum:g}"
-            raise UsageError(
-                f"must be {low}, not {value:g}"
-                if maximum == math.inf
-                else f"must be from {minimum:g} to {maximum:g}, not {value:g}"
-            )
-        return value
-
-    def parse(value):
-        result = check(number(value))
-        if whole and result != int(result):
-            raise UsageError(f"must be a whole number, not {result:g}")
-        return int(result) if whole else result
-
-    parse.check = check  # type: ignore[attr-defined]
-    return parse
-
-
-def bounded_range(minimum=-math.inf, maximum=math.inf, *, above: bool = False, whole: bool = False):
-    """A parser of Ranges whose ends lie in a closed range."""
-    check = bounded(minimum, maximum, above=above, whole=whole)
-
-    def parse(value):
-        result = Range.of(value)
-        check(result.lo)
-        check(result.hi)
-        return result
-
-    return parse
-
-
-def _number_schema(**bounds) -> dict:
-    return {"anyOf": [{"type": "number", **bounds}, {"type": "string", "pattern": r"^[^.]+(\.[0-9]+)?(/.+)?$|^\$"}]}
-
-
-_RANGE_SCHEMA = {
-    "anyOf": [{"type": "number"}, {"type": "string", "description": "a range 2..4, a fraction 1/4 or a $knob"}]
-}
-_VECTOR_SCHEMA = {"anyOf": [{"type": "array", "minItems": 3, "maxItems": 3}, {"type": "string", "pattern": r"^\$"}]}
-_CURVE_SCHEMA = {"type": "array", "items": {"type": "array", "minItems": 2, "maxItems": 2}, "minItems": 1}
-_WHOLE_SCHEMA = {"anyOf": [{"type": "integer"}, {"type": "string", "pattern": r"^\$"}]}
-
-Number = Annotated[float, parsed(bounded(), _number_schema())]
-Positive = Annotated[float, parsed(bounded(0, above=True), _number_schema(exclusiveMinimum=0))]
-NotNegative = Annotated[float, parsed(bounded(0), _number_schema(minimum=0))]
-Fraction = Annotated[float, parsed(bounded(0, 1), _number_schema(minimum=0, maximum=1))]
-Whole = Annotated[int, parsed(bounded(-(2**63), 2**63 - 1, whole=True), _WHOLE_SCHEMA)]
-Vector = Annotated[tuple[float, float, float], parsed(vector, _VECTOR_SCHEMA)]
-RangeOf = Annotated[Range, parsed(Range.of, _RANGE_SCHEMA)]
-PositiveRange = Annotated[Range, parsed(bounded_range(0, above=True), _RANGE_SCHEMA)]
-NotNegativeRange = Annotated[Range, parsed(bounded_range(0), _RANGE_SCHEMA)]
-CountRange = Annotated[Range, parsed(bounded_range(0, whole=True), _RANGE_SCHEMA)]
-CurveOf = Annotated[Curve, parsed(Curve.of, _CURVE_SCHEMA)]
-
-
-def _words(value) -> tuple[str, ...]:
-    words = (value,) if isinstance(value, str) else value
-    if not isinstance(words, (list, tuple)) or not all(isinstance(word, str) and word for word in words):
-        raise UsageError(f"must be a word or a list of words, not {shown(value)}")
-    return tuple(words)
-
-
-Words = Annotated[
-    tuple[str, ...],
-    parsed(_words, {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
-]
 
 
 class Model(BaseModel):

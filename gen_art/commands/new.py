@@ -1,0 +1,49 @@
+"""`gen-art new`: a preset of one's own, with the files it needs."""
+
+import shutil
+from pathlib import Path
+
+import click
+
+from gen_art.errors import OutputError, UsageError
+
+__all__ = ["command"]
+
+
+@click.command("new")
+@click.argument("name")
+@click.option("--from", "source", metavar="PRESET", help="The preset to start from: a name or a path.")
+@click.option("--overwrite", is_flag=True, help="Replace files that exist.")
+def command(name, source, overwrite):
+    """Write NAME.yaml, a commented preset of your own to change.
+
+    It is a small fountain of sparks, or with --from a copy of PRESET, together with the pictures and tables that PRESET
+    names. NAME may lie in a folder, which is made: mine/sparks.
+    """
+    from gen_art.preset.load import load_preset, open_source
+    from gen_art.preset.shipped import find, starter
+
+    target = Path(name)
+    if target.suffix.lower() not in (".yaml", ".yml"):
+        target = target.with_name(f"{target.name}.yaml")
+    if target.name.startswith(".") or str(source) == "-":
+        raise UsageError("give the new preset a name, and --from the name or path of a preset")
+    origin = find(source) if source else starter()
+    text, _ = open_source(origin)
+    preset = load_preset(origin)
+    copies = {target.parent / str(file): file.place for file in preset.files}
+    for path in (target, *copies):
+        same = path in copies and path.is_file() and path.read_bytes() == copies[path].read_bytes()
+        if path.exists() and not overwrite and not same:
+            raise OutputError(f"{path} exists already; --overwrite replaces it")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        for path, place in copies.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            if not (path.exists() and path.samefile(place)):
+                shutil.copyfile(place, path)
+        target.write_text("\n".join(text.lines), encoding="utf-8")
+    except OSError as error:
+        raise OutputError(f"cannot write {target}: {error.strerror or error}") from None
+    for path in (target, *copies):
+        click.echo(path)

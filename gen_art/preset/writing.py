@@ -1,0 +1,59 @@
+"""Presets as YAML text: an existing text with some values changed, and plain data."""
+
+import io
+from collections.abc import Mapping
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
+
+from gen_art.preset.overrides import apply
+
+__all__ = ["changed_text", "yaml_text"]
+
+_WIDTH = 100_000  # never break a line that the author wrote
+_SHORT = 100  # characters of a mapping or list that is written on one line
+
+
+def _yaml() -> YAML:
+    yaml = YAML()
+    yaml.preserve_quotes = True
+    yaml.width = _WIDTH
+    yaml.indent(mapping=2, sequence=4, offset=2)
+    return yaml
+
+
+def _written(data) -> str:
+    out = io.StringIO()
+    _yaml().dump(data, out)
+    return out.getvalue()
+
+
+def changed_text(text: str, overrides: Mapping[str, Any]) -> str:
+    """The text of a valid preset with values set (dotted paths, as `--set`); comments, order and layout stay.
+
+    Raises UsageError for a path that leads nowhere.
+    """
+    data = _yaml().load(text)
+    apply(data, {path: _laid_out(value) for path, value in overrides.items()}, convert=False)
+    return _written(data)
+
+
+def yaml_text(data: Mapping[str, Any]) -> str:
+    """Plain data as YAML: mappings and lists that are short stand on one line."""
+    out = CommentedMap()
+    for key, value in data.items():
+        out[key] = _laid_out(value)
+    return _written(out)
+
+
+def _laid_out(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        made: Any = CommentedMap((key, _laid_out(item)) for key, item in value.items())
+    elif isinstance(value, (list, tuple)):
+        made = CommentedSeq(_laid_out(item) for item in value)
+    else:
+        return value
+    if len(str(value)) <= _SHORT:
+        made.fa.set_flow_style()
+    return made

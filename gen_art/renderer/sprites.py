@@ -1,0 +1,87 @@
+"""The sprites of one picture: their storage, and the order in which they are drawn."""
+
+import math
+
+import numpy as np
+
+from gen_art.renderer.sprite import BOTTOM, KIND, SPRITE_FLOATS, SPRITE_INTS, TOP, write_sprites
+from gen_art.renderer.sprite_image import NO_TEXELS, texels, write_image_sprites
+
+__all__ = ["Sprites"]
+
+
+class Sprites:
+    """Storage for the sprites of one picture, reused from frame to frame; the first `count` of each array are in use.
+
+    rows : (capacity, 16) float32
+    headers : (capacity, 6) int16
+    depths : (capacity,) float32
+    texels : (n, 4) float32, the mipmap chains of all images
+    layered : whether any sprite hides what is behind it
+    """
+
+    def __init__(self):
+        self._allocate(0)
+        self.clear()
+
+    def _allocate(self, capacity: int) -> None:
+        self.rows = np.empty((capacity, SPRITE_FLOATS), np.float32)
+        self.headers = np.empty((capacity, SPRITE_INTS), np.int16)
+        self.depths = np.empty(capacity, np.float32)
+
+    def clear(self) -> None:
+        self.count, self.layered, self.texels = 0, False, NO_TEXELS
+
+    def _reserve(self, n: int) -> int:
+        """Make room for n more sprites; returns the index of the first."""
+        base = self.count
+        if base + n > len(self.rows):
+            old = self.rows, self.headers, self.depths
+            self._allocate(max(base + n, len(self.rows) * 3 // 2))
+            for new, previous in zip((self.rows, self.headers, self.depths), old):
+                new[:base] = previous[:base]
+        self.count += n
+        return base
+
+    def add(self, projected, kind: int, framebuffer, tail: float, taper: float, min_footprint: float) -> None:
+        """Append a system's particles, except those with a footprint of `min_footprint` pixels or less."""
+        n, base = projected.count, self._reserve(projected.count)
+        if n:
+            write_sprites(
+                projected.channels, 0, n, self.rows, self.headers, self.depths, base, framebuffer.width, framebuffer.height,
+                kind, tail, taper, min_footprint,
+            )  # fmt: skip
+
+    def add_images(self, projected, picture, framebuffer) -> None:
+        """Append a system's particles as images; `picture` is the look's entry."""
+        image, _ = texels(picture.image.place)
+        first = len(self.texels)
+        self.texels = np.concatenate([self.texels, image])
+        side = round(((3 * len(image) + 1) / 4) ** 0.5)
+        n, base = projected.count, self._reserve(projected.count)
+        random_angle = picture.turn == "random"
+        lo, hi = math.radians(picture.spin.lo), math.radians(picture.spin.hi)
+        if n:
+            write_image_sprites(
+                projected.channels, n, self.texels, first, side, 0.0 if random_angle else math.radians(picture.turn),
+                math.tau if random_angle else 0.0, lo, hi - lo, self.rows, self.headers, self.depths, base, framebuffer.width,
+                framebuffer.height,
+            )  # fmt: skip
+
+    @property
+    def kinds(self) -> frozenset:
+        """The kinds of the sprites that touch the picture."""
+        headers = self.headers[: self.count]
+        visible = headers[headers[:, BOTTOM] >= headers[:, TOP], KIND]
+        return frozenset(np.flatnonzero(np.bincount(visible, minlength=1)).tolist())
+
+    def order(self) -> np.ndarray:
+        """The order of drawing (int32): as listed, or back to front when any sprite hides another. Ties stay in listed order."""
+        n = self.count
+        if not self.layered:
+            return np.arange(n, dtype=np.int32)
+        visible = np.flatnonzero(self.headers[:n, BOTTOM] >= self.headers[:n, TOP]).astype(np.int32)
+        bits = self.depths[visible].view(np.uint32)
+        keys = np.where(bits >> 31, bits, ~bits & np.uint32(0x7FFFFFFF))  # ascending keys are descending depths
+        order = np.argsort(keys.astype(np.uint16), kind="stable")  # a radix sort, 16 bits at a time
+        return visible[order[np.argsort((keys >> 16).astype(np.uint16)[order], kind="stable")]]
