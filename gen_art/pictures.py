@@ -30,9 +30,13 @@ def _refusals() -> tuple[type[BaseException], ...]:
 
 def picture_size(path: str | Path, name: str) -> tuple[int, int]:
     """(width, height) of a picture file, from its header. Raises UsageError, with `name`, for what is no picture."""
+    from PIL import Image
+
     try:
         shape = _imageio().improps(path, plugin="pillow").shape
     except _refusals() as error:
+        if any(isinstance(e, Image.DecompressionBombError) for e in (error, error.__cause__, error.__context__)):
+            return 100_000, 100_000  # the header names more pixels than Pillow opens
         raise UsageError(f"{name}: cannot be read as a picture") from error
     if len(shape) > 3:  # an animated one
         shape = shape[1:]

@@ -151,7 +151,7 @@ class Parametric:
 
     name: ClassVar[str] = ""
     parameters: ClassVar[dict[str, Parameter]] = {}
-    tabled: ClassVar[bool] = False  # has a `table()` of further run-time numbers, read in a kernel as q.table(k)
+    tabled: bool = False  # has a `table()` of further run-time numbers, read in a kernel as q.table(k)
 
     def __init_subclass__(cls, **kwargs):
         super().__init_subclass__(**kwargs)

@@ -52,7 +52,7 @@ SAID = {
     "euler, driver": (
         dict(forces={"driver": {"frequency": 0.5}, **SPRING}, integrator="euler"), "explicit euler gains energy under spring"
     ),
-    "euler, nothing": (dict(integrator="euler"), "explicit euler gains energy, step by step; leapfrog"),
+    "euler, nothing": (dict(integrator="euler"), "explicit euler gains energy at every step; leapfrog"),
     "a driver too quick": (dict(forces={"driver": {"frequency": 20}}), "2.51 rad a step.* at most 0.00239 s"),
     "a driver": (dict(forces={"driver": {"frequency": 2}}), None),
     "a spring too stiff": (dict(forces=SPRING, particle={"mass": "0.001..1"}), "w dt = 4.47 .* at most 0.00894 s"),
@@ -70,11 +70,11 @@ SAID = {
     "far too quick gyration": (dict(forces=FIELD, integrator="boris", particle={"charge": 900}), r"at most 5.56e-05 s$"),
     "a collider that turns too fast": (
         dict(colliders={"block": {"min": [0, 0, 0], "max": [1, 1, 1], "angular_velocity": [0, 63, 0], "restitution": 1}}),
-        r"block turns by 1\.26 rad a step, too coarse .* at most 0\.0159 s",
+        r"block turns by 1\.26 rad a step, so .* wrong place; .* at most 0\.0159 s",
     ),
     "a collider that turns": (dict(colliders={"plane": {"angular_velocity": [0, 40, 0]}}), None),
     "theta, direct": (
-        dict(interactions={"self_gravity": {"G": 1, "method": "direct", "theta": 0.5}}), "self_gravity: theta has no say with method: direct"
+        dict(interactions={"self_gravity": {"G": 1, "method": "direct", "theta": 0.5}}), "self_gravity: theta has no effect with method: direct"
     ),
     "theta, tree": (dict(interactions={"self_gravity": {"G": 1, "method": "tree", "theta": 0.5}}), None),
     "direct": (dict(interactions={"coulomb": {"k": 1, "method": "direct"}}), None),

@@ -1,4 +1,4 @@
-"""The audit measures the orders it should, and tells on a wrong scheme and on wrong books."""
+"""The audit measures the expected orders, and reports a wrong scheme and a wrong ledger."""
 
 import dataclasses
 import json
@@ -52,7 +52,7 @@ def test_drag_closes_to_round_off_and_says_that_an_order_means_nothing():
     assert found.energy["s"].at_round_off and found.energy["s"].order is None
     assert "round-off: an order has no meaning" in found.text()
     assert found.booked["s", "energy"] == "worked on by damping"
-    assert found.account.work["s.damping"] != 0 and found.problems == []
+    assert found.ledger.work["s.damping"] != 0 and found.problems == []
 
 
 def test_a_magnetic_field_keeps_the_energy():
@@ -66,7 +66,7 @@ def test_a_scheme_with_a_wrong_weight_is_found(monkeypatch):
     monkeypatch.setitem(INTEGRATORS, "leapfrog", wrong)
     found = audit(piece(SPRING), time=0.5, precision="f64")
     assert any("positions do not converge as leapfrog should" in sentence for sentence in found.problems)
-    assert any("energy should hold and does not" in sentence for sentence in found.problems)
+    assert any("energy should be conserved and is not" in sentence for sentence in found.problems)
     assert "NOT CLOSED" in found.text() and "Everything closes" not in found.text()
 
 
@@ -158,8 +158,8 @@ def test_what_backward_euler_takes_of_stiff_springs_is_booked(monkeypatch, metho
     found = audit(rope, 0.5, precision="f64")
     assert found.problems == []
     assert found.energy["s"].order == pytest.approx(1, abs=0.1)
-    taken = found.account.dissipated["s.springs"]
-    assert taken > 5 * found.energy["s"].values[0] * found.account.scale
+    taken = found.ledger.dissipated["s.springs"]
+    assert taken > 5 * found.energy["s"].values[0] * found.ledger.scale
     right = Springs.dissipated
     # the mutant: 0.03 W are booked that nothing takes, a hundredth of the energy that moves
     monkeypatch.setattr(

@@ -1,4 +1,4 @@
-"""The audit of a preset: does its ledger close, and does it converge as its integrators should?"""
+"""The audit of a preset: whether its ledger closes and whether it converges at the order of its integrators."""
 
 from gen_art.audit.findings import Audit, audit
 from gen_art.audit.measure import Trend

@@ -1,4 +1,7 @@
-"""How fast a system's magnetic fields turn its charges, where they are."""
+"""The gyration frequency of charged particles in the magnetic fields at their positions.
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
 
 from functools import cache
 
@@ -41,7 +44,7 @@ def _kernel(composition: KernelTerms, channels: tuple, precision: str):
 
 
 def largest_turn(sim, name: str) -> float:
-    """The largest abs(q B) / (gamma m) of the living, 1/s; 0 without magnetic fields."""
+    """The largest abs(q B) / (gamma m) of a system's living particles, 1/s; 0 without magnetic fields."""
     system, slots = sim[name], sim.living(name)
     if not system.composition.magnetics or not len(slots):
         return 0.0

@@ -1,14 +1,15 @@
-"""What a system's laws promise, read from the flags of its forces: what is conserved, and the order."""
+"""What the flags of a system's forces imply: the conserved quantities and the order of convergence."""
 
 from gen_art.forces.base import loses_mass
 from gen_art.integrators import scheme
 
 __all__ = ["colliders_of", "expected_order", "forces_of", "has_kinks", "has_stiff_springs", "invariants"]
 
-_SMOOTH = {"curl_noise": 3}  # the order that a field with kinks in its second derivatives leaves to any scheme
-_PREDICTED = 3  # quadratic drag takes its rate at a predicted middle
-_IMPACTS = 2  # of the path inside a step
-_ALONG_PATHS = 3  # children along a path stand on a cubic through their parent's step
+# the highest order of any scheme, with:
+_KINKED_FIELDS = {"curl_noise": 3}  # fields with kinks in their second derivatives
+_QUADRATIC_DRAG = 3  # because its rate is taken at a predicted midpoint
+_IMPACTS = 2  # because of the path inside a step
+_BIRTHS_ALONG_PATHS = 3  # because children are born on a cubic through their parent's step
 
 
 def forces_of(preset, system) -> tuple:
@@ -17,81 +18,93 @@ def forces_of(preset, system) -> tuple:
 
 
 def colliders_of(preset, system) -> tuple:
-    """The colliders in the way of a system: the preset's shared ones, then its own."""
+    """The colliders of a system: the preset's shared ones, then its own."""
     return (*(preset.colliders if system.inherit_colliders else ()), *system.colliders)
 
 
 def invariants(preset, system) -> tuple[list[str], dict[str, str]]:
-    """What a system should conserve, and for what it does not, why: the ledger books the difference."""
+    """(the quantities that a system should conserve, by every other quantity the reason that it changes).
+
+    The ledger accounts for the quantities that change.
+    """
     forces, interactions = forces_of(preset, system), system.interactions
     working = [force.name for force in forces if not force.conservative and force.does_work]
     working += [
-        one.name
-        for one in interactions
-        if not one.conservative or one.source_system or one.implicit or len(one.parts) > 1
+        interaction.name
+        for interaction in interactions
+        if not interaction.conservative
+        or interaction.source_system
+        or interaction.implicit
+        or len(interaction.parts) > 1
     ]
-    outer = [force.name for force in forces]
-    outer += [one.name for one in interactions if not one.reciprocal or one.source_system]
-    walls = colliders_of(preset, system)
-    working += [one.name for one in walls if one.takes_energy]
-    outer += [one.name for one in walls]
-    mortal = [name for name, emitter in system.emitters.items() if _goes_on(system, emitter)]
-    holds, booked = [], {}
-    for quantity, reasons, why in (
+    external = [force.name for force in forces]
+    external += [
+        interaction.name for interaction in interactions if not interaction.reciprocal or interaction.source_system
+    ]
+    colliders = colliders_of(preset, system)
+    working += [collider.name for collider in colliders if collider.takes_energy]
+    external += [collider.name for collider in colliders]
+    changing = [name for name, emitter in system.emitters.items() if _has_births_or_deaths(system, emitter)]
+    conserved, booked = [], {}
+    for quantity, names, verb in (
         ("energy", working, "worked on by "),
-        ("momentum", outer, "pushed by "),
-        ("angular momentum", outer, "turned by "),
+        ("momentum", external, "pushed by "),
+        ("angular momentum", external, "turned by "),
         ("mass", [force.name for force in forces if loses_mass(force)], "burnt by "),
         ("charge", [], ""),
     ):
-        if reasons:
-            booked[quantity] = why + ", ".join(dict.fromkeys(reasons))
-        elif mortal:
-            booked[quantity] = "births and deaths (" + ", ".join(mortal) + ")"
+        if names:
+            booked[quantity] = verb + ", ".join(dict.fromkeys(names))
+        elif changing:
+            booked[quantity] = "births and deaths (" + ", ".join(changing) + ")"
         else:
-            holds.append(quantity)
-    return holds, booked
+            conserved.append(quantity)
+    return conserved, booked
 
 
-def _goes_on(system, emitter) -> bool:
-    """Whether an emitter's particles come or go after the start."""
+def _has_births_or_deaths(system, emitter) -> bool:
+    """Whether an emitter's particles are born or die after the start."""
     lifetime = emitter.lifetime or system.particle.lifetime
     at_once = emitter.count is not None and emitter.at is None and emitter.source is None and not emitter.start
     return lifetime is not None or not at_once
 
 
 def has_stiff_springs(system) -> bool:
-    """Whether springs are solved by backward Euler, at steps that do not follow their swings."""
-    return any(one.implicit and one.values.get("method") in ("implicit", "xpbd") for one in system.interactions)
+    """Whether springs are solved implicitly, with steps too long to follow their oscillations."""
+    methods = [interaction.values.get("method") for interaction in system.interactions if interaction.implicit]
+    return any(method in ("implicit", "xpbd") for method in methods)
 
 
 def has_kinks(preset, name: str) -> bool:
-    """Whether a system moves in a field with kinks: each that is met errs by its place in the step."""
+    """Whether a system moves in a field with kinks. The error of a kink depends on where in a step it is crossed."""
     system = preset.systems[name]
     fields = (*forces_of(preset, system), *(system.medium or preset.medium).terms)
-    return any(field.name in _SMOOTH for field in fields)
+    return any(field.name in _KINKED_FIELDS for field in fields)
 
 
 def expected_order(preset, name: str, seen: tuple = ()) -> int:
-    """The order at which a system's positions should converge: its scheme's, its fields' and its parents' least."""
+    """The order at which a system's positions should converge: the least of its scheme, its fields and its parents.
+
+    seen : systems whose children are being followed
+    """
     system = preset.systems[name]
     used = scheme(system.integrator)
     order = used.order
-    turned = [
+    velocity_dependent = [
         f for f in forces_of(preset, system) if f.depends_on_velocity and not (used.pusher and f.provides("magnetic"))
     ]
-    if used.kind == "splitting" and turned:
+    if used.kind == "splitting" and velocity_dependent:
         order = 1
     if used.kind == "splitting" and any(
         f.provides("damping") and f.quadratic_damping for f in forces_of(preset, system)
     ):
-        order = min(order, _PREDICTED)
-    if colliders_of(preset, system) or any(one.name == "contacts" for one in system.interactions):
+        order = min(order, _QUADRATIC_DRAG)
+    if colliders_of(preset, system) or any(interaction.name == "contacts" for interaction in system.interactions):
         order = min(order, _IMPACTS)
     fields = (*forces_of(preset, system), *(system.medium or preset.medium).terms)
-    order = min([order, *(_SMOOTH.get(field.name, order) for field in fields)])
+    order = min([order, *(_KINKED_FIELDS.get(field.name, order) for field in fields)])
     for emitter in system.emitters.values():
         if emitter.source is not None and emitter.source.system not in (*seen, name):
             order = min(order, expected_order(preset, emitter.source.system, (*seen, name)))
-            order = min(order, _ALONG_PATHS) if emitter.source.kind == "path" else order
+            order = min(order, _BIRTHS_ALONG_PATHS) if emitter.source.kind == "path" else order
     return order

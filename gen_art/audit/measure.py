@@ -1,4 +1,4 @@
-"""What an audit measures: runs of one preset at several time steps, and how their errors fall."""
+"""The measurements of an audit: runs of one preset at several time steps, and the order at which their errors fall."""
 
 import math
 from dataclasses import dataclass
@@ -8,24 +8,36 @@ import numpy as np
 
 from gen_art.audit.gyration import largest_turn
 from gen_art.particles.rows import CHARGE, MASS, POSITION, VELOCITY
-from gen_art.simulation.diagnostics import Diagnostics, energy_of_pairs, sums
+from gen_art.simulation.diagnostics import (
+    ANGULAR_MOMENTUM,
+    ENERGY,
+    MOMENTUM,
+    TOTAL_CHARGE,
+    TOTAL_MASS,
+    Diagnostics,
+    energy_of_pairs,
+    sums,
+)
 from gen_art.simulation.ledger import Ledger
 
-__all__ = ["MOMENTS", "QUANTITIES", "ROUND_OFF", "RunHistory", "AuditRun", "Trend", "positions", "run", "scatter"]
+__all__ = ["MOMENTS", "QUANTITIES", "ROUND_OFF", "RunHistory", "AuditRun", "Trend", "kink_scatter", "positions", "run"]
 
 ROUND_OFF = 2e-12  # relative; below it a float64 sum over many steps has no order to measure
-TOLERANCE = 0.5  # how far below the expected order a measured one may fall
-MOMENTS = 16  # of a run, at which its account is looked at: a residual that swings counts by its largest swing
+TOLERANCE = 0.5  # how far below the expected order a measured one may be
+MOMENTS = 16  # moments of a run at which its ledger is read; of an oscillating residual the largest value counts
 SHOWN = 24  # particles of a system whose paths are kept
-BOOKED = {"energy": ("work", "dissipated"), "momentum": ("impulse", None)}
+LEDGER_FIELDS = {"energy": ("work", "dissipated"), "momentum": ("impulse", None)}  # (gains, losses)
 QUANTITIES = ("energy", "momentum", "angular momentum", "mass", "charge")
 
 
 @dataclass(frozen=True)
 class Trend:
-    """A relative error at dt, dt/2 and dt/4 (the last missing where it comes from differences), and its order.
+    """A relative error at dt, dt/2 and dt/4, and the order at which it falls.
 
-    scatter : what the last value may come to by chance
+    values : the errors; errors that are differences of two runs are two only, at dt and dt/2
+    expected : the expected order
+    floor : round-off; below it there is no order
+    scatter : the part of the last value that may be chance
     """
 
     values: tuple[float, ...]
@@ -39,7 +51,7 @@ class Trend:
 
     @property
     def order(self) -> float | None:
-        """The mean order from the first to the last; None where round-off leaves it without meaning."""
+        """The mean order from the first value to the last; None where round-off hides it."""
         first, last = self.values[0], self.values[-1]
         if not math.isfinite(first + last):
             return math.nan
@@ -61,7 +73,7 @@ class Trend:
 
     @property
     def is_scatter(self) -> bool:
-        """Whether chance alone keeps the last value from its order."""
+        """Whether only chance keeps the last value above the expected order."""
         allowed = self.values[0] / 2 ** ((self.expected - TOLERANCE) * (len(self.values) - 1))
         return self.scatter > 0 and not self.has_its_order and self.values[-1] <= allowed + self.scatter
 
@@ -79,9 +91,12 @@ class Trend:
 
 @dataclass(frozen=True)
 class RunHistory:
-    """A run from moment to moment, the start included: simulated seconds (m,); of all systems together, kinetic energy,
-    potential energy and what the account says the energy should be, J (m,); momentum (m, 3), N s.
+    """A run at m moments, the start included, of all systems together.
 
+    times : (m,) simulated time, s
+    kinetic, potential : (m,) energy, J
+    accounted : (m,) the energy that follows from the ledger, J
+    momentum : (m, 3) N s
     paths : by system, (particles, m, 3) m, NaN where a particle is not alive
     """
 
@@ -95,12 +110,17 @@ class RunHistory:
 
 @dataclass(frozen=True)
 class AuditRun:
-    """What one run left.
+    """The measurements of one run.
 
-    residuals : by (system, energy or momentum), the largest share of what moved that the account missed
-    drifts : by (system, quantity), the largest change since the start, relative to the sum of its parts' sizes; both are
-    None where there is nothing of it     last : by system, the energy residual at the end and the energy that moved, J
-    places : by system, keys and positions (n, 3) at the end     history : the way there
+    ledger : at the end
+    start, end : diagnostics
+    residuals : by (system, energy or momentum), the largest residual of the ledger relative to the amount that moved; None
+    where nothing moved
+    drifts : by (system, quantity), the largest change since the start, relative to the sum of the absolute values of the
+    particles' parts; None where that sum is 0
+    last : by system, the energy residual at the end and the energy that moved, J
+    places : by system, keys and positions (n, 3) at the end
+    history : the run from moment to moment
     turns : by system, the largest angular frequency of a charge in its magnetic fields, 1/s
     """
 
@@ -116,108 +136,116 @@ class AuditRun:
 
 
 def run(preset, steps: int, dt: float, precision: str, threads, division: int = 1, moments: int = MOMENTS) -> AuditRun:
-    """Run a preset with its ledger for `steps` steps of dt, each cut into `division`, and look at it at so many moments."""
+    """Run a preset with its ledger for `steps` steps of dt, each cut into `division`, and measure it at `moments` moments."""
     from gen_art.simulation import Simulation
 
     sim = Simulation(preset, dt=dt / division, precision=precision, threads=threads, ledger=True)
     start, before = sim.diagnostics(), {name: _sums(sim, name) for name in preset.systems}
-    residuals: dict = {(name, quantity): None for name in preset.systems for quantity in BOOKED}
+    residuals: dict = {(name, quantity): None for name in preset.systems for quantity in LEDGER_FIELDS}
     drifts: dict = {(name, quantity): None for name in preset.systems for quantity in QUANTITIES}
     last = {}
-    seen = [_look(sim, start, 0.0)]
+    snapshots = [_snapshot(sim, start, 0.0)]
     turns = {name: largest_turn(sim, name) for name in preset.systems}
     for moment in np.unique(np.linspace(0, steps, moments + 1).round().astype(int)[1:]):
         sim.step(int(moment) * division - sim.steps_done)
-        books = sim.ledger()
-        seen.append(_look(sim, sim.diagnostics(), books.residual))
+        ledger = sim.ledger()
+        snapshots.append(_snapshot(sim, sim.diagnostics(), ledger.residual))
         for name in preset.systems:
             turns[name] = max(turns[name], largest_turn(sim, name))
             now = _sums(sim, name)
             for quantity in QUANTITIES:
-                (old, size), (new, grown) = before[name][quantity], now[quantity]
-                _keep(drifts, (name, quantity), new - old, max(size, grown))
-                if quantity in BOOKED:
-                    passed, moved = _booked(books, name, quantity)
-                    scale = max(size, grown, moved)
-                    _keep(residuals, (name, quantity), new - old - passed, scale)
+                (old, old_size), (new, new_size) = before[name][quantity], now[quantity]
+                _update_largest(drifts, (name, quantity), new - old, max(old_size, new_size))
+                if quantity in LEDGER_FIELDS:
+                    gained, moved = _gain_by_ledger(ledger, name, quantity)
+                    scale = max(old_size, new_size, moved)
+                    _update_largest(residuals, (name, quantity), new - old - gained, scale)
                     if quantity == "energy":
-                        last[name] = (float(new - old - passed), scale)
+                        last[name] = (float(new - old - gained), scale)
     places = {name: (sim[name].keys, sim[name].position.astype(np.float64)) for name in preset.systems}
-    return AuditRun(sim.ledger(), start, sim.diagnostics(), residuals, drifts, last, places, _history(seen), turns)
+    return AuditRun(sim.ledger(), start, sim.diagnostics(), residuals, drifts, last, places, _history(snapshots), turns)
 
 
-def _look(sim, now: Diagnostics, residual: float) -> tuple:
+def _snapshot(sim, now: Diagnostics, residual: float) -> tuple:
+    """One moment of a RunHistory, with all keys and positions instead of paths."""
     places = {name: (sim[name].keys, sim[name].position.astype(np.float64)) for name in sim.systems}
     return now.time, now.kinetic_energy, now.potential_energy, now.energy - residual, now.momentum, places
 
 
-def _history(seen: list[tuple]) -> RunHistory:
-    times, kinetic, potential, accounted, momentum, places = zip(*seen)
+def _history(snapshots: list[tuple]) -> RunHistory:
+    times, kinetic, potential, accounted, momentum, places = zip(*snapshots)
     paths = {}
     for name in places[0]:
         keys = np.unique(np.concatenate([at[name][0] for at in places]))
         shown = keys[np.linspace(0, len(keys) - 1, min(SHOWN, len(keys))).astype(int)] if len(keys) else keys
         paths[name] = np.full((len(shown), len(times), 3), np.nan)
         for m, at in enumerate(places):
-            _, mine, theirs = np.intersect1d(shown, at[name][0], return_indices=True)
-            paths[name][mine, m] = at[name][1][theirs]
+            _, path_rows, place_rows = np.intersect1d(shown, at[name][0], return_indices=True)
+            paths[name][path_rows, m] = at[name][1][place_rows]
     return RunHistory(
         np.array(times), np.array(kinetic), np.array(potential), np.array(accounted), np.array(momentum), paths
     )
 
 
-def _keep(largest: dict, key, difference, scale: float) -> None:
+def _update_largest(largest: dict, key, difference, scale: float) -> None:
+    """Raise largest[key] to the largest component of abs(difference) / scale."""
     if scale > 0:
         largest[key] = max(largest[key] or 0.0, float(np.abs(difference).max() / scale))
 
 
 def _sums(sim, name: str) -> dict[str, tuple]:
-    """Each conserved quantity of one system's living, with the sum of its parts' sizes to judge a change by."""
+    """By conserved quantity of one system's living particles: its value, and the sum of its parts' absolute values."""
     slots = sim.living(name)
-    part, pairs = sums(sim, name, slots), energy_of_pairs(sim, name, slots)
+    total, pairs = sums(sim, name, slots), energy_of_pairs(sim, name, slots)
     floats = sim.systems[name].floats[:, slots].astype(np.float64)
     speed, light = np.linalg.norm(floats[VELOCITY], axis=0), sim[name].scheme.light
-    carried = floats[MASS] * speed / (np.sqrt(1 - (speed / light) ** 2) if light else 1.0)
+    momentum = floats[MASS] * speed / (np.sqrt(1 - (speed / light) ** 2) if light else 1.0)
     return {
-        "energy": (part[12:].sum() + pairs, np.abs(part[12:]).sum() + abs(pairs)),
-        "momentum": (part[3:6], carried.sum()),
-        "angular momentum": (part[6:9], (carried * np.linalg.norm(floats[POSITION], axis=0)).sum()),
-        "mass": (part[1], floats[MASS].sum()),
-        "charge": (part[2], np.abs(floats[CHARGE]).sum()),
+        "energy": (total[ENERGY].sum() + pairs, np.abs(total[ENERGY]).sum() + abs(pairs)),
+        "momentum": (total[MOMENTUM], momentum.sum()),
+        "angular momentum": (total[ANGULAR_MOMENTUM], (momentum * np.linalg.norm(floats[POSITION], axis=0)).sum()),
+        "mass": (total[TOTAL_MASS], floats[MASS].sum()),
+        "charge": (total[TOTAL_CHARGE], np.abs(floats[CHARGE]).sum()),
     }
 
 
-def _booked(books: Ledger, name: str, quantity: str) -> tuple:
-    """What the account says that one system gained, and the largest entry."""
-    of = lambda account: [amount for key, amount in account.items() if key.startswith(name + ".")]  # noqa: E731
-    gains, losses = BOOKED[quantity]
-    plus = of(getattr(books, gains)) + [getattr(passage, quantity) for passage in of(books.born)]
-    minus = [getattr(passage, quantity) for passage in of(books.died)] + (of(getattr(books, losses)) if losses else [])
+def _gain_by_ledger(ledger: Ledger, name: str, quantity: str) -> tuple:
+    """(the gain of one system according to the ledger, the largest entry)."""
+    entries = lambda column: [amount for key, amount in column.items() if key.startswith(name + ".")]  # noqa: E731
+    gains, losses = LEDGER_FIELDS[quantity]
+    plus = entries(getattr(ledger, gains)) + [getattr(transfer, quantity) for transfer in entries(ledger.born)]
+    minus = [getattr(transfer, quantity) for transfer in entries(ledger.died)]
+    minus += entries(getattr(ledger, losses)) if losses else []
     moved = max((float(np.abs(entry).max()) for entry in plus + minus), default=0.0)
     return sum(plus) - sum(minus), moved
 
 
-def scatter(runs: list[AuditRun], others: dict[float, AuditRun], name: str, first: float) -> float:
-    """What positions at dt/2 may err by, by the luck of where in a step a kink falls, relative as in `positions`.
+def kink_scatter(runs: list[AuditRun], others: dict[float, AuditRun], name: str, first: float) -> float:
+    """How much the position error at dt/2 may vary with where in a step a kink is crossed; relative, as in `positions`.
 
-    others : runs of a few steps more over the same span, by their share of the steps. Kinks fall elsewhere in theirs: what
-    they err by at dt is another draw. A smooth error changes by its order times the share; that of order 1, of twice
-    `first` (the distance of dt from dt/2), is taken off. Of the largest distance an eighth is left at dt/2, as kinks err by
-    dt^3; four times that, as the draws are few.
+    others : runs of the same span in a few more steps, by the relative change of the step
+
+    In the other runs kinks are crossed elsewhere in a step, so each is another sample of their error at dt. The smooth error
+    also changes, by its order times the relative change of the step; for order 1 and the error 2 `first` (`first` is the
+    distance of dt from dt/2) that change is subtracted. At dt/2 an eighth of the largest sample remains, because kinks err
+    by dt^3; the result is four times that, because the samples are few.
     """
-    found = {share: positions([runs[0], one], name, 0) for share, one in others.items()}
-    luck = [trend[0].values[0] - 2 * first * share for share, trend in found.items() if trend]
-    return max([4 * one / 8 for one in luck], default=0.0) if luck and max(luck) > 0 else 0.0
+    distances = {share: positions([runs[0], other], name, 0) for share, other in others.items()}
+    samples = [distance[0].values[0] - 2 * first * share for share, distance in distances.items() if distance]
+    return max([4 * sample / 8 for sample in samples], default=0.0) if samples and max(samples) > 0 else 0.0
 
 
 def positions(runs: list[AuditRun], name: str, expected: int) -> tuple[Trend, int] | None:
-    """The median distance between the same particles (by key) of neighbouring runs over the extent, and their number."""
-    found = [one.places[name] for one in runs]
-    common = reduce(np.intersect1d, [keys for keys, _ in found])
+    """(Trend of the median distance between the same particles of successive runs, number of particles).
+
+    Particles are matched by key; the distance is relative to the largest coordinate. None without common particles.
+    """
+    places = [audit_run.places[name] for audit_run in runs]
+    common = reduce(np.intersect1d, [keys for keys, _ in places])
     if not len(common):
         return None
     x = []
-    for keys, at in found:
+    for keys, at in places:
         order = np.argsort(keys)
         x.append(at[order][np.searchsorted(keys[order], common)])
     extent = max(float(np.abs(x[-1]).max()), 1e-300)

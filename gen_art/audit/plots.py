@@ -1,4 +1,4 @@
-"""An audit as plots: energy and its account, what the account misses, momentum, paths, and how errors fall with the step.
+"""Plots of an audit: energy, the ledger's residual, momentum, paths, and the errors against the step.
 
 Needs the extra `plots` (matplotlib), which is imported only here.
 """
@@ -16,13 +16,13 @@ from gen_art.errors import UsageError
 __all__ = ["EXTENSIONS", "MOMENTS", "check_plots", "draw"]
 
 EXTENSIONS = (".png", ".svg", ".html")
-MOMENTS = 96  # of a run that is to be drawn
+MOMENTS = 96  # moments of a run that is drawn
 _COLOURS = ("#1f5fa8", "#d1662f", "#3f8f4f", "#8a4fa3", "#a8862a", "#5b6670")
 _STYLES = {1: "-", 2: "--", 4: ":"}
 
 
 def check_plots(path: Path) -> None:
-    """UsageError for another extension, or where matplotlib is not installed."""
+    """Raise UsageError for an extension that is not in EXTENSIONS, or if matplotlib is not installed."""
     if path.suffix.lower() not in EXTENSIONS:
         raise UsageError(f"{path}: an audit is drawn as {', '.join(EXTENSIONS)}")
     try:
@@ -62,29 +62,30 @@ def draw(report, path: Path) -> None:
 
 
 def _energy(axes, report) -> None:
-    way = report.runs[0].history
-    axes.plot(way.times, way.kinetic, color=_COLOURS[0], label="kinetic")
-    axes.plot(way.times, way.potential, color=_COLOURS[1], label="potential")
-    axes.plot(way.times, way.kinetic + way.potential, color="black", label="together")
-    axes.plot(way.times, way.accounted, color=_COLOURS[2], linestyle=(0, (2, 3)), linewidth=3, label="by the account")
+    history = report.runs[0].history
+    total, dotted = history.kinetic + history.potential, (0, (2, 3))
+    axes.plot(history.times, history.kinetic, color=_COLOURS[0], label="kinetic")
+    axes.plot(history.times, history.potential, color=_COLOURS[1], label="potential")
+    axes.plot(history.times, total, color="black", label="total")
+    axes.plot(history.times, history.accounted, color=_COLOURS[2], linestyle=dotted, linewidth=3, label="by the ledger")
     _label(axes, "energy", "time, s", "J")
 
 
 def _residuals(axes, report) -> None:
-    scale = max(report.account.scale, 1e-300)
-    for division, one in zip(_STYLES, report.runs):
-        way = one.history
-        missed = np.abs(way.kinetic + way.potential - way.accounted) / scale
+    scale = max(report.ledger.scale, 1e-300)
+    for division, audit_run in zip(_STYLES, report.runs):
+        history = audit_run.history
+        residual = np.abs(history.kinetic + history.potential - history.accounted) / scale
         label = "dt" if division == 1 else f"dt/{division}"
-        axes.plot(way.times, np.maximum(missed, 1e-17), _STYLES[division], color=_COLOURS[0], label=label)
+        axes.plot(history.times, np.maximum(residual, 1e-17), _STYLES[division], color=_COLOURS[0], label=label)
     axes.set_yscale("log")
-    _label(axes, "what the account misses, of the energy that moved", "time, s", "")
+    _label(axes, "residual of the ledger, relative to the energy that moved", "time, s", "")
 
 
 def _momentum(axes, report) -> None:
-    way = report.runs[0].history
+    history = report.runs[0].history
     for axis, name in enumerate("xyz"):
-        axes.plot(way.times, way.momentum[:, axis], color=_COLOURS[axis], label=name)
+        axes.plot(history.times, history.momentum[:, axis], color=_COLOURS[axis], label=name)
     _label(axes, "momentum", "time, s", "N s")
 
 
@@ -92,16 +93,16 @@ def _convergence(axes, report) -> None:
     steps = report.dt / np.array([1.0, 2.0, 4.0])
     lines = [(f"energy of {name}", trend) for name, trend in report.energy.items()]
     lines += [(f"positions of {name}", trend) for name, (trend, _) in report.positions.items()]
-    for k, (name, trend) in enumerate(one for one in lines if one[1] is not None):
+    for k, (name, trend) in enumerate(line for line in lines if line[1] is not None):
         values = np.maximum(np.array(trend.values), 1e-17)
         colour, order = _COLOURS[k % len(_COLOURS)], trend.order
-        told = "round-off" if order is None or not math.isfinite(order) else f"order {order:.2f}"
-        axes.plot(steps[: len(values)], values, "o-", color=colour, label=f"{name}, {told}")
+        slope = "round-off" if order is None or not math.isfinite(order) else f"order {order:.2f}"
+        axes.plot(steps[: len(values)], values, "o-", color=colour, label=f"{name}, {slope}")
         if not trend.at_round_off and np.isfinite(values[0]):
             axes.plot(steps, values[0] * (steps / steps[0]) ** trend.expected, ":", color=colour, linewidth=1)
     axes.set_xscale("log")
     axes.set_yscale("log")
-    _label(axes, "errors by the step; dotted, as the scheme should", "step, s", "")
+    _label(axes, "errors against the step; dotted: the expected order", "step, s", "")
 
 
 def _paths(axes, report, across: int, up: int) -> None:

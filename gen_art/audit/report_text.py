@@ -1,11 +1,11 @@
-"""The words of an audit's report."""
+"""The text of an audit's report."""
 
 __all__ = ["write"]
 
 
 def write(report) -> str:
     """An Audit as text."""
-    lines = [_title(report), *_thinned(report), "", *_account(report), "", *_trends(report), "", *_invariants(report)]
+    lines = [_title(report), *_thinned(report), "", *_ledger(report), "", *_trends(report), "", *_invariants(report)]
     lines += [f"\nwarning: {sentence}" for sentence in report.warnings]
     if report.problems:
         lines += ["", *(f"NOT CLOSED: {sentence}" for sentence in report.problems)]
@@ -25,31 +25,32 @@ def _title(report) -> str:
 
 def _thinned(report) -> list[str]:
     if not report.changes:
-        return ["with all its particles"]
+        return ["with all particles of the preset"]
     shown = lambda v: f"{v:g}" if isinstance(v, (int, float)) else str(v)  # noqa: E731
     changes = [
         f"  {path} = {shown(after)} (the preset: {shown(before)})" for path, (before, after) in report.changes.items()
     ]
-    return ["thinned to few particles; the laws are the preset's, bodies that attract each other are fewer:", *changes]
+    return ["thinned to few particles with the same forces; bodies that attract each other are fewer too:", *changes]
 
 
-def _account(report) -> list[str]:
-    books = report.account
+def _ledger(report) -> list[str]:
+    ledger = report.ledger
     lines = [
         f"ledger at dt, from {report.start.count:,} particles to {report.end.count:,} (J, N s in the preset's units)"
     ]
-    for label, passages in (("born", books.born), ("died", books.died)):
-        for name, one in passages.items():
-            lines.append(f"  {label:11}{name:28} {one.count:8,}  mass {one.mass:.6g}  energy {one.energy:.6g}")
-    for label, amounts in (("work", books.work), ("dissipated", books.dissipated)):
-        lines += [f"  {label:11}{name:28} {amount:14.6g}" for name, amount in amounts.items() if amount]
-    lines += [f"  {'impulse':11}{name:28} {_vector(v)}" for name, v in books.impulse.items() if v.any()]
+    for label, transfers in (("born", ledger.born), ("died", ledger.died)):
+        for name, transfer in transfers.items():
+            amounts = f"{transfer.count:8,}  mass {transfer.mass:.6g}  energy {transfer.energy:.6g}"
+            lines.append(f"  {label:11}{name:28} {amounts}")
+    for label, entries in (("work", ledger.work), ("dissipated", ledger.dissipated)):
+        lines += [f"  {label:11}{name:28} {amount:14.6g}" for name, amount in entries.items() if amount]
+    lines += [f"  {'impulse':11}{name:28} {_vector(v)}" for name, v in ledger.impulse.items() if v.any()]
     lines.append(
-        f"  energy {report.start.energy:.8g} + work {books.work.total:.6g} + born {books.born.total.energy:.6g} "
-        f"- died {books.died.total.energy:.6g} - dissipated {books.dissipated.total:.6g}"
+        f"  energy {report.start.energy:.8g} + work {ledger.work.total:.6g} + born {ledger.born.total.energy:.6g} "
+        f"- died {ledger.died.total.energy:.6g} - dissipated {ledger.dissipated.total:.6g}"
     )
     lines.append(
-        f"  = {report.end.energy - books.residual:.8g}, is {report.end.energy:.8g}: residual {books.residual:.3g}"
+        f"  = {report.end.energy - ledger.residual:.8g}, is {report.end.energy:.8g}: residual {ledger.residual:.3g}"
     )
     lines.append(f"  momentum {_vector(report.start.momentum)} -> {_vector(report.end.momentum)}")
     return lines
@@ -60,20 +61,19 @@ def _trends(report) -> list[str]:
     for label, trends in (("energy", report.energy), ("momentum", report.momentum)):
         for name, trend in trends.items():
             if name not in report.unborn:
-                lines.append(
-                    f"  {f'{label} residual of {name}':32}{_row(trend) if trend else '  no mass, nothing to book'}"
-                )
+                values = _row(trend) if trend else "  no mass, so there is nothing to account for"
+                lines.append(f"  {f'{label} residual of {name}':32}{values}")
     for name, (trend, count) in report.positions.items():
         lines.append(f"  {f'positions of {count:,} {name}':32}{_row(trend)}")
     if report.positions:
         lines.append(
-            "  (positions: median distance between the same particles at this step and half of it, over the extent)"
+            "  (positions: median distance between the same particles at this step and at half of it, relative)"
         )
     if report.unborn:
-        lines.append(f"  nobody was born by then in {', '.join(report.unborn)}: a later --time reaches them")
+        lines.append(f"  no particle was born by then in {', '.join(report.unborn)}: use a later --time")
     if report.float32:
-        floors = ", ".join(f"{name} {floor:.0e}" for name, floor in report.float32.items())
-        lines.append(f"  float32 adds to the energy residual at dt: {floors}")
+        errors = ", ".join(f"{name} {error:.0e}" for name, error in report.float32.items())
+        lines.append(f"  float32 adds to the energy residual at dt: {errors}")
     return lines
 
 
@@ -84,24 +84,24 @@ def _row(trend) -> str:
     if trend.order is None:
         return f"{values}   {'at round-off at dt' if trend.good else 'grows from round-off'}"
     if trend.is_scatter:
-        return f"{values}   by chance: kinks of the field scatter the last by {trend.scatter:.1e}"
+        return f"{values}   by chance: kinks of the field change the last value by up to {trend.scatter:.1e}"
     return f"{values}   {trend.order:.2f} (expected {trend.expected}){'' if trend.good else '  NOT CLOSED'}"
 
 
 def _invariants(report) -> list[str]:
-    lines = ["should hold, by the flags of the forces:"]
+    lines = ["should be conserved, according to the forces:"]
     for (name, quantity), trend in report.invariants.items():
         if trend is not None:
             lines.append(f"  {f'{quantity} of {name}':32}{_row(trend)}")
     if len(lines) == 1:
         lines.append("  nothing by itself")
     by_reason: dict[tuple[str, str], list[str]] = {}
-    for (name, quantity), why in report.booked.items():
+    for (name, quantity), reason in report.booked.items():
         if name not in report.unborn:
-            by_reason.setdefault((quantity, why), []).append(name)
+            by_reason.setdefault((quantity, reason), []).append(name)
     if by_reason:
-        lines.append("left to the ledger:")
-    return lines + [f"  {quantity} of {', '.join(names)}: {why}" for (quantity, why), names in by_reason.items()]
+        lines.append("changes, and is in the ledger:")
+    return lines + [f"  {quantity} of {', '.join(names)}: {reason}" for (quantity, reason), names in by_reason.items()]
 
 
 def _vector(v) -> str:

@@ -1,4 +1,4 @@
-"""A preset with few of its particles: the same laws and looks, births scaled down system by system, for audits."""
+"""Thins a preset for audits: the same forces and looks, with births scaled down system by system."""
 
 from gen_art.preset.estimate import estimate
 from gen_art.preset.load import load_preset
@@ -6,22 +6,23 @@ from gen_art.preset.values import Curve, Range
 
 __all__ = ["thinned"]
 
-MUTUAL = 4
+MUTUAL = 4  # factor on the limit for systems that attract themselves
 
 
 def thinned(preset, until: float, limit: int) -> tuple:
-    """(Preset, changes): at most about `limit` particles of a system at once up to simulated time `until`, s.
+    """(thinned Preset, changes): at most about `limit` particles of a system at once up to simulated time `until`, s.
 
-    Systems that attract themselves keep four times as many: fewer would scatter each other, and no order could be seen.
+    Systems that attract themselves keep four times as many, because fewer would scatter each other and hide the order.
     Rates and counts of a system are scaled by one factor, parents before the children that their events feed. `changes`
-    maps each path that was set (as `--set` would) to (before, after). Where nothing is pairwise each particle moves as
-    it would in the full preset; bodies that attract each other are fewer, and with a fixed `mass` they pull less.
+    maps each changed path (as in `--set`) to (before, after). Without forces between particles each particle moves as in
+    the full preset; bodies that attract each other are fewer, and with a fixed `mass` they attract less.
     """
     changes: dict[str, tuple] = {}
     few = preset
     for name in _parents_first(preset):
         peak = estimate(few, "f64", until).peak[name]
-        allowed = limit * (MUTUAL if any(one.source_system is None for one in few.systems[name].interactions) else 1)
+        mutual = any(interaction.source_system is None for interaction in few.systems[name].interactions)
+        allowed = limit * (MUTUAL if mutual else 1)
         if not peak > allowed:
             continue
         for label, emitter in few.systems[name].emitters.items():
@@ -47,15 +48,15 @@ def _parents_first(preset) -> list[str]:
 
 
 def _scaled(path: str, emitter, factor: float) -> dict[str, tuple]:
-    if getattr(emitter.scripted, "births", None) is not None:  # a net or a body: it is laid as it is
+    if getattr(emitter.scripted, "births", None) is not None:  # a spring net or a rigid body cannot be thinned
         return {}
-    even = emitter.source is not None and emitter.source.balance == "pairs"
+    paired = emitter.source is not None and emitter.source.balance == "pairs"
     changes = {}
     if emitter.rate is not None:
         changes[f"{path}.rate"] = (_plain(emitter.rate), _rate(emitter.rate, factor))
     for where, count in ((path, emitter.count), *((f"{path}.choose.{k}", c.count) for k, c in emitter.choose.items())):
         if count is not None:
-            changes[f"{where}.count"] = (_plain(count), _count(count, factor, 2 if even else 1))
+            changes[f"{where}.count"] = (_plain(count), _count(count, factor, 2 if paired else 1))
     return {key: (before, after) for key, (before, after) in changes.items() if before != after}
 
 

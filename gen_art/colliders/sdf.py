@@ -69,7 +69,7 @@ class SDF(Collider):
         return float(np.sqrt(squares.max()))
 
     @property
-    def tabled(self) -> bool:
+    def tabled(self) -> bool:  # type: ignore[override]  # only an instance knows whether it has a grid
         return self.grid is not None
 
     def table(self) -> np.ndarray:

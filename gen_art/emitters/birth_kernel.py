@@ -1,6 +1,8 @@
 """The birth kernel: generated from a shape and a velocity (or a scripted emitter), it writes all attributes of new particles.
 
 Every random number comes from the particle's own stream.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from functools import cache

@@ -1,10 +1,13 @@
 """The contract of a force: what a class may declare, and what the kernels use of it."""
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.registry import Parametric, Registry
+
+if TYPE_CHECKING:
+    from gen_art.forces.medium import Medium
 
 __all__ = [
     "FORCES",
@@ -92,7 +95,7 @@ class Force(Parametric):
                 "give it a mass above 0"
             )
 
-    def bound_numbers(self, medium) -> list[float]:
+    def bound_numbers(self, medium: "Medium") -> list[float]:
         """The run-time numbers in a medium: a `density` that was left out is the medium's.
 
         Raises UsageError if this force needs a density and neither gives one.

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from gen_art.errors import UsageError
+from gen_art.pictures import picture_size, read_picture
 
 __all__ = ["read_array", "read_grid"]
 
@@ -41,16 +42,14 @@ def _exists(path: Path, name) -> Path:
 
 
 def _picture(path: Path, name) -> np.ndarray:
-    from PIL import Image, UnidentifiedImageError
-
     try:
-        with Image.open(path) as picture:
-            if picture.width * picture.height > MAX_VECTORS:
-                raise UsageError(f"{name}: has more than {MAX_VECTORS:,} pixels")
-            pixels = np.asarray(picture.convert("RGB"), np.float64)
-    except (UnidentifiedImageError, OSError, SyntaxError, Image.DecompressionBombError) as error:
-        raise UsageError(f"{name}: is neither a NumPy array (.npy) nor a picture") from error
-    vectors = np.zeros((picture.width, picture.height, 1, 3))
+        width, height = picture_size(path, name)
+    except UsageError:
+        raise UsageError(f"{name}: is neither a NumPy array (.npy) nor a picture") from None
+    if width * height > MAX_VECTORS:
+        raise UsageError(f"{name}: has more than {MAX_VECTORS:,} pixels")
+    pixels = read_picture(path, name, "RGB").astype(np.float64)
+    vectors = np.zeros((width, height, 1, 3))
     vectors[..., 0, :2] = np.maximum((pixels[::-1, :, :2].transpose(1, 0, 2) - 128.0) / 127.0, -1.0)
     return vectors
 

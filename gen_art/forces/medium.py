@@ -1,5 +1,8 @@
 """The medium that drag acts against: one velocity field u(x, t), the sum of named terms."""
 
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
 from gen_art.errors import UsageError
 from gen_art.forces.base import FORCES, Force
 from gen_art.forces.curl_noise import CurlNoise
@@ -19,7 +22,14 @@ class Medium:
     Raises UsageError for a term that is not a vector field.
     """
 
-    def __init__(self, density: float = 0.0, wind=None, curl_noise=None, vortices=(), field=()):
+    def __init__(
+        self,
+        density: float = 0.0,
+        wind: Force | Sequence[float] | None = None,
+        curl_noise: Force | Mapping[str, Any] | Sequence[Force | Mapping[str, Any]] | None = None,
+        vortices: Force | Iterable[Force] = (),
+        field: Force | Iterable[Force] = (),
+    ) -> None:
         if not density >= 0.0:
             raise UsageError(f"a medium's density must be at least 0, not {density}")
         self.density = float(density)
@@ -27,7 +37,8 @@ class Medium:
         if wind is not None:
             terms.append(wind if isinstance(wind, Force) else Wind(wind))
         if curl_noise is not None:
-            for noise in curl_noise if isinstance(curl_noise, (list, tuple)) else [curl_noise]:
+            noises: Any = curl_noise if isinstance(curl_noise, (list, tuple)) else [curl_noise]
+            for noise in noises:
                 terms.append(noise if isinstance(noise, Force) else CurlNoise(**noise))
         for extra in (vortices, field):
             terms += [extra] if isinstance(extra, Force) else list(extra)

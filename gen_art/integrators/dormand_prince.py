@@ -3,6 +3,8 @@
 The step continues with the fifth order; the difference of both orders is the error estimate. The seventh slope is the first
 of the next step. Source: Dormand & Prince (1980), J. Comput. Appl. Math. 6, 19; Hairer, Norsett & Wanner, Solving Ordinary
 Differential Equations I, sections II.4 (step size) and II.5 (the pair).
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from functools import cache

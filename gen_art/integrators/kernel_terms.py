@@ -3,6 +3,8 @@
 Two compositions of the same classes and fixed choices are equal, whatever their numbers, because kernels are cached by them.
 """
 
+from typing import Any
+
 import numpy as np
 
 from gen_art.colliders.base import Collider
@@ -26,7 +28,7 @@ class Term:
     count_offset : where the number of its repeats is stored in the parameter array, or -1 if it is evaluated once
     """
 
-    def __init__(self, force: Force, offset: int, name: str, medium: int = -1, ledger_row: int = -1):
+    def __init__(self, force: Any, offset: int, name: str, medium: int = -1, ledger_row: int = -1):
         self.force, self.offset, self.name, self.medium, self.ledger_row = force, offset, name, medium, ledger_row
         self.count_offset = -1
         if force.repeat is not None:
@@ -70,7 +72,7 @@ class KernelTerms:
             tuple(t.force.fixed for t in self.colliders),
         )
 
-    def _place(self, force: Force, medium: Medium, name: str, index: int = -1, row: int = -1) -> Term:
+    def _place(self, force: Any, medium: Medium, name: str, index: int = -1, row: int = -1) -> Term:
         """Append the numbers of a force or collider to the parameter array."""
         term = Term(force, len(self._numbers), name, index, row)
         self._numbers += force.bound_numbers(medium)

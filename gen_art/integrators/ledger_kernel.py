@@ -4,6 +4,8 @@ It repeats the step of step_kernels.py on local copies, with the same functions 
 state. It records the work m a.(v0 + v1)/2 h of each term (stage weights in Runge-Kutta), the energy that drag takes and that
 its medium gives, and all impulses. With a speed of light the momentum is m u, u = gamma v, and the work is the impulse times
 (u0 + u1) / (gamma0 + gamma1): the change of (gamma - 1) m c^2 is exactly m (u1 - u0) times it.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from functools import cache

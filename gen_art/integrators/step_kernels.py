@@ -3,6 +3,8 @@
 The particles are processed in blocks (one task each) of tiles of WIDTH lanes. A tile's state stays in local vectors while
 several steps run. Births and deaths inside a step need no branches: a lane's own step is the part of it that it is alive.
 With interactions, one launch runs one stage, after the pair kernel has written its accelerations to A.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from functools import cache

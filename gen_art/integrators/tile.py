@@ -5,6 +5,7 @@ Each loop over lanes is innermost, reads global memory and writes only to local 
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 from gen_art.backend.kernel_views import parameters, particle, traced
 from gen_art.backend.runtime import impl, make_matrix, ti
@@ -78,11 +79,8 @@ class TileTerms:
         self, composition: KernelTerms, channels: tuple, pairs: int, rotation: tuple = ("", False, False), real=None
     ):
         self.pusher, self.relativistic, self.exact = rotation
-        self.accelerations, self.magnetics, self.dampings = (
-            composition.accelerations,
-            composition.magnetics,
-            composition.dampings,
-        )
+        self.accelerations, self.magnetics = composition.accelerations, composition.magnetics
+        self.dampings = composition.dampings
         self.mass_loss_terms, self.potentials = composition.mass_loss_terms, composition.potentials
         self.media = composition.media
         self.rows = {name: FIRST_ATTRIBUTE + k for k, name in enumerate(channels)}
@@ -93,7 +91,7 @@ class TileTerms:
         for k, t in enumerate(composition.colliders):
             self.colliders.append(CollisionTerm(t.force, t.offset, surfaces, self.count + pairs + k))
             surfaces += t.force.sides
-        self.surface = make_surface(self.colliders, real) if self.colliders else None
+        self.surface: Any = make_surface(self.colliders, real) if self.colliders else None
         self.exhaust_row = self.count + pairs + len(self.colliders)
         self.start_vectors = STATE if self.colliders else ""
         self.collisions_balance_energy = any(c.collider.rotates for c in self.colliders) or any(

@@ -3,6 +3,8 @@
 The targets are the lanes and the sources the inner run-time loop, so that it vectorises. The law is chosen when the kernel is
 generated: "square" for the inverse square, which needs no logarithm, "power" for other exponents, "log" for the potential of
 exponent -1. Inverse squares of many particles may be summed by a tree instead.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from functools import cache

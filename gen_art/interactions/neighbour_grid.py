@@ -3,6 +3,8 @@
 A cell is as wide as the largest distance of an interacting pair, so that neighbours lie in 3 x 3 x 3 cells. Along x, cells
 beyond the ends of the grid count as the last ones; along y and z the grid is periodic. Memory is therefore proportional to the
 particles however far they fly, and each pair is still found once, because distances decide.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from dataclasses import dataclass

@@ -37,7 +37,8 @@ def build_octree(positions: np.ndarray) -> Octree:
     keys = _morton(positions)
     order = np.argsort(keys, kind="stable")
     keys = keys[order]
-    begin, end = np.zeros(1, np.int64), np.full(1, len(order))
+    begin: np.ndarray = np.zeros(1, np.int64)
+    end: np.ndarray = np.full(1, len(order))
     parts, levels, cells = [], [0], 0
     for level in range(_LEVELS + 1):
         split = end - begin > LEAF if level < _LEVELS else np.zeros(len(begin), bool)
@@ -56,8 +57,8 @@ def build_octree(positions: np.ndarray) -> Octree:
         if not split.any():
             break
         begin, end = low[occupied], high[occupied]
-    begin, end, child, children = (np.concatenate(column).astype(np.int32) for column in zip(*parts))
-    return Octree(order, begin, end, child, children, levels)
+    begins, ends, firsts, counts = (np.concatenate(column).astype(np.int32) for column in zip(*parts))
+    return Octree(order, begins, ends, firsts, counts, levels)
 
 
 def _morton(positions: np.ndarray) -> np.ndarray:

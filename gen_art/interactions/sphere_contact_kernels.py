@@ -1,4 +1,7 @@
-"""The kernels of contacts: each sphere sums the forces of the spheres that it touches, in the order of the grid."""
+"""The kernels of contacts: each sphere sums the forces of the spheres that it touches, in the order of the grid.
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
 
 from functools import cache
 

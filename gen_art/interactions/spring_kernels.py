@@ -1,4 +1,7 @@
-"""The kernels of springs: forces, and the matrix of the implicit step. Each particle sums the forces of its own springs."""
+"""The kernels of springs: forces, and the matrix of the implicit step. Each particle sums the forces of its own springs.
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
 
 from functools import cache
 

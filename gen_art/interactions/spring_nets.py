@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gen_art.errors import UsageError
 
@@ -39,12 +40,12 @@ class Net:
         return self.edges[name]
 
 
-def chain(start, end, count: int) -> Net:
+def chain(start: ArrayLike, end: ArrayLike, count: int) -> Net:
     """`count` points at equal distances from start to end (3,), m, both included; each is joined to the next."""
     return _string(start, end, count, None, 0.0)
 
 
-def rope(start, end, count: int, length: float | None = None, bend: float = 0.0) -> Net:
+def rope(start: ArrayLike, end: ArrayLike, count: int, length: float | None = None, bend: float = 0.0) -> Net:
     """A chain of the total rest length `length`, m, at least the distance; if longer, it starts as a V that sags down (-y).
 
     bend : share of the stiffness of springs between every other point, which resist folding
@@ -75,7 +76,15 @@ def _string(start, end, count, length, bend) -> Net:
     return Net(x, np.concatenate(pairs), np.concatenate(rest), np.concatenate(share), edges)
 
 
-def cloth(corner, across, down, columns: int, rows: int, shear: float = 0.5, bend: float = 0.1) -> Net:
+def cloth(
+    corner: ArrayLike,
+    across: ArrayLike,
+    down: ArrayLike,
+    columns: int,
+    rows: int,
+    shear: float = 0.5,
+    bend: float = 0.1,
+) -> Net:
     """A sheet of columns x rows points over the parallelogram corner + across + down ((3,) m), point k = row columns + column.
 
     Springs lie along both directions of the weave (share 1), along both diagonals of each cell (shear) and between every

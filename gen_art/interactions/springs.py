@@ -89,11 +89,11 @@ class Springs(Interaction):
                 values[key] = np.broadcast_to(array, (len(pairs),))
 
     @property
-    def implicit(self) -> bool:
+    def implicit(self) -> bool:  # type: ignore[override]  # by the instance's method
         return self.values["method"] != "explicit"
 
     @property
-    def breaks(self) -> bool:
+    def breaks(self) -> bool:  # type: ignore[override]
         return self.values["tear"] is not None
 
     @property

@@ -4,6 +4,8 @@ A strand is a run of springs (a, b), (b, c), (c, d) ... in the order of their li
 spring is a strand of one. Strands are coloured greedily in their order, so that strands of one colour share no particle: they
 can be solved in any order, or at once, with the same bits. LANES strands of similar length form a group and are stored side by
 side, neighbours in the list together. Unused slots hold the last particle of their strand, or one past the end, and no spring.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 import numpy as np

@@ -1,4 +1,7 @@
-"""Which springs are stretched too far."""
+"""Which springs are stretched too far.
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
 
 from functools import cache
 

@@ -4,6 +4,8 @@ abs(x_i - x_a) <= (1 + tether) s_i, with s_i the sum of the rest lengths along t
 imply this, but the sweeps of a large net need many steps to longest it. A particle that would be beyond the limit after the step
 loses the part of its velocity that takes it there: an inelastic pull, whose reaction acts on the fixed particle.
 Source: Kim, Chentanez & Mueller-Fischer, Long Range Attachments (2012).
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from functools import cache

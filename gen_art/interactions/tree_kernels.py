@@ -1,4 +1,7 @@
-"""The kernels of the tree: moments of cells, the walk over pairs of cells, expansions, and the sums over near pairs."""
+"""The kernels of the tree: moments of cells, the walk over pairs of cells, expansions, and the sums over near pairs.
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
 
 from functools import cache
 from types import SimpleNamespace
@@ -258,12 +261,6 @@ def tree_kernels(precision: str) -> SimpleNamespace:
 
         return close
 
-    made = {
-        "gather": gather,
-        "walk": walk,
-        "far": expand,
-        "down": down,
-        "near": make_close(False),
-        "value": make_close(True),
-    }
+    made = {"gather": gather, "walk": walk, "far": expand, "down": down}
+    made |= {"near": make_close(False), "value": make_close(True)}
     return SimpleNamespace(**{name: runtime.kernel(kernel, precision) for name, kernel in made.items()})

@@ -9,6 +9,8 @@ strand the matrix is tridiagonal and is eliminated without a subtraction: the pi
 s_e = 1/K + w_a (s_(e-1) + w_a sin^2) / (w_a + s_(e-1)) is a sum of positive terms at any stiffness. One step is one substep.
 Sources: Macklin, Mueller, Chentanez, XPBD (2016); Macklin et al., Small Steps in Physics Simulation (2019); for the solution
 of whole strands Deul et al., Direct Position-Based Solver for Stiff Rods (2018).
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from functools import cache

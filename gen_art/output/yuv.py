@@ -6,6 +6,8 @@
 R'G'B' are the picture's sRGB-encoded values, on 0..1. 4:2:0 chroma is sited as in MPEG-2, which players expect: on the even
 columns (weights 1 2 1), between the rows. In transparent pictures it is weighted by alpha, so that invisible pixels do not
 tint visible ones.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 import av

@@ -19,7 +19,7 @@ from gen_art.preset.fields import (
     Within,
     Words,
 )
-from gen_art.preset.files import ImageFile
+from gen_art.preset.files import ImageFile, PresetFile
 from gen_art.preset.model import Model, about
 from gen_art.preset.values import Curve, Range, number
 
@@ -194,7 +194,7 @@ class Ribbon(Model):
 class Picture(Model):
     """A picture for every particle, `radius` from its middle to its sides; white paint takes the particle's colour."""
 
-    image: Annotated[str, ImageFile] = about(..., "the file, in the preset's folder, with a transparent ground")
+    image: Annotated[PresetFile, ImageFile] = about(..., "the file, in the preset's folder, with a transparent ground")
     turn: Literal["random"] | Number = about(0.0, "counter-clockwise; `random` turns each its own way", unit="degrees")
     spin: RangeValue = about(Range(0.0, 0.0), "turn a simulated second, drawn once a particle", unit="degrees/s")
 

@@ -8,6 +8,8 @@ luminance of each cell, the metered light is the log-average in which each cell 
 in stops above middle grey (0.18). Black areas do not count, however large they are, and twice the light is one stop more.
 The exposure is a function of the metered values at fixed earlier times of the film, weighted by 2^(-age / half_life). So a
 frame's exposure is the same whichever other frames are made, and on however many threads.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 import math

@@ -132,6 +132,7 @@ class BloomPyramid:
     def with_bloom(self, linear: np.ndarray, strength: float, radius: float) -> np.ndarray:
         """(height, width, 4): a small picture with `strength` of its light scattered, in a buffer that is reused."""
         unscattered, first = self.scatter(*as_vectors(linear), radius)
+        assert self._full is not None  # only where the first level is not a quarter
         interior = self._full.bordered[PAD:-PAD, PAD:-PAD]
         interior[:] = linear
         np.multiply(first.pixels, strength, out=first.pixels)

@@ -5,9 +5,11 @@ Right-handed, y up. The picture's rows run from top to bottom; pixel (row, colum
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gen_art.errors import UsageError
 from gen_art.preset.camera import CameraSpec
@@ -110,7 +112,7 @@ class Camera:
         return cls(**{name: getattr(spec, name) for name in fields}, lens=lens, spec=spec)
 
     @classmethod
-    def framing(cls, points, aspect: float = 16 / 9) -> "Camera":
+    def framing(cls, points: ArrayLike, aspect: float = 16 / 9) -> "Camera":
         """A camera in front (on +z) with all but the farthest hundredth of the points (n, 3) in its frame."""
         points = np.asarray(points, dtype=np.float64).reshape(-1, 3)
         points = points[np.isfinite(points).all(axis=1)]
@@ -201,7 +203,7 @@ def _fov_of(half_tangent):
 
 
 # the scale in which a path interpolates each value, and back: zooms by equal factors in equal times
-_INTERPOLATION = {
+_INTERPOLATION: dict[str, tuple[Callable, Callable]] = {
     "position": (_identity, _identity),
     "target": (_identity, _identity),
     "up": (_identity, _identity),
@@ -215,7 +217,9 @@ _INTERPOLATION = {
 def _axes(forward, up, roll: float) -> np.ndarray:
     """Rows right, up, forward of a camera that looks along `forward` (unit) with `up` above it, rolled by degrees."""
     right = np.cross(forward, up)
-    if np.linalg.norm(right) < 1e-9 * max(np.linalg.norm(up), 1e-30):  # looking along `up`: any other direction serves
+    if np.linalg.norm(right) < 1e-9 * max(
+        float(np.linalg.norm(up)), 1e-30
+    ):  # looking along `up`: any other direction serves
         right = np.cross(forward, [0.0, 0.0, -1.0] if abs(forward[2]) < 0.9 else [0.0, 1.0, 0.0])
     right /= np.linalg.norm(right)
     return _rotated_axes(np.stack([right, np.cross(right, forward), forward]), 0.0, 0.0, math.radians(roll))

@@ -6,6 +6,8 @@ they are cut. Pixels are vectors of four floats: read, added to and written as o
 
 Points are processed in tiles of POINTS particles. For each tile the kernel finds, by whole vectors, which points fall into the
 band; lists them; prefetches the pixels that they touch; and goes through the list.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from functools import lru_cache
@@ -22,7 +24,7 @@ __all__ = ["MAX_FOOTPRINT", "MIN_PARTICLES", "discs", "pixels", "points"]
 
 MAX_FOOTPRINT = 4.0  # pixels: the largest footprint of a disc that is drawn here
 TAPS = 10  # pixels that such a disc may touch along one side; `lane` in _discs counts them
-TILE = 32  # discs a turn. Those of the band are listed first, so that there is no branch for each disc
+TILE = 32  # discs per iteration; those of the band are listed first, so that there is no branch for each disc
 CUT_SAMPLES = 4096  # particles sampled to choose where to cut the rows
 MIN_PARTICLES = 32768  # up to this many particles are drawn as other sprites are: kernels of their own would not pay
 

@@ -8,7 +8,9 @@ its centre) scatters
 
 towards the camera, where t is the optical depth between the two, summed over SAMPLES samples. A quarter of a squared grid cell
 is added to the squares, because a node stands for a cell of smoke. Only light that the camera could see counts: particles
-behind the camera are not drawn and light nothing.
+behind the camera are not drawn and illuminate nothing.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,7 @@
-"""The light buffer that sprites are drawn into, with smaller buffers for large discs."""
+"""The light buffer that sprites are drawn into, with smaller buffers for large discs.
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
 
 import numpy as np
 
@@ -133,10 +136,11 @@ def _draw_coarse(
     for _ in range(coarsest):
         framebuffers.append(framebuffers[-1].half)
         framebuffers[-1].clear()
-    coarser_bins = None
+    coarser_bins: np.ndarray | None = None
     for level in range(coarsest, 0, -1):
         touched = framebuffers[level].draw(sprites, order, level, kinds)
         if coarser_bins is not None:
             touched = touched | framebuffers[level].composite(framebuffers[level + 1], coarser_bins, over=False)
         coarser_bins = touched
+    assert coarser_bins is not None  # coarsest is at least 1
     framebuffer.composite(framebuffers[1], coarser_bins, over=True)

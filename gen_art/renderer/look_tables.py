@@ -89,7 +89,7 @@ class LookTables:
         emission = look.emission
         constant = Ramp()
         kelvin = emission.blackbody if emission and emission.blackbody else None
-        color = emission.color if emission and emission.color else Color()
+        color = emission.color if emission and emission.color else Color.model_validate({})
         scalar_ramps = [look.size, emission.intensity if emission else constant, look.opacity, kelvin or constant]
         ramps, curves = np.zeros((RAMPS, 4), np.float32), np.ones((RAMPS, TABLE), np.float32)
         for k, ramp in enumerate(scalar_ramps):
@@ -101,7 +101,7 @@ class LookTables:
         tags = tuple(color.tags)
         gradients: list[Gradient] = [look.albedo.gradient, color.gradient, *(color.tags[t] for t in tags)]
         colours = np.ones((1 + len(gradients), TABLE, 4), np.float32)
-        if kelvin:
+        if emission and kelvin:
             temperatures = np.maximum(_samples(kelvin.curve), 100.0)
             relative = planck_luminance(temperatures) / planck_luminance(temperatures.max())
             colours[0, :, :3] = blackbody(temperatures) * (relative**emission.planck)[:, None]
@@ -115,7 +115,7 @@ class LookTables:
     def rows(self, sources) -> np.ndarray:
         """The row of `colours` with the emission's colour for each source (an object with a `tag`)."""
         rows_by_tag = {tag: 3 + k for k, tag in enumerate(self.tags)}
-        return np.array([rows_by_tag.get(getattr(s, "tag", None), 2) for s in sources] or [2], dtype=np.int32)
+        return np.array([rows_by_tag.get(str(getattr(s, "tag", None)), 2) for s in sources] or [2], dtype=np.int32)
 
 
 def kernel_numbers(
@@ -157,7 +157,7 @@ def kernel_numbers(
     if look.pixels is not None:
         q[SIZE_MODE], q[SIZE_VALUE] = 2, 0.5 * look.pixels
     elif look.radius is not None or look.width is not None:
-        q[SIZE_MODE], q[SIZE_VALUE] = 1, look.radius if look.radius is not None else 0.5 * look.width
+        q[SIZE_MODE], q[SIZE_VALUE] = 1, look.radius if look.radius is not None else 0.5 * (look.width or 0.0)
     q[SIZE_VALUE] *= width
     q[RIBBON] = look.ribbon is not None
     q[BLEND] = ("add", "alpha", "opaque").index(look.blend)

@@ -1,5 +1,7 @@
 """Pictures of a simulation in linear light: single ones, and those of a film with their trails."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from gen_art.errors import UsageError
@@ -15,6 +17,9 @@ from gen_art.renderer.smoke_lighting import add_scattered_light
 from gen_art.renderer.sprite import DISC, FOOTPRINT, HIDDEN, KINDS, POINT, STREAK
 from gen_art.renderer.sprites import Sprites
 from gen_art.renderer.supersample import box_averaged
+
+if TYPE_CHECKING:
+    from gen_art.simulation import Simulation
 
 __all__ = ["MAX_SIDE", "Painter", "check_size", "living", "render_frame"]
 
@@ -110,6 +115,7 @@ class Painter:
             trail = self._trails.get(name)
             if trail is None:
                 trail = self._trails[name] = FrameBuffer(self.size)
+            assert look.trail is not None
             fade = 0.5 ** (exposure / look.trail.half_life)
             trail.buffer *= np.float32(fade)
             strength = (1.0 - fade) * look.trail.strength
@@ -122,7 +128,8 @@ class Painter:
     def _tables_of(self, name: str, system) -> tuple[LookTables, bool]:
         raw = name not in self.looks
         if name not in self._tables:
-            self._tables[name] = LookTables.of(self._default_look if raw else self.looks[name], dict(system.channels))
+            look = self.looks.get(name) or self._default_look
+            self._tables[name] = LookTables.of(look, dict(system.channels))
         return self._tables[name], raw
 
     def _draw(self, sim, names, view, film_time, shutter, weight, framebuffer: FrameBuffer, recolour=None) -> None:
@@ -211,19 +218,18 @@ class Painter:
         sprites.add(projected, kind, framebuffer, look.tail, look.taper, min_footprint)
 
 
-def render_frame(sim, size=(1280, 720), camera: Camera | None = None) -> np.ndarray:
+def render_frame(sim: "Simulation", size: tuple[int, int] = (1280, 720), camera: Camera | None = None) -> np.ndarray:
     """A picture of the simulation's current state: (height, width, 4) float32, linear premultiplied RGBA.
 
-    A channel's mean is the light inside the frame; it is the same at any size of one aspect ratio. Systems without a look are
-    white points of light 1. Without a camera the preset's is used, or one that frames the particles. Trails and ribbons, which
-    need earlier states, are left out: `gen-art still` draws them.
+    A channel's mean is the light inside the frame; it is the same at any size of one aspect ratio. A ParticleSystem is drawn
+    by its `look`, and as white points of light 1 where it has none. Without a camera the preset's is used, or one that frames
+    the particles. Trails and ribbons, which need earlier states, are left out: `gen-art still` draws them.
     """
-    preset = getattr(sim, "preset", None)
-    looks: dict[str, Look | None] = {}
+    preset = sim.preset
     shutter, film_time = 0.0, float(sim.time)
+    looks = {name: system.look for name, system in sim.members.items() if preset is not None or system.look is not None}
+    looks = {name: look and look.model_copy(update={"trail": None}) for name, look in looks.items()}
     if preset is not None:
-        looks = {name: system.look.model_copy(update={"trail": None}) if system.look else system.look
-                 for name, system in preset.systems.items()}  # fmt: skip
         if camera is None and preset.camera is not None:
             camera = Camera.from_spec(preset.camera)
         clock = preset.clock

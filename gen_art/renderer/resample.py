@@ -8,6 +8,8 @@ going down is R^-1 S^T R' and going up is S.
 f is a box of s pixels, which makes the weights of a phase sum to 1, convolved with a bell that hides the coarse grid.
 
 The pixels of a row are combined first, then the rows, a pixel (RGBA) at a time; whole vectors hold four pixels.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from functools import cache

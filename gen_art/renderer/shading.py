@@ -1,6 +1,8 @@
 """From particles to the picture: where each is projected, how large, in what colour, with what light.
 
 One kernel serves all looks. It processes LANES particles at a time in local arrays, which lets the compiler vectorise it.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 import numpy as np
@@ -89,7 +91,7 @@ from gen_art.renderer.sprite import (
 __all__ = ["ProjectedParticles", "shade"]
 
 LANES = 8
-BLOCK = 2048  # particles a parallel turn
+BLOCK = 2048  # particles per iteration of the parallel loop
 REFERENCE_ROWS = 720.0  # a "pixel" of a preset is 1/720 of the picture's height
 BOKEH = 0.25 / KERNEL_VARIANCE  # square of the footprint whose kernel has the variance of an even disc of radius 1
 # Half widths of an even disc's rim that keep the second moment: of a sharp disc out of focus by 1, and, as a
@@ -282,7 +284,7 @@ def _shade(
                 for j in range(LANES):
                     fog_depth = ti.max(ahead[j] - ti.cast(Q[FOG_START], ti.f32), 0.0) * ti.cast(Q[FOG_RATE], ti.f32)
                     fog[j] = exp(-fog_depth)
-            # the light it gives off, and the light that it would reflect of a lamp
+            # emitted light, and the light of a lamp that the particle would reflect
             red, green, blue = _lanes(0.0), _lanes(0.0), _lanes(0.0)
             if Q[EMITS] > 0.5:
                 blackbody = ti.Vector([0.0] * (3 * LANES))

@@ -4,6 +4,8 @@ Nodes stand `cell` apart along three axes that the caller chooses. A particle's 
 nodes around it by trilinear weights. Large sprites go into grids of two and four times the cell, which are interpolated and
 added to the fine one. Cell size and corner change in fixed steps, so that the grid does not move with the outline of the
 cloud. One thread deposits the particles in their order (8 ms for 300,000), so the number of threads changes no bit.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from dataclasses import dataclass
@@ -170,10 +172,11 @@ class Smoke:
         grids = np.zeros(offset, np.float32)
         present = np.ascontiguousarray(cross_sections[occupied], np.float32)
         deposit(nodes, present, level, len(occupied), shapes, grids)
-        extinction = None
+        extinction: np.ndarray | None = None
         for shape in shapes[::-1]:
             grid = grids[shape[OFFSET] : shape[OFFSET] + int(np.prod(shape[:OFFSET]))].reshape(shape[:OFFSET])
             extinction = _blurred(grid if extinction is None else grid + _finer(extinction))
+        assert extinction is not None  # there is a level at least
         return cls(axes, cell, corner, extinction)
 
     def coarse(self, times: int) -> "Smoke":

@@ -6,11 +6,14 @@ For each lamp of irradiance 4 pi `intensity`, behind an optical depth t, a parti
 
 with s = `scatter`: light that was scattered before penetrates deeper and has lost more of its direction. The same sum without
 p, averaged over 14 directions, gives the light of the sky. No particle gets more than the unshadowed light, so smoke never
-gives off more light than comes in.
+scatters more light than comes in.
 Source: Wrenninge, Kulla, Lundqvist, Oz: the great and volumetric (SIGGRAPH Talks 2013), with weights that sum to 1; Henyey
 and Greenstein, Diffuse radiation in the galaxy (1941); the directions: Lebedev's rule.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -169,7 +172,7 @@ def _kernel_numbers(light: KeyLight, eye, parallel: bool) -> np.ndarray:
 
 
 def scattered_light(
-    systems: list[LitParticles], eye, parallel: bool = False, emitted: list[EmittedLight] = ()
+    systems: list[LitParticles], eye, parallel: bool = False, emitted: Sequence[EmittedLight | None] = ()
 ) -> list[np.ndarray]:
     """For each system, (n, 3) float32 linear light that its particles scatter towards the camera, before their albedo.
 
@@ -196,9 +199,10 @@ def scattered_light(
         out = np.zeros((len(system.positions), 3), np.float32)
         smoke, depth, coarse = smoke_by_light[key]
         sky = _sky(light, coarse)
-        if index < len(emitted) and emitted[index] is not None:
+        others = emitted[index] if index < len(emitted) else None
+        if others is not None:
             weights = octaves(light.scatter)
-            sky += scatter_emitted_light(smoke.coarse(2), coarse, emitted[index], light, weights, eye, parallel)
+            sky += scatter_emitted_light(smoke.coarse(2), coarse, others, light, weights, eye, parallel)
         if len(out):
             _scatter_kernel(
                 np.ascontiguousarray(system.positions, np.float32), smoke.to_nodes(system.positions), len(out), depth,

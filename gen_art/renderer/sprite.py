@@ -12,6 +12,8 @@ drawn in the same way.
 
 Large discs are smooth, so they are drawn into framebuffers of a half, a quarter or an eighth of the size (`LEVEL`). Those are
 composited over the full-size one with bilinear weights; the discs' footprint is shortened by what these weights add.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 import numpy as np

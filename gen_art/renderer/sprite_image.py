@@ -3,6 +3,8 @@
 The image is linear and premultiplied, padded to a square and scaled to a side that is a power of two. A sprite reads the level
 that has one to two texels a pixel, with bilinear weights. Its weights are divided by the sum of the coverage it reads, so it
 gives its energy exactly.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 import math
@@ -13,6 +15,7 @@ import numpy as np
 from gen_art.backend.runtime import kernel, ti
 from gen_art.errors import UsageError
 from gen_art.maths.elementary import cos, sin
+from gen_art.pictures import read_picture
 from gen_art.renderer.colour import to_linear
 from gen_art.renderer.sprite import (
     AGE,
@@ -55,13 +58,10 @@ def texels(place) -> tuple[np.ndarray, float]:
     """
     from PIL import Image
 
-    try:
-        with Image.open(place) as picture:
-            picture.thumbnail((SIDE, SIDE), Image.Resampling.BOX)
-            opaque = picture.mode in ("L", "RGB")
-            pixels = np.asarray(picture.convert("RGBA"), np.float64) / 255.0
-    except (OSError, ValueError, SyntaxError) as error:
-        raise UsageError(f"{place}: cannot be read as a picture ({error})") from error
+    picture = Image.fromarray(read_picture(place, str(place)))
+    picture.thumbnail((SIDE, SIDE), Image.Resampling.BOX)
+    opaque = picture.mode in ("L", "RGB")
+    pixels = np.asarray(picture.convert("RGBA"), np.float64) / 255.0
     colour, coverage = to_linear(pixels[..., :3]), pixels[..., 3:]
     if opaque:  # an image without alpha: its brightness is its coverage
         coverage = colour.max(axis=2, keepdims=True)

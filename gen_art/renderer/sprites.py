@@ -36,9 +36,10 @@ class Sprites:
         """Make room for n more sprites; returns the index of the first."""
         base = self.count
         if base + n > len(self.rows):
-            old = self.rows, self.headers, self.depths
+            old: tuple[np.ndarray, ...] = (self.rows, self.headers, self.depths)
             self._allocate(max(base + n, len(self.rows) * 3 // 2))
-            for new, previous in zip((self.rows, self.headers, self.depths), old):
+            arrays: tuple[np.ndarray, ...] = (self.rows, self.headers, self.depths)
+            for new, previous in zip(arrays, old):
                 new[:base] = previous[:base]
         self.count += n
         return base

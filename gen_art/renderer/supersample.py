@@ -1,4 +1,7 @@
-"""Supersampling: a framebuffer larger than its picture, each pixel of which is the mean of a block."""
+"""Supersampling: a framebuffer larger than its picture, each pixel of which is the mean of a block.
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
 
 import numpy as np
 

@@ -7,6 +7,8 @@ compiler vectorise the blending. The result depends neither on the number of thr
 Where sprites hide each other, the order of drawing is cut into SLICES; in each slice the coarse framebuffers are drawn first.
 
 P : (n, 16) float rows of the sprites; headers : (n, 6) their integers; T : texels of the images
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 # ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
@@ -249,7 +251,9 @@ def draw_kernel(kinds: frozenset):
         stride: ti.i32,
     ):  # fmt: skip
         ti.loop_config(block_dim=1)
-        for place in range(bins * TILES * TILES):  # one tile a turn, not one bin: compiling takes a third of the time
+        for place in range(
+            bins * TILES * TILES
+        ):  # one tile per iteration, not one bin: compiling takes a third of the time
             bin, t = place // (TILES * TILES), place % (TILES * TILES)
             if bounds[bin + 1] > bounds[bin]:
                 ox, oy = (bin % across) * BIN + (t % TILES) * TILE, (bin // across) * BIN + (t // TILES) * TILE

@@ -47,8 +47,9 @@ def rational(tone: str, white: float = 8.0) -> np.ndarray:
     """
     low, high, numerator, denominator = _CUBICS.get(tone, _IDENTITY)
     if tone == "reinhard":  # reinhard's N must stay within float32 too
-        high, numerator = min(high, high * white), [1.0 / white**2 if n is None else n for n in numerator]
-    return np.array([low, high, *numerator, *denominator], np.float64)
+        high = min(high, high * white)
+    numbers = [1.0 / white**2 if n is None else n for n in numerator]
+    return np.array([low, high, *numbers, *denominator], np.float64)
 
 
 def _inset_primaries(amount: float) -> np.ndarray:
@@ -62,7 +63,8 @@ def _inset_primaries(amount: float) -> np.ndarray:
 
 def matrices(tone: str, saturation: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
     """The matrices before and after the curve. The latter applies `saturation` about luminance too. Rows sum to 1."""
-    before = after = np.eye(3)
+    before: np.ndarray = np.eye(3)
+    after: np.ndarray = before
     if tone == "agx":
         before = _inset_primaries(0.16)
         after = np.linalg.inv(before)

@@ -77,7 +77,8 @@ def develop(
         linear, pyramid = pyramid.with_bloom(np.asarray(linear, np.float32), strength, spec.bloom.radius), None
     padded_width = width + -width % WIDE  # the pixels beyond the picture are black
     vectors, stride = as_vectors(linear)
-    coarse, coarse_stride = _NO_BLOOM, 1
+    coarse: np.ndarray = _NO_BLOOM
+    coarse_stride = 1
     if pyramid:
         unscattered, level = pyramid.scatter(vectors, stride, spec.bloom.radius)
         remaining = max(1.0 + strength * (unscattered - 1.0), 1e-6)
@@ -85,9 +86,10 @@ def develop(
         coarse, coarse_stride = level.vectors, level.stride // 4
     channels = 4 if transparent else 3
     dtype = np.uint8 if bits == 8 else np.uint16
-    picture = out
     if out is None or padded_width > width or not out.flags.c_contiguous or out.ctypes.data % 16:
         picture = aligned((height, padded_width, channels), dtype)
+    else:
+        picture = out
     background, has_background = _background_rows(spec.background, height)
     gain = remaining * 2.0 ** (spec.exposure + (exposure or 0.0))
     np.multiply(before, gain, out=q[kernel.BEFORE : kernel.BEFORE + 9])

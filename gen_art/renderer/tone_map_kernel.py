@@ -1,6 +1,8 @@
 """The tone map kernel: from linear light to the picture's bytes, thirty-two pixels at a time, each channel a vector.
 
 See vector_maths.py for the arrays Q, Z, F and I.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from functools import cache

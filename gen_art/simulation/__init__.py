@@ -1,4 +1,4 @@
-"""The Simulation and what belongs to it: systems, steps, ledger, diagnostics, snapshots."""
+"""The Simulation: its systems, steps, ledger, diagnostics and snapshots."""
 
 from gen_art.simulation.simulation import Simulation
 from gen_art.simulation.system import ParticleSystem

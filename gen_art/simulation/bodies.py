@@ -10,10 +10,14 @@ __all__ = ["Bodies", "bodies"]
 
 
 class Bodies(Group):
-    """Rigid bodies and the particles that stand for them; `system()` makes a ParticleSystem of them."""
+    """Rigid bodies and the particles that represent them; `system()` makes a ParticleSystem of them."""
 
     def system(self, *, rigid: Mapping | None = None, interactions=(), attributes=None, **others) -> ParticleSystem:
-        """A ParticleSystem of these bodies. rigid : a mapping of the interaction's parameters; the rest as for ParticleSystem."""
+        """A ParticleSystem of these bodies.
+
+        rigid : parameters of the interaction `rigid`, a mapping
+        The other arguments are those of ParticleSystem.
+        """
         return ParticleSystem(
             position=self.position,
             velocity=self.velocity,

@@ -1,4 +1,9 @@
-"""Sums over the living: mass, charge, momentum, angular momentum, energy. In float64, in fixed blocks and a fixed order."""
+"""Sums over the living particles: mass, charge, momentum, angular momentum, energy.
+
+They are computed in float64, in fixed blocks and a fixed order, so they do not depend on the number of threads.
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
 
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -14,15 +19,33 @@ from gen_art.particles.rows import CHARGE, MASS, PX, PY, PZ, VX, VY, VZ
 
 __all__ = ["Diagnostics", "diagnose", "energy_of_pairs", "sums"]
 
-_BLOCK = 1024
-_BASIC = (
-    13  # count, mass, charge, momentum 3, angular momentum 3, mass x position 3, kinetic energy; then the potentials
-)
+_BLOCK = 1024  # particles that one thread sums
+# columns of `sums`
+COUNT, TOTAL_MASS, TOTAL_CHARGE = 0, 1, 2
+_P, _L, _MX = 3, 6, 9  # first columns of the vectors
+MOMENTUM = slice(_P, _P + 3)
+ANGULAR_MOMENTUM = slice(_L, _L + 3)
+MASS_TIMES_POSITION = slice(_MX, _MX + 3)
+KINETIC_ENERGY = 12
+BASIC_COLUMNS = 13  # then a column for each potential
+POTENTIALS = slice(BASIC_COLUMNS, None)
+ENERGY = slice(KINETIC_ENERGY, None)
 
 
 @dataclass(frozen=True)
 class Diagnostics:
-    """The state in numbers, SI units unless the preset says otherwise; vectors are (3,) float64 arrays."""
+    """Sums over all living particles, in SI units unless the preset says otherwise; vectors are (3,) float64 arrays.
+
+    time : simulated time, s
+    count : number of living particles
+    mass : kg
+    charge : C
+    momentum : N s; gamma m v with a speed of light
+    angular_momentum : about the origin, N m s
+    center_of_mass : m; NaN without mass
+    kinetic_energy : J; (gamma - 1) m c^2 with a speed of light
+    potential_energy : of time-independent potentials, each pair counted once, J
+    """
 
     time: float
     count: int
@@ -70,30 +93,30 @@ def _kernel(composition: KernelTerms, channels: tuple, precision: str):
                     kinetic = V.dot(V) * g * g / (g + ti.cast(1.0, ti.f64))
                     V *= g
                 L = X.cross(V) * m
-                out[b, 0] = out[b, 0] + ti.cast(1.0, ti.f64)
-                out[b, 1] = out[b, 1] + m
-                out[b, 2] = out[b, 2] + ti.cast(S[CHARGE, i], ti.f64)
+                out[b, COUNT] = out[b, COUNT] + ti.cast(1.0, ti.f64)
+                out[b, TOTAL_MASS] = out[b, TOTAL_MASS] + m
+                out[b, TOTAL_CHARGE] = out[b, TOTAL_CHARGE] + ti.cast(S[CHARGE, i], ti.f64)
                 for c in ti.static(range(3)):
-                    out[b, 3 + c] = out[b, 3 + c] + m * V[c]
-                    out[b, 6 + c] = out[b, 6 + c] + L[c]
-                    out[b, 9 + c] = out[b, 9 + c] + m * X[c]
-                out[b, 12] = out[b, 12] + m * kinetic
+                    out[b, _P + c] = out[b, _P + c] + m * V[c]
+                    out[b, _L + c] = out[b, _L + c] + L[c]
+                    out[b, _MX + c] = out[b, _MX + c] + m * X[c]
+                out[b, KINETIC_ENERGY] = out[b, KINETIC_ENERGY] + m * kinetic
                 age = ti.cast(time - birth[i], real)
                 for j, term in ti.static(enumerate(terms.potentials)):
                     for repeat in range(repeats(Q, term.count_offset)):
                         p = view(terms, S, K, i, x, v, age)
                         q = parameters(Q, term.force, term.offset, repeat)
                         U = term.force.potential(p, ti.cast(time, real), q)
-                        out[b, _BASIC + j] = out[b, _BASIC + j] + ti.cast(U, ti.f64)
+                        out[b, BASIC_COLUMNS + j] = out[b, BASIC_COLUMNS + j] + ti.cast(U, ti.f64)
 
     return runtime.kernel(measure, precision)
 
 
 def sums(sim, name: str, slots: np.ndarray) -> np.ndarray:
-    """The basic sums and each potential's energy over some slots of one system: (13 + potentials,) float64."""
+    """The basic sums and the energy of each potential over some slots of one system: (13 + potentials,) float64."""
     system = sim.members[name]
     state = system.state
-    width = _BASIC + len(system.composition.potentials)
+    width = BASIC_COLUMNS + len(system.composition.potentials)
     if not len(slots):
         return np.zeros(width)
     out = np.zeros((-(-len(slots) // _BLOCK), width))
@@ -109,23 +132,23 @@ def energy_of_pairs(sim, name: str, slots: np.ndarray) -> float:
     """Potential energy of a system's mutual forces over some slots, J."""
     system = sim.members[name]
     state, total = system.state, 0.0
-    for one in system.interactions:
-        if one.source_system is None:
-            total += one.energy(state, slots, sim.precision)
+    for interaction in system.interactions:
+        if interaction.source_system is None:
+            total += interaction.energy(state, slots, sim.precision)
     return total
 
 
 def diagnose(sim) -> Diagnostics:
     """The sums over every living particle of every system, now."""
-    basic, potential = np.zeros(_BASIC), 0.0
+    basic, potential = np.zeros(BASIC_COLUMNS), 0.0
     for name in sim.members:
         slots = sim.living(name)
         part = sums(sim, name, slots)
-        basic += part[:_BASIC]
-        potential += float(part[_BASIC:].sum()) + energy_of_pairs(sim, name, slots)
-    mass = float(basic[1])
-    center = basic[9:12] / mass if mass > 0 else np.full(3, np.nan)
+        basic += part[:BASIC_COLUMNS]
+        potential += float(part[BASIC_COLUMNS:].sum()) + energy_of_pairs(sim, name, slots)
+    mass = float(basic[TOTAL_MASS])
+    center = basic[MASS_TIMES_POSITION] / mass if mass > 0 else np.full(3, np.nan)
     return Diagnostics(
-        sim.time, int(basic[0]), mass, float(basic[2]), basic[3:6].copy(), basic[6:9].copy(), center,
-        float(basic[12]), potential,
+        sim.time, int(basic[COUNT]), mass, float(basic[TOTAL_CHARGE]), basic[MOMENTUM].copy(),
+        basic[ANGULAR_MOMENTUM].copy(), center, float(basic[KINETIC_ENERGY]), potential,
     )  # fmt: skip

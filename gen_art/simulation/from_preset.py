@@ -1,4 +1,4 @@
-"""From a Preset to the ParticleSystems of a Simulation."""
+"""Builds the ParticleSystems of a Simulation from a Preset."""
 
 import math
 from typing import TYPE_CHECKING
@@ -18,11 +18,11 @@ _DEFAULTS = {"radius": (0.01, 0.01), "mass": (1.0, 1.0), "charge": (0.0, 0.0), "
 
 def systems_of(preset: "Preset") -> dict[str, ParticleSystem]:
     """A ParticleSystem for each system of a preset, in the preset's order."""
-    shared = _medium(preset.medium)
+    shared_medium = _medium(preset.medium)
     systems = {}
     for name, spec in preset.systems.items():
         forces = [*(preset.forces if spec.inherit_forces else ()), *spec.forces]
-        medium = _medium(spec.medium) if spec.medium is not None else shared
+        medium = _medium(spec.medium) if spec.medium is not None else shared_medium
         systems[name] = ParticleSystem(
             forces=forces,
             interactions=list(spec.interactions),
@@ -73,9 +73,9 @@ def _kinds(name: str, spec, particle) -> list[BirthKind]:
     return [_kind(f"{name}.{key}", choice, spec, particle) for key, choice in spec.choose.items()]
 
 
-def _kind(name: str, own, emitter, particle) -> BirthKind:
-    """One kind of birth: what it says itself, else what its emitter says, else its system's particle, else the default."""
-    levels = [own, emitter, particle] if own is not emitter else [own, particle]
+def _kind(name: str, spec, emitter, particle) -> BirthKind:
+    """One kind of birth. A value comes from its spec, else from its emitter, its system's particle, or the default."""
+    levels = [spec, emitter, particle] if spec is not emitter else [spec, particle]
 
     def first(key):
         return next((getattr(level, key) for level in levels if getattr(level, key, None) is not None), None)
@@ -84,7 +84,7 @@ def _kind(name: str, own, emitter, particle) -> BirthKind:
     for key, default in _DEFAULTS.items():
         value = first(key)
         attributes[key] = default if value is None else (value.lo, value.hi)
-    for level in levels:  # mass and density are alternatives: the nearest level that names one of them decides
+    for level in levels:  # mass and density are alternatives: the first level that gives one of them decides
         if level.density is not None:
             attributes["density"] = (level.density.lo, level.density.hi)
             break
@@ -103,6 +103,6 @@ def _kind(name: str, own, emitter, particle) -> BirthKind:
         velocity=first("velocity"),
         scripted=scripted,
         attributes=attributes,
-        weight=getattr(own, "weight", 1.0),
+        weight=getattr(spec, "weight", 1.0),
         count=(1, 1) if count is None else (round(count.lo), round(count.hi)),
     )

@@ -1,4 +1,4 @@
-"""The Simulation: systems of particles advanced together by fixed steps."""
+"""The Simulation: systems of particles that are advanced together by fixed time steps."""
 
 import hashlib
 import math
@@ -32,14 +32,18 @@ _DTYPES: dict[str, type[np.floating]] = {"f32": np.float32, "f64": np.float64}
 
 
 class Simulation:
-    """Particles, their laws and a clock.
+    """Particle systems, their forces and a clock.
 
-    preset : a Preset from ga.load_preset, or a dict of ParticleSystems by name (then `dt`, s, is needed)
-    precision : "f32" or "f64"     arch : "cpu"     threads : None for all; fixed by the first Simulation of the process
-    ledger : keep the account of work, dissipation, births and deaths; the state's bits are the same with and without
+    preset : a Preset from ga.load_preset, or a dict of ParticleSystems by name
+    dt : time step, s; the preset's clock.step when None, required with a dict
+    seed : the preset's when None; 0 with a dict
+    precision : "f32" or "f64"
+    arch : "cpu"
+    threads : None for all; fixed by the first Simulation of the process
+    ledger : keep a ledger of work, dissipation, births and deaths; the state's bits are the same with and without it
     Raises UsageError for anything that cannot be simulated.
 
-    `sim["name"]` is a ParticleSystem, `sim.members` all of them, `sim.systems` their storage. All three are to be read;
+    `sim["name"]` is a ParticleSystem, `sim.members` are all of them, `sim.systems` their storage. All three are read-only;
     only `step`, `advance` and `advance_to_frame` change a simulation.
     """
 
@@ -84,11 +88,11 @@ class Simulation:
         self._event_emitters = [(n, e, e.event) for n, s in members.items() for e in s.emitters if e.event is not None]
         for system in members.values():
             give_birth(system.state, [b for e in system.emitters for b in scheduled_births(e, 0.0)], precision)
-        # by system, the ids from..to of particles born at the end of the last step: no emitter has seen their births yet
+        # by system, the ids from..to of particles born at the end of the last step: no emitter has handled their births yet
         self._unprocessed_ids = {name: (0, system.state.next_id) for name, system in members.items()}
         for system in members.values():
-            for one in system.interactions:
-                one.attach(system, self.dt)
+            for interaction in system.interactions:
+                interaction.attach(system, self.dt)
         self._ledger: LedgerKeeper | None = None
         if ledger:
             self.keep_ledger()
@@ -115,8 +119,6 @@ class Simulation:
         for stepper in self._steppers.values():
             stepper.ledger = self._ledger
 
-    # -- what others may read
-
     @property
     def time(self) -> float:
         """Simulated seconds since the start (before the preroll)."""
@@ -124,7 +126,7 @@ class Simulation:
 
     @property
     def systems(self) -> dict[str, Particles]:
-        """The storage of each system, for renderers: read only."""
+        """The storage of each system, read-only, for renderers."""
         return {name: system.state for name, system in self.members.items()}
 
     @property
@@ -137,11 +139,11 @@ class Simulation:
         return list(self._coupled.steppers)
 
     def stepper(self, name: str) -> Stepper:
-        """The step kernel of one system and its arguments."""
+        """The Stepper of one system: its step kernel and its arguments."""
         return self._steppers[name]
 
     def living(self, name: str) -> np.ndarray:
-        """Slots of a system's living particles, in order of id."""
+        """Slots of a system's living particles, in the order of their ids."""
         return np.flatnonzero(self.members[name].state.alive(self.time))
 
     def __repr__(self) -> str:
@@ -153,14 +155,15 @@ class Simulation:
             raise UsageError(f"no system '{name}'{suggest(name, self.members)}")
         return self.members[name]
 
-    # -- time
-
     def advance(self, seconds: float) -> None:
-        """Advance by simulated seconds: a whole number of steps, else UsageError (a ValueError) names the nearest."""
+        """Advance by simulated seconds.
+
+        Raises UsageError (a ValueError) unless they are a whole number of steps; it names the nearest.
+        """
         self.step(self.steps_in(seconds))
 
     def steps_in(self, seconds: float) -> int:
-        """The number of steps in so many simulated seconds. Raises UsageError where they are no whole number of steps."""
+        """The number of steps in `seconds` of simulated time. Raises UsageError unless it is a whole number."""
         steps = seconds / self.dt
         if not math.isfinite(steps) or steps < 0:
             raise UsageError(f"cannot advance by {seconds} s")
@@ -172,7 +175,7 @@ class Simulation:
         return nearest
 
     def advance_to_frame(self, frame: int) -> None:
-        """Advance to film frame k: simulated time preroll + speed k / fps. Raises UsageError for a frame in the past."""
+        """Advance to frame k of the film, simulated time preroll + speed k / fps. Raises UsageError for a frame in the past."""
         if self.preset is None:
             raise UsageError("frames are counted by a preset's clock; this simulation has none")
         clock = self.preset.clock
@@ -189,13 +192,13 @@ class Simulation:
             count -= self._advance(min(int(count), _BATCH))
 
     def step_with(self, move: Callable[[int], None]) -> None:
-        """One step in which `move(number of the step)` moves the particles instead of their integrators."""
+        """Take one step in which `move(number of the step)` moves the particles instead of their integrators."""
         self._advance(1, move)
 
     def _advance(self, most: int, move: Callable[[int], None] | None = None) -> int:
-        """Take up to `most` steps in one launch; returns how many."""
-        paired = bool(self._coupled.steppers)
-        steps = 1 if (move or self._event_emitters or paired or self._ledger) else self._batch(most)
+        """Take up to `most` steps in one launch; returns their number."""
+        coupled = bool(self._coupled.steppers)
+        steps = 1 if (move or self._event_emitters or coupled or self._ledger) else self._batch(most)
         first, t0, t1 = self.steps_done, self.time, (self.steps_done + steps) * self.dt
         for system in self.members.values():
             if system.state.tidy(t0, system.name in self._coupled.steppers):
@@ -220,7 +223,7 @@ class Simulation:
             for name, stepper in self._steppers.items():
                 if name not in self._coupled.steppers:
                     stepper.run(first, steps, self.dt)
-            if paired:
+            if coupled:
                 self._coupled.step(first)
         self.steps_done += steps
         if self._event_emitters:
@@ -232,7 +235,7 @@ class Simulation:
         return steps
 
     def _batch(self, most: int) -> int:
-        """How many steps one launch takes: fewer where many are born, because all of them are stored before the launch."""
+        """The number of steps of one launch: fewer when many particles are born, because all are stored before the launch."""
         steps = most
         for system in self.members.values():
             allowed = max(4096, system.state.count // 8)
@@ -241,14 +244,14 @@ class Simulation:
         return steps
 
     def _give_children(self, first: int, t0: float, t1: float, before: dict) -> None:
-        """Make the particles that events of this step give birth to, and move each to the end of the step."""
-        made: dict[str, list[BirthBatch]] = {}
+        """Make the particles that are born of this step's events, and move each to the end of the step."""
+        born: dict[str, list[BirthBatch]] = {}
         for name, emitter, event in self._event_emitters:
             parent = event.system
             window = EventWindow(t0, t1, before.get(parent), self._unprocessed_ids[parent])
-            made.setdefault(name, []).extend(event_births(emitter, name, self.members[parent].state, window))
+            born.setdefault(name, []).extend(event_births(emitter, name, self.members[parent].state, window))
         self._unprocessed_ids = {name: (s.state.next_id, s.state.next_id) for name, s in self.members.items()}
-        for name, batches in made.items():
+        for name, batches in born.items():
             new = give_birth(self.members[name].state, batches, self.precision)
             self._unprocessed_ids[name] = (self._unprocessed_ids[name][0], self.members[name].state.next_id)
             if new.stop > new.start:
@@ -257,8 +260,6 @@ class Simulation:
                 self._coupled.forget()
                 self._steppers[name].run(first, 1, self.dt, new.start, -math.inf)
 
-    # -- reports and files
-
     def diagnostics(self) -> "Diagnostics":
         """The sums over all living particles now, in float64: see ga.Diagnostics."""
         from gen_art.simulation.diagnostics import diagnose
@@ -266,9 +267,9 @@ class Simulation:
         return diagnose(self)
 
     def ledger(self) -> "Ledger":
-        """The account so far; needs Simulation(..., ledger=True), else UsageError."""
+        """The ledger so far. Raises UsageError unless the simulation was made with ledger=True."""
         if self._ledger is None:
-            raise UsageError("the ledger was not kept: make the simulation with ledger=True")
+            raise UsageError("there is no ledger: make the simulation with ledger=True")
         return self._ledger.report()
 
     def digest(self) -> str:
@@ -279,22 +280,22 @@ class Simulation:
             h.update(f"{name} {len(living)} {state.next_id} {state.attributes}".encode())
             for column in state.columns():
                 h.update(np.ascontiguousarray(column[..., living]).tobytes())
-            for one in self.members[name].interactions:
-                for key, array in one.saved_arrays.items():
-                    h.update(f"{one.name} {key}".encode() + np.ascontiguousarray(array).tobytes())
+            for interaction in self.members[name].interactions:
+                for key, array in interaction.saved_arrays.items():
+                    h.update(f"{interaction.name} {key}".encode() + np.ascontiguousarray(array).tobytes())
         return h.hexdigest()
 
     def save(self, path: str | os.PathLike) -> None:
-        """Write the whole state, bit for bit, to a snapshot (.gas). Raises OutputError when the disk refuses."""
+        """Write the whole state, bit for bit, to a snapshot (.gas). Raises OutputError when the file cannot be written."""
         from gen_art.simulation.snapshot import write
 
         write(self, path, self._unprocessed_ids)
 
     @classmethod
     def restore(cls, path: str | os.PathLike) -> "Simulation":
-        """The simulation of a snapshot; it continues to the same bits.
+        """The simulation of a snapshot. It continues with the same bits as the simulation that was saved.
 
-        Raises OutputError when the file cannot be read, UsageError when it is no snapshot.
+        Raises OutputError when the file cannot be read, UsageError when it is not a snapshot.
         """
         from gen_art.simulation.snapshot import read
 

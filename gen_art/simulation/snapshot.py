@@ -1,4 +1,4 @@
-"""Snapshots: the whole state of a simulation in a file, bit for bit, with the laws it needs to continue."""
+"""Snapshots: the whole state of a simulation in a file, bit for bit, with the forces that it needs to continue."""
 
 import json
 import os
@@ -18,13 +18,18 @@ from gen_art.simulation.system import ParticleSystem
 __all__ = ["Snapshot", "read", "write"]
 
 _FORMAT = 1
-_UNPROCESSED, _SAVED = "behind", "memory"  # what format 1 calls these keys
+_UNPROCESSED, _SAVED = "behind", "memory"  # the names of these keys in format 1
 _COLUMNS = ("floats", "birth", "key", "id", "source")
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """What a file holds: the clock, how to build the simulation, and by system its columns and saved arrays."""
+    """The contents of a snapshot file.
+
+    head : the clock, and the definition from which the simulation is built
+    columns : by (system, column), the particles' arrays
+    saved_arrays : by system, the arrays of each interaction
+    """
 
     head: dict
     columns: dict[tuple[str, str], np.ndarray]
@@ -48,20 +53,23 @@ class Snapshot:
 
     @property
     def unprocessed_ids(self) -> dict[str, tuple[int, int]]:
-        """By system, the ids from..to of the particles whose births no emitter has seen yet."""
+        """By system, the ids from..to of the particles whose births no emitter has handled yet."""
         return {name: tuple(entry[_UNPROCESSED]) for name, entry in self.head["systems"].items()}
 
     @property
     def definition(self):
-        """The Preset, or the ParticleSystems by name, that the simulation is built from."""
+        """The Preset, or the ParticleSystems by name, from which the simulation is built."""
         if self.head["preset"] is None:
-            return {name: _rebuilt(entry["definition"]) for name, entry in self.head["systems"].items()}
+            return {name: _build(entry["definition"]) for name, entry in self.head["systems"].items()}
         from gen_art.preset import load_preset
 
         return load_preset(self.head["preset"])
 
     def restore_systems(self, members, time: float) -> None:
-        """Put the saved particles into systems that were built from `definition`; time : s, at which they were saved."""
+        """Put the saved particles into systems that were built from `definition`.
+
+        time : simulated time at which they were saved, s
+        """
         for name, entry in self.head["systems"].items():
             system, state = members[name], members[name].state
             state.count = 0
@@ -71,16 +79,16 @@ class Snapshot:
             state.count, state.next_id, state.may_die = entry["count"], entry["next_id"], entry["may_die"]
             for emitter, done in zip(system.emitters, entry["done"]):
                 emitter.done = done
-        for name, known in self.saved_arrays.items():
-            for one, arrays in zip(members[name].interactions, known):
+        for name, saved in self.saved_arrays.items():
+            for interaction, arrays in zip(members[name].interactions, saved):
                 if arrays:
-                    one.restore_arrays(arrays, time)
+                    interaction.restore_arrays(arrays, time)
 
 
 def write(sim, path, unprocessed_ids: dict[str, tuple[int, int]]) -> None:
-    """Write `sim` to `path` beside its final name, then rename. Raises OutputError when the disk refuses."""
+    """Write `sim` to a temporary file and rename it to `path`. Raises OutputError when the file cannot be written."""
     if sim.keeps_ledger:
-        raise UsageError("a simulation that keeps a ledger cannot be saved: the account is not part of the state")
+        raise UsageError("a simulation that keeps a ledger cannot be saved: the ledger is not part of the state")
     head = {
         "format": _FORMAT, "precision": sim.precision, "dt": sim.dt, "seed": sim.seed, "steps": sim.steps_done,
         "preset": None if sim.preset is None else {**sim.preset.resolved(), "name": sim.preset.name}, "systems": {},
@@ -90,7 +98,7 @@ def write(sim, path, unprocessed_ids: dict[str, tuple[int, int]]) -> None:
         head["systems"][name] = {
             "count": state.count, "next_id": state.next_id, "may_die": state.may_die, "attributes": state.attributes,
             "done": [e.done for e in system.emitters], _UNPROCESSED: unprocessed_ids[name],
-            _SAVED: [list(one.saved_arrays) for one in system.interactions],
+            _SAVED: [list(interaction.saved_arrays) for interaction in system.interactions],
             "definition": None if sim.preset is not None else _definition(system),
         }  # fmt: skip
     path = Path(path)
@@ -102,8 +110,8 @@ def write(sim, path, unprocessed_ids: dict[str, tuple[int, int]]) -> None:
                 for column in _COLUMNS:
                     array = getattr(system.state, column)[..., : system.state.count]
                     _write_array(archive, f"{name}/{column}.npy", array)
-                for k, one in enumerate(system.interactions):
-                    for key, array in one.saved_arrays.items():
+                for k, interaction in enumerate(system.interactions):
+                    for key, array in interaction.saved_arrays.items():
                         _write_array(archive, f"{name}/{k}.{key}.npy", array)
         os.replace(temporary, path)
     except OSError as error:
@@ -121,7 +129,7 @@ def _read_array(archive, name: str) -> np.ndarray:
 
 
 def read(path) -> Snapshot:
-    """The snapshot at `path`. Raises OutputError if it cannot be read, UsageError if it is no snapshot."""
+    """The snapshot at `path`. Raises OutputError if it cannot be read, UsageError if it is not a snapshot."""
     try:
         with zipfile.ZipFile(path) as archive:
             head = json.loads(archive.read("head.json"))
@@ -147,30 +155,30 @@ def read(path) -> Snapshot:
     return Snapshot(head, columns, saved)
 
 
-def _law(one) -> dict:
-    values = {k: _medium(v) if isinstance(v, Medium) else v for k, v in one.values.items()}
+def _as_dict(law) -> dict:
+    """A force, interaction or collider as plain data."""
+    values = {k: _medium(v) if isinstance(v, Medium) else v for k, v in law.values.items()}
     values = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
-    return {"name": one.name, "values": values}
+    return {"name": law.name, "values": values}
 
 
 def _medium(medium: Medium) -> dict:
-    return {"density": medium.density, "terms": [_law(t) for t in medium.terms]}
+    return {"density": medium.density, "terms": [_as_dict(t) for t in medium.terms]}
 
 
 def _definition(system: ParticleSystem) -> dict:
     if system.emitters:
         raise UsageError("a system with emitters made in Python cannot be saved: describe it as a preset")
-    laws = [*system.forces, *(t for t in system.medium.terms)]
-    for one in laws:
-        if one.name not in FORCES or any(isinstance(v, np.ndarray) for v in one.values.values()):
-            raise UsageError(f"{one!r} cannot be saved: register its class with @ga.force('name')")
-    for surface in system.colliders:
-        if any(callable(v) for v in surface.values.values()):
-            raise UsageError(f"{surface!r} is given by a function, and a function cannot be saved: give it as a grid")
+    for force in [*system.forces, *system.medium.terms]:
+        if force.name not in FORCES or any(isinstance(v, np.ndarray) for v in force.values.values()):
+            raise UsageError(f"{force!r} cannot be saved: register its class with @ga.force('name')")
+    for collider in system.colliders:
+        if any(callable(v) for v in collider.values.values()):
+            raise UsageError(f"{collider!r} is given by a function, and a function cannot be saved: give it as a grid")
     return {
-        "forces": [_law(f) for f in system.forces],
-        "interactions": [_law(i) for i in system.interactions],
-        "colliders": [_law(c) for c in system.colliders],
+        "forces": [_as_dict(f) for f in system.forces],
+        "interactions": [_as_dict(i) for i in system.interactions],
+        "colliders": [_as_dict(c) for c in system.colliders],
         "medium": _medium(system.medium),
         "integrator": system.scheme.name,
         "speed_of_light": system.scheme.light or None,
@@ -179,20 +187,20 @@ def _definition(system: ParticleSystem) -> dict:
     }
 
 
-def _rebuilt(definition: dict) -> ParticleSystem:
+def _build(definition: dict) -> ParticleSystem:
     def medium(entry):
-        return Medium(entry["density"], field=[law(FORCES, t) for t in entry["terms"]])
+        return Medium(entry["density"], field=[build(FORCES, t) for t in entry["terms"]])
 
-    def law(registry, entry):
+    def build(registry, entry):
         values = {k: medium(v) if isinstance(v, dict) else v for k, v in entry["values"].items()}
         return registry[entry["name"]](**values)
 
     empty = np.zeros((0, 3))
     return ParticleSystem(
         position=empty,
-        forces=[law(FORCES, f) for f in definition["forces"]],
-        interactions=[law(INTERACTIONS, i) for i in definition["interactions"]],
-        colliders=[law(COLLIDERS, c) for c in definition.get("colliders", ())],
+        forces=[build(FORCES, f) for f in definition["forces"]],
+        interactions=[build(INTERACTIONS, i) for i in definition["interactions"]],
+        colliders=[build(COLLIDERS, c) for c in definition.get("colliders", ())],
         medium=medium(definition["medium"]),
         integrator=definition["integrator"],
         speed_of_light=definition.get("speed_of_light"),

@@ -1,4 +1,4 @@
-"""One system's step kernel and what it is launched with."""
+"""The step kernel of one system and its arguments."""
 
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,14 @@ __all__ = ["Stepper"]
 
 
 class Stepper:
-    """One system's kernel and what it is launched with."""
+    """The step kernel of one system and its arguments.
+
+    numbers : parameters of the forces and colliders (Q in kernels)
+    scheme_numbers : numbers of the integrator's stages (P)
+    pair : accelerations of the forces between particles, three rows for each part of an interaction (A)
+    scratch : states within a step (R)
+    part_offsets : number of the first part of each interaction; the last entry is the number of all parts
+    """
 
     def __init__(self, system: ParticleSystem, precision: str, coupled: bool):
         self.system, self.coupled = system, coupled
@@ -25,43 +32,50 @@ class Stepper:
         self.scheme_numbers = np.array(system.scheme.numbers, dtype)
         self.pair = np.zeros((1, 1), dtype)
         self.scratch = np.zeros((1, 1), dtype)
-        self.parts = np.cumsum([0, *(len(one.parts) for one in system.interactions)]).tolist()
+        sizes = [len(interaction.parts) for interaction in system.interactions]
+        self.part_offsets = np.cumsum([0, *sizes]).tolist()
         self.kernel = make_step(
-            system.composition, system.scheme.kind, system.scheme.rotation, self.parts[-1],
+            system.composition, system.scheme.kind, system.scheme.rotation, self.part_offsets[-1],
             coupled, system.state.attributes, precision,
         )  # fmt: skip
 
     def run(self, first: int, steps: int, dt: float, begin: int = 0, earliest: float = 0.0) -> None:
-        """Whole steps in one launch, for slots from `begin` on."""
+        """Take whole steps in one launch, for slots from `begin` on.
+
+        earliest : s, simulated time before which nothing moves
+        """
         if self.coupled:
             self.begin()
-            # children feel the other particles from their first whole step on
+            # forces between particles act on newborn particles from their first whole step on
             self.pair[:, begin : self.system.state.count] = 0.0
         self._launch(begin, first, steps, dt, earliest, -1, len(self.system.scheme.stages))
 
     def begin(self) -> None:
-        """Fit the arrays of pair accelerations and stage states to the storage."""
+        """Resize the arrays of pair accelerations and stage states to the storage's capacity."""
         size = self.system.state.capacity + PADDING
         if self.system.interactions and self.pair.shape[1] != size:
-            self.pair = np.zeros((max(1, 3 * self.parts[-1]), size), self.numbers.dtype)
-        keeps = self.system.scheme.kind == "runge_kutta" or self.system.composition.colliders
-        if keeps and self.scratch.shape[1] != size:
+            self.pair = np.zeros((max(1, 3 * self.part_offsets[-1]), size), self.numbers.dtype)
+        needs_scratch = self.system.scheme.kind == "runge_kutta" or self.system.composition.colliders
+        if needs_scratch and self.scratch.shape[1] != size:
             self.scratch = np.zeros((12, size), self.numbers.dtype)
 
     def span(self, g: int, dt: float) -> float:
-        """The length of the kick of stage g, s; 0 in Runge-Kutta."""
+        """The length of the kick of stage g, s; 0 in Runge-Kutta schemes."""
         return dt * self.system.scheme.stages[g][0] if self.system.scheme.kind == "splitting" else 0.0
 
     def stage_rows(self, g: int) -> np.ndarray:
-        """Rows of which the first six are the positions and velocities at stage g."""
+        """An array whose first six rows are the positions and velocities at stage g."""
         return self.scratch if g > 0 and self.system.scheme.kind == "runge_kutta" else self.system.state.floats
 
     def stage(self, first: int, dt: float, stage0: int, stage1: int, numbers: np.ndarray | None = None) -> None:
-        """Stages stage0 to stage1 - 1 of one step; from -1 the first drift. numbers : in the place of the scheme's"""
-        own = self.scheme_numbers
-        self.scheme_numbers = own if numbers is None else numbers
+        """Take stages stage0 to stage1 - 1 of one step; stage -1 is the first drift.
+
+        numbers : used instead of scheme_numbers
+        """
+        saved = self.scheme_numbers
+        self.scheme_numbers = saved if numbers is None else numbers
         self._launch(0, first, 1, dt, 0.0, stage0, stage1)
-        self.scheme_numbers = own
+        self.scheme_numbers = saved
 
     def _launch(self, begin, first, steps, dt, earliest, stage0, stage1) -> None:
         state = self.system.state

@@ -1,6 +1,6 @@
 """A ParticleSystem: a named group of particles with its forces, and, once it is part of a simulation, their state."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -169,7 +169,7 @@ class ParticleSystem:
             names.add("impact")
         return tuple(sorted(names))
 
-    def allocate(self, name: str, dtype, key: np.uint64, time) -> None:
+    def allocate(self, name: str, dtype: type[np.floating], key: np.uint64, time: Callable[[], float]) -> None:
         """Become part of a simulation: allocate the state and give the initial particles their keys."""
         from gen_art.maths.random import channel_of, derive
 

@@ -57,11 +57,11 @@ def test_what_cannot_be_drawn_is_a_sentence(gen_art, tmp_path, monkeypatch):
 def test_the_history_is_the_account_moment_by_moment():
     """What is drawn: the energy less the residual is start + work + born - died - dissipated."""
     report = audit(load_preset("fire", overrides={"clock.preroll": 0}), time=0.25, precision="f64", moments=5)
-    way, books = report.runs[0].history, report.account
-    assert len(way.times) == 6 and way.times[0] == 0 and way.times[-1] == pytest.approx(report.simulated)
-    passed = books.work.total + books.born.total.energy - books.died.total.energy - books.dissipated.total
-    assert way.accounted[-1] == pytest.approx(report.start.energy + passed, rel=1e-12)
-    assert way.kinetic[-1] + way.potential[-1] == pytest.approx(report.end.energy, rel=1e-12)
-    assert np.allclose(way.momentum[-1], report.end.momentum)
-    flame = way.paths["flame"]
+    history, ledger = report.runs[0].history, report.ledger
+    assert len(history.times) == 6 and history.times[0] == 0 and history.times[-1] == pytest.approx(report.simulated)
+    passed = ledger.work.total + ledger.born.total.energy - ledger.died.total.energy - ledger.dissipated.total
+    assert history.accounted[-1] == pytest.approx(report.start.energy + passed, rel=1e-12)
+    assert history.kinetic[-1] + history.potential[-1] == pytest.approx(report.end.energy, rel=1e-12)
+    assert np.allclose(history.momentum[-1], report.end.momentum)
+    flame = history.paths["flame"]
     assert flame.shape[1:] == (6, 3) and np.isfinite(flame).any() and np.isnan(flame).any()

@@ -279,7 +279,8 @@ def pictured(tmp_path):
 
 def test_recipes_name_the_preset_s_files_and_rerun_finds_them(tmp_path, pictured, monkeypatch):
     (path,) = job.still(pictured, tmp_path / "a.png", 0.3)
-    assert read_recipe(path)["files"] == [{"path": "spark.png", "sha256": digest(pictured.parent / "spark.png")}]
+    (entry,) = read_recipe(path)["files"]
+    assert (entry["path"], entry["sha256"]) == ("spark.png", digest(pictured.parent / "spark.png"))
     again = job.rerun(path, tmp_path / "b.png", folder=pictured.parent)[0]
     assert digest(again) == digest(path)
     monkeypatch.chdir(pictured.parent)

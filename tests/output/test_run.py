@@ -197,7 +197,7 @@ def test_automatic_exposure_follows_the_light_and_is_the_same_whichever_frames_a
     def stops(preset, frames):
         clock = preset.clock
         steps = [clock.preroll_steps + k * clock.steps_per_frame for k in frames]
-        return [exposure for _, exposure in Playback(preset, SIZE, "f32", None).films(steps)]
+        return [exposure for _, exposure in Playback(preset, SIZE, "f32", None).pictures(steps)]
 
     everyone = stops(flash(0.1, 8.0, auto_exposure=auto), range(10))
     steady = stops(flash(0.1, 0.1, auto_exposure=auto), range(10))

@@ -7,9 +7,12 @@ show them.
 """
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gen_art.errors import UsageError
 from gen_art.interactions.rigid.quaternions import cross, matrices, product, quaternion, rotation
@@ -60,8 +63,10 @@ class Body:
 
 
 def body(
-    shape, *, mass=None, density=1000.0, hollow=False, position=(0, 0, 0), turn=(0, 0, 0), velocity=(0, 0, 0), spin=(0, 0, 0),
-    pivot=None, axle=None, static=False, draw="cloud", points=400, grain=None, tint=0.0, name="body",
+    shape: Mapping[str, Any] | Sequence[Mapping[str, Any]], *, mass: float | None = None, density: float = 1000.0,
+    hollow: bool = False, position: ArrayLike = (0, 0, 0), turn: ArrayLike = (0, 0, 0), velocity: ArrayLike = (0, 0, 0),
+    spin: ArrayLike = (0, 0, 0), pivot: ArrayLike | None = None, axle: ArrayLike | None = None, static: bool = False,
+    draw: str = "cloud", points: int = 400, grain: float | None = None, tint: float = 0.0, name: str = "body",
 ) -> Body:  # fmt: skip
     """A rigid body, to be combined with others by ga.bodies.
 

@@ -2,6 +2,8 @@
 
 The distance is evaluated at probe points of each body: the centre of a ball, points along the axis of a capsule, and the
 corners, the middles of the edges and the centres of the faces of a box.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from functools import cache

@@ -4,6 +4,8 @@ The kinetic energy sum L_k^2 / 2 I_k is split into L^2 / 2 I_2, which rotates th
 the two other principal axes. The composition is symmetric, so that three of them have order 4. It keeps L exactly and the
 energy bounded, and is exact where two moments are equal.
 Sources: Touma & Wisdom (1994), AJ 107, 1189; Yoshida (1990), Phys. Lett. A 150, 262.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from functools import cache

@@ -1,6 +1,8 @@
 """The kernels of rigid bodies: momentum that forces gave the particles, impulses of contacts, positions of the particles.
 
 Bodies are in float64 throughout, particles in the system's precision. Each sum runs in a fixed order.
+
+The one-letter names in kernels are in docs/glossary.md.
 """
 
 from functools import cache
