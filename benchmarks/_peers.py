@@ -104,7 +104,7 @@ def plain_kernel(composition, blocks: bool):
     from gen_art.backend.kernel_views import parameters
     from gen_art.backend.runtime import ti
     from gen_art.forces.base import term_acceleration
-    from gen_art.integrators.tile import TileTerms, repeats, view
+    from gen_art.integrators.particle_tile import TileTerms, repeats, view
     from gen_art.maths.elementary import phi
 
     terms = TileTerms(composition, (), 0)

@@ -1,4 +1,4 @@
-"""A user's Python file, named by the user: loading it registers its forces and emitters."""
+"""Plugins: Python files of the user that register forces and emitters when they are loaded."""
 
 import hashlib
 import sys
@@ -14,7 +14,7 @@ __all__ = ["Plugin", "load_plugin"]
 
 @dataclass(frozen=True)
 class Plugin:
-    """A loaded plugin: its path, and the sha256 of its text, which a recipe records."""
+    """A loaded plugin: its path, and the sha256 of its text, which is stored in recipes."""
 
     path: Path
     sha256: str
@@ -28,13 +28,13 @@ _loaded: dict[str, Plugin] = {}
 
 
 def load_plugin(path: str | Path) -> Plugin:
-    """Run a Python file, so that its `@ga.force` and `@ga.emitter` classes count; the same text runs once a process.
+    """Run a Python file, which registers its `@ga.force` and `@ga.emitter` classes. The same text runs once a process.
 
-    Raises OutputError when it cannot be read, UsageError, naming the line, for an error in it.
+    Raises OutputError when it cannot be read, and UsageError with the line for an error in it.
     """
     path = Path(path)
     if str(path) == "-":
-        raise UsageError("a plugin is a file: its source is read again, so standard input cannot hold it")
+        raise UsageError("a plugin must be a file, not standard input, because its source is read again")
     try:
         text = path.read_bytes()
     except OSError as error:
@@ -44,22 +44,22 @@ def load_plugin(path: str | Path) -> Plugin:
         return _loaded[digest]
     name = f"gen_art_plugin_{path.stem}_{digest[:8]}"
     if path.suffix != ".py":
-        raise UsageError(f"plugin {path}: is not a Python file (its name must end in .py)")
+        raise UsageError(f"plugin {path}: is not a Python file (its name must end with .py)")
     module = types.ModuleType(name)
     module.__file__ = str(path.resolve())
     sys.modules[name] = module
     try:
-        # the very text that was hashed, and no bytecode left beside the user's file
+        # exec runs exactly the text that was hashed, and writes no bytecode beside the user's file
         exec(compile(text, module.__file__, "exec"), module.__dict__)
     except Exception as error:
         del sys.modules[name]
-        raise UsageError(f"plugin {_place(path, error)}{_words(error)}") from error
+        raise UsageError(f"plugin {_place(path, error)}{_message(error)}") from error
     plugin = _loaded[digest] = Plugin(path, digest)
     return plugin
 
 
 def _place(path: Path, error: Exception) -> str:
-    """`swirl.py:12: `: the last line of the plugin that the error passed through."""
+    """`swirl.py:12: `, with the last line of the plugin in the error's traceback."""
     if isinstance(error, SyntaxError) and error.lineno:
         return f"{path}:{error.lineno}: "
     here = str(path.resolve())
@@ -67,7 +67,7 @@ def _place(path: Path, error: Exception) -> str:
     return f"{path}:{lines[-1]}: " if lines else f"{path}: "
 
 
-def _words(error: Exception) -> str:
+def _message(error: Exception) -> str:
     if isinstance(error, GenArtError):
         return str(error)
     return f"{type(error).__name__}: {error.msg if isinstance(error, SyntaxError) else error}"

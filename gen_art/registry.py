@@ -1,7 +1,7 @@
-"""Names to classes, and the typed parameters a class declares.
+"""Registries of classes by name, and the typed parameters that a class declares.
 
 A class with parameters is a `Parametric`: its annotations become constructor arguments, YAML keys, schema entries and
-rows of the documentation. `Registry` maps the YAML name to the class.
+rows of the documentation. A `Registry` maps YAML names to classes.
 """
 
 import difflib
@@ -20,9 +20,11 @@ __all__ = ["Bounds", "Parameter", "Parametric", "Registry", "param", "suggest"]
 
 @dataclass(frozen=True)
 class Bounds:
-    """The numbers that a parameter or a key may have: an interval, closed unless an end is `open`; perhaps whole ones only.
+    """The interval of the numbers that a parameter or a key may have.
 
-    This is the one check of a number's range: of Python parameters, of registered classes in YAML, and of a preset's keys.
+    open_low, open_high : whether the end is excluded
+    whole : whole numbers only
+    All number ranges are checked here: of Python parameters, of registered classes in YAML, and of a preset's keys.
     """
 
     low: float = -math.inf
@@ -32,7 +34,10 @@ class Bounds:
     whole: bool = False
 
     def check(self, value: float, unit: str = "") -> float:
-        """The value; UsageError if it lies outside. unit : what follows the bounds in the message, as " degrees"."""
+        """The value. Raises UsageError if it is outside the bounds.
+
+        unit : text after the bounds in the message, such as " degrees"
+        """
         if not math.isfinite(value):
             raise UsageError(f"must be a finite number, not {value}")
         below = value < self.low or (self.open_low and value == self.low)
@@ -51,17 +56,17 @@ class Bounds:
         return " and ".join(low + high)
 
     def schema(self) -> dict[str, float]:
-        """The interval in JSON Schema's words."""
+        """The interval as keywords of JSON Schema."""
         out = {"exclusiveMinimum" if self.open_low else "minimum": self.low} if self.low > -math.inf else {}
         return out | ({"exclusiveMaximum" if self.open_high else "maximum": self.high} if self.high < math.inf else {})
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """One typed parameter: `kind` is float, int, range, vector, bool, choice, text, file or array; the bounds are closed.
+    """One typed parameter. `kind` is float, int, range, vector, bool, choice, text, file or array; the bounds are closed.
 
-    kinds float, int, range (low, high) and vector (3 numbers) reach kernels as run-time data; bool, choice and text are
-    fixed when the kernel is generated; file (a name, or the data itself) is the class's own to read.
+    float, int, range (low, high) and vector (3 numbers) are run-time data of kernels; bool, choice and text are fixed when
+    the kernel is generated; the class itself reads a file (a name, or the data).
     """
 
     default: Any = None
@@ -75,7 +80,7 @@ class Parameter:
     required: bool = False
 
     def check(self, value):
-        """The value in its canonical Python form; UsageError says what is wrong with it."""
+        """The value in its canonical Python form. Raises UsageError for a wrong value."""
         if self.kind in ("float", "int"):
             if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
                 raise UsageError(f"{self.name} must be a number, not {value!r}")
@@ -123,7 +128,7 @@ class Parameter:
 
     @property
     def size(self) -> int:
-        """How many run-time numbers the parameter takes."""
+        """The number of run-time numbers of the parameter."""
         return {"float": 1, "int": 1, "range": 2, "vector": 3}.get(self.kind, 0)
 
 
@@ -135,9 +140,15 @@ def param(
     default: Any = _REQUIRED, *, unit: str = "", min: float = -math.inf, max: float = math.inf, choices: Sequence[Any] = (),
     doc: str = "", kind: str | None = None,
 ) -> Any:  # fmt: skip
-    """Declare a parameter of a Force, Emitter or other Parametric class: default, unit, closed range, meaning.
+    """Declare a parameter of a Force, Emitter or other Parametric class.
 
-    The annotation gives the kind (float, int, bool, str, tuple for a vector); `kind="range"` takes a number or (low, high).
+    default : its value when left out; without a default the parameter is required
+    unit : shown in the documentation; "rad" is written in degrees in YAML
+    min, max : closed range
+    choices : the allowed values
+    doc : its meaning
+    kind : in place of the kind that follows from the annotation (float, int, bool, str, tuple for a vector); "range" is a
+    number or (low, high)
     """
     missing = default is _REQUIRED
     return Parameter(None if missing else default, unit, min, max, tuple(choices), doc, kind or "", required=missing)
@@ -151,19 +162,19 @@ class Parametric:
 
     name: ClassVar[str] = ""
     parameters: ClassVar[dict[str, Parameter]] = {}
-    tabled: bool = False  # has a `table()` of further run-time numbers, read in a kernel as q.table(k)
+    tabled: bool = False  # whether `table()` gives further run-time numbers, which kernels read as q.table(k)
 
     def __init_subclass__(cls, **kwargs):
         super().__init_subclass__(**kwargs)
-        own = dict(cls.parameters)
+        parameters = dict(cls.parameters)
         for key, annotation in inspect.get_annotations(cls).items():
             declared = cls.__dict__.get(key)
             if not isinstance(declared, Parameter):
                 continue
             kind = declared.kind or ("choice" if declared.choices else _KINDS.get(annotation, "array"))
-            own[key] = Parameter(**{**declared.__dict__, "kind": kind, "name": key})
-            setattr(cls, key, _Frozen(key, cls.__name__))
-        cls.parameters = own
+            parameters[key] = Parameter(**{**declared.__dict__, "kind": kind, "name": key})
+            setattr(cls, key, _NotAnAttribute(key, cls.__name__))
+        cls.parameters = parameters
 
     def __init__(self, *args, **kwargs):
         names = list(self.parameters)
@@ -182,7 +193,7 @@ class Parametric:
                 raise UsageError(f"{type(self).__name__} needs '{key}'")
             value = given.get(key, parameter.default)
             if value is None and parameter.default is None and not parameter.required:
-                self.values[key] = None  # an optional parameter left out
+                self.values[key] = None  # an optional parameter that is left out
                 continue
             try:
                 self.values[key] = parameter.check(value)
@@ -191,7 +202,7 @@ class Parametric:
         self.prepare()
 
     def prepare(self):
-        """Hook: check parameters against each other and derive numbers, in `self.values`."""
+        """Hook: check the parameters together and derive further numbers, in `self.values`."""
 
     def __repr__(self):
         return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.values.items())})"
@@ -216,8 +227,8 @@ class Parametric:
 
 
 @dataclass
-class _Frozen:
-    """Reading `self.strength` in a kernel would freeze the number into it; this says what to write instead."""
+class _NotAnAttribute:
+    """Raises an error for `self.strength`, which would compile the number into the kernel, and says what to write instead."""
 
     key: str
     owner: str
@@ -226,12 +237,12 @@ class _Frozen:
         if instance is None:
             return self
         raise AttributeError(
-            f"self.{self.key} would be frozen at compile time: write q.{self.key} in a kernel, "
+            f"self.{self.key} would be a constant of the compiled kernel: write q.{self.key} in a kernel, "
             f"or .values['{self.key}'] in Python ({self.owner})"
         )
 
     def __set__(self, instance, value):
-        raise AttributeError(f"{self.owner}.{self.key} is set when the object is made")
+        raise AttributeError(f"{self.owner}.{self.key} can be set only when the object is made")
 
 
 @dataclass
@@ -270,6 +281,6 @@ class Registry:
 
 
 def suggest(word: str, words) -> str:
-    """`; did you mean 'rate'?` when one of `words` is close, else nothing."""
+    """`; did you mean 'rate'?` if one of `words` is similar, otherwise an empty text."""
     close = difflib.get_close_matches(str(word), [str(w) for w in words], n=1, cutoff=0.6)
     return f"; did you mean '{close[0]}'?" if close else ""

@@ -1,1 +1,1 @@
-"""The only place that starts Taichi or knows its inside."""
+"""Starts Taichi and patches it. No other package depends on Taichi's internals."""

@@ -1,4 +1,4 @@
-"""What must be known before Taichi is imported: its version, and whether it runs without this package's patches."""
+"""Set up before Taichi is imported: checks its version, and whether it runs without this package's patches."""
 
 import importlib.metadata
 import os
@@ -7,15 +7,15 @@ from gen_art.errors import InstallationError
 
 __all__ = ["STOCK_TAICHI", "TAICHI_VERSION"]
 
-TAICHI_VERSION = "1.7.4"  # the only one whose inside the patches know
+TAICHI_VERSION = "1.7.4"  # the version for which the patches are written
 STOCK_TAICHI = os.environ.get("GEN_ART_STOCK_TAICHI", "") not in ("", "0")
 
 
-def _check_version(found: str) -> None:
-    if found != TAICHI_VERSION and not STOCK_TAICHI:
+def _check_version(installed: str) -> None:
+    if installed != TAICHI_VERSION and not STOCK_TAICHI:
         raise InstallationError(
-            f"gen-art needs taichi {TAICHI_VERSION}, and {found} is installed: run pip install 'taichi=={TAICHI_VERSION}', "
-            "or set GEN_ART_STOCK_TAICHI=1 to try this one without gen-art's patches"
+            f"gen-art needs taichi {TAICHI_VERSION}, but {installed} is installed: run pip install 'taichi=={TAICHI_VERSION}', "
+            "or set GEN_ART_STOCK_TAICHI=1 to try the installed version without gen-art's patches"
         )
 
 

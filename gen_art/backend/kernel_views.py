@@ -1,7 +1,7 @@
-"""What a composed kernel hands to a force while Taichi traces it: plain Python objects whose attributes are expressions.
+"""The arguments `p` and `q` of a force in a kernel: Python objects that exist while Taichi traces and hold expressions.
 
-`KernelView` carries them through ti.func calls by reference. `parameters(Q, cls, offset)` is the view `q` of one term's slice of
-the run-time parameter array; numbers that do not reach kernels (choices, flags) stand in it as Python constants;
+A `KernelView` passes through ti.func calls by reference. `parameters(Q, term, offset)` is the view `q` of one term's slice of
+the run-time parameter array; values that are fixed when the kernel is traced (choices, flags) are Python constants in it;
 `q.table(k)` reads the table of a class that has one.
 """
 
@@ -11,7 +11,7 @@ __all__ = ["KernelView", "parameters", "particle", "traced"]
 
 
 class KernelView:
-    """Attribute access resolved while Taichi traces."""
+    """An object whose attributes are looked up while Taichi traces."""
 
     _data_oriented = True
 
@@ -20,14 +20,14 @@ class KernelView:
 
 
 def traced(function):
-    """Mark a plain Python function as meant to be called while tracing (Taichi then does not warn)."""
+    """Mark a plain Python function that is called while tracing, so that Taichi does not warn about it."""
     function._is_wrapped_kernel = True
     return function
 
 
 @traced
 def parameters(array, term, offset: int, index=0):
-    """The view `q` of a term: its run-time numbers at `array[offset:]`, its fixed values, and `q.index`, the repeat."""
+    """The view `q` of a term: its run-time numbers at `array[offset:]`, its fixed values, and the index of its repeat."""
 
     def at(k):
         return impl.subscript(None, array, k)

@@ -1,9 +1,9 @@
-"""A faster launch of kernels than Taichi 1.7.4 has. It does not change what a launch computes.
+"""A faster launch of kernels than that of Taichi 1.7.4. It does not change what a launch computes.
 
-At every launch Taichi checks the type of every argument, builds a dozen helper objects and asks its cache for the kernel: 0.12 ms
-for a dozen arguments, several times what a small kernel computes. Here the first launch with arrays of given types is Taichi's
-own, with all its checks; later ones pass pointers, shapes and numbers only, in 0.05 ms.
-GEN_ART_STOCK_TAICHI=1 switches it off: every launch is then Taichi's own.
+At every launch Taichi checks the type of every argument, builds a dozen helper objects and asks its cache for the kernel. This
+takes 0.12 ms for a dozen arguments, several times the run time of a small kernel. Here Taichi does the first launch with arrays
+of given types, with all its checks; later launches pass only pointers, shapes and numbers, in 0.05 ms.
+GEN_ART_STOCK_TAICHI=1 switches it off: Taichi then does every launch.
 """
 
 import taichi as ti
@@ -18,9 +18,10 @@ __all__ = ["launch_without_repeats"]
 def launch_without_repeats(primal, function, compiling):
     """A function that launches the kernel `function`, faster from the second call with arrays of the same types on.
 
-    primal : Taichi's object behind the kernel     compiling : returns the context manager in which Taichi may compile
-    The result has an attribute `bound(*args)`: a function without arguments that launches the kernel with these, which are
-    passed to Taichi once. Raises ValueError for an array of vectors at an address from which they cannot be loaded.
+    primal : Taichi's object of the kernel
+    compiling : returns the context manager in which Taichi may compile
+    The result has an attribute `bound(*args)`: a function without arguments that launches the kernel with `args`, which are
+    passed to Taichi once. Raises ValueError for an array of vectors whose address is not aligned for vector loads.
     """
     annotations = [argument.annotation for argument in primal.arguments]
     kinds = [_kind(annotation) for annotation in annotations]
@@ -51,8 +52,8 @@ def launch_without_repeats(primal, function, compiling):
             if args[k].ctypes.data % (lanes * args[k].itemsize):
                 raise ValueError(f"argument {k} of {primal.func.__name__}: vectors need an array from runtime.aligned")
         types = signature(args)
-        found = known.get(types)
-        if found is None or not all(args[k].flags.c_contiguous for k, _ in arrays):
+        compiled_before = known.get(types)
+        if compiled_before is None or not all(args[k].flags.c_contiguous for k, _ in arrays):
             with compiling():
                 result = function(*args)
                 if plain:
@@ -61,30 +62,30 @@ def launch_without_repeats(primal, function, compiling):
                     data = program.compile_kernel(program.config(), program.get_device_caps(), compiled)
                     known[types] = compiled, program, data
             return result
-        compiled, program, data = found
+        compiled, program, data = compiled_before
         program.launch_kernel(data, launch_context(compiled, args))
         return None
 
     def bound(*args):
-        launches: list = []
+        prepared: list = []
 
-        def again():
-            if launches:
-                program, data, context, _ = launches[0]
+        def launch_again():
+            if prepared:
+                program, data, context, _ = prepared[0]
                 program.launch_kernel(data, context)
                 return
             launch(*args)
             compiled, program, data = known[signature(args)]
-            launches.append((program, data, launch_context(compiled, args), args))  # the arrays live as long
+            prepared.append((program, data, launch_context(compiled, args), args))  # args: keeps the arrays alive
 
-        return again
+        return launch_again
 
     vars(launch)["bound"] = bound
     return launch
 
 
 def _kind(annotation) -> str | None:
-    """How an argument is passed; None where only Taichi's own launch can pass it."""
+    """How an argument is passed; None if only Taichi's launch can pass it."""
     if isinstance(annotation, NdarrayType):
         return "array"
     if id(annotation) in primitive_types.real_type_ids:
@@ -93,5 +94,5 @@ def _kind(annotation) -> str | None:
 
 
 def _lanes(annotation) -> int:
-    """How many numbers a vector has in an array of vectors; 0 in an array of numbers."""
+    """The number of components in an array of vectors; 0 in an array of numbers."""
     return annotation.dtype.n if isinstance(annotation.dtype, MatrixType) else 0

@@ -1,10 +1,10 @@
-"""The only place that starts Taichi: backend, threads, cache folder, precision, silence.
+"""Starts Taichi: backend, threads, cache folder, precision; and wraps its kernels.
 
-Every other module takes `ti` from here. Kernels are wrapped by `kernel(function, precision)`, which compiles them
-with the right default float type: otherwise the literals of a float64 kernel silently become float32.
+Every other module imports `ti` from here. `kernel(function, precision)` compiles a kernel with its default float type;
+otherwise the literals of a float64 kernel would silently become float32.
 
-This package replaces parts of Taichi's inside (tracing_patch, real_function_patch, launch_patch) and links LLVM bitcode
-into kernels (intrinsics/). With the environment variable GEN_ART_STOCK_TAICHI=1 it does neither: the same bits, more slowly.
+This package replaces parts of Taichi (tracing_patch, real_function_patch, launch_patch) and links LLVM bitcode into kernels
+(intrinsics/). With the environment variable GEN_ART_STOCK_TAICHI=1 it does neither: the bits are the same, but it is slower.
 """
 
 from gen_art.backend.environment import STOCK_TAICHI  # isort: skip  (sets the environment that Taichi reads when imported)
@@ -19,7 +19,7 @@ from itertools import takewhile
 from pathlib import Path
 
 if not STOCK_TAICHI:
-    from gen_art.backend import tracing_patch  # isort: skip  (before anything of Taichi)
+    from gen_art.backend import tracing_patch  # isort: skip  (must be imported before Taichi)
 import numpy as np
 import taichi as ti
 from taichi._lib import core
@@ -56,22 +56,22 @@ __all__ = [
 ]
 
 DTYPES = {"f32": ti.f32, "f64": ti.f64}
-_ALIGNMENT = 128  # bytes: sixteen float64
+_ALIGNMENT = 128  # bytes: a vector of sixteen float64
 _state: dict = {"config": None, "kernels": [], "lock": None}
 
 
 @lru_cache(1)
 def processor() -> list[str]:
-    """The lines with the first processor's name and what it can do ("flags"); none where the system does not tell."""
+    """The lines of /proc/cpuinfo with the first processor's name and instruction sets ("flags"); none on other systems."""
     with contextlib.suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as lines:
         return [line for line in takewhile(str.strip, lines) if line.startswith(("model name", "flags"))]
     return []
 
 
 def cache_folder(arch: str) -> Path:
-    """Where compiled kernels are kept: $GEN_ART_CACHE, else the user's cache folder.
+    """The folder of compiled kernels: in $GEN_ART_CACHE, or in the user's cache folder.
 
-    The CPU and the compile settings are not part of Taichi's own cache key, so they are part of the folder's name.
+    The processor is not part of Taichi's cache key, so it is part of the folder's name.
     """
     base = os.environ.get("GEN_ART_CACHE")
     root = Path(base) if base else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "gen-art"
@@ -81,7 +81,10 @@ def cache_folder(arch: str) -> Path:
 
 
 def _share_cache(folder: Path) -> bool:
-    """Take a share in the cache folder; the first process in removes a lock that a killed one left behind."""
+    """Use the cache folder together with other processes; returns whether it can be used.
+
+    If no other process uses it, a lock that a killed process has left is removed.
+    """
     try:
         import fcntl
 
@@ -99,9 +102,10 @@ def _share_cache(folder: Path) -> bool:
 
 
 def init(arch: str = "cpu", threads: int | None = None) -> None:
-    """Start Taichi once for the process. `threads=None` means all processors, or whatever runs already.
+    """Start Taichi once for the process.
 
-    Raises UsageError for another backend, a bad thread count, or a second, different configuration.
+    threads : None for all processors, or for the number with which Taichi runs already
+    Raises UsageError for another backend, a wrong number of threads, or a second, different configuration.
     """
     if arch != "cpu":
         raise UsageError(f"arch '{arch}' is not available yet: this version runs on 'cpu' only")
@@ -124,9 +128,9 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
             arch=ti.cpu,
             log_level=ti.ERROR,
             cpu_max_num_threads=count,
-            make_cpu_multithreading_loop=False,  # blocks are handed out dynamically: uneven work is balanced
-            cfg_optimization=False,  # nine tenths of compiling, for what LLVM does again: the same bits at the same speed
-            fast_math=False,  # keeps every particle's arithmetic the same in every lane and in every kernel
+            make_cpu_multithreading_loop=False,  # threads take blocks one by one, which balances uneven work
+            cfg_optimization=False,  # saves 90 % of the compile time; LLVM does the same: same bits and same speed
+            fast_math=False,  # the arithmetic of a particle must be the same in every lane and in every kernel
             offline_cache=_share_cache(folder),
             offline_cache_file_path=str(folder),
             enable_fallback=False,
@@ -135,18 +139,18 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
 
 
 def finish() -> None:
-    """Keep what was compiled for the next process; nothing runs after this. Else Taichi does it when Python frees it."""
+    """Store the compiled kernels for the next process. No kernel can run after this."""
     if _state["config"]:
         ti.reset()
 
 
 def threads() -> int:
-    """How many threads kernels run on (0 before `init`)."""
+    """The number of threads on which kernels run; 0 before `init`."""
     return _state["config"][1] if _state["config"] else 0
 
 
 def _launch_by_taichi(primal, function, compiling):
-    """What `launch_without_repeats` gives, with Taichi's own launch each time."""
+    """Like `launch_without_repeats`, but Taichi does every launch."""
 
     def launch(*args):
         with compiling():
@@ -175,8 +179,9 @@ def _compiling(dtype, vectors: bool):
 def kernel(function, precision: str = "f32", vectors: bool = False):
     """Wrap a @ti.kernel so that it is traced, and launched, with `precision` as the default float type.
 
-    vectors : its ti.Vectors (of a power of two of numbers) are the processor's: an operation between two is one instruction, and
-    so is loading or storing one of an ndarray of vectors, which must come from `aligned`. Else Taichi takes vectors apart.
+    vectors : keep its ti.Vectors, whose length must be a power of two, as LLVM vectors: an operation on two of them is one
+    instruction, and so is loading or storing one from an ndarray of vectors, which must come from `aligned`. By default
+    Taichi splits vectors into scalars.
     """
     dtype = DTYPES[precision]
     primal = function._primal
@@ -184,13 +189,13 @@ def kernel(function, precision: str = "f32", vectors: bool = False):
     return _launcher(primal, function, lambda: _compiling(dtype, vectors))
 
 
-# index & NO_SIGN is known to be no sum's overflow: LLVM adds constants to it in the address, and not one by one before.
-# It leaves all indices below 2^30 as they are: a film of 16384 x 16384 has 2^28 pixels
+# Masking an index tells LLVM that adding a small constant to it cannot overflow, so it folds constant offsets into the load.
+# Indices below 2^30 are not changed; a picture of 16384 x 16384 has 2^28 pixels.
 INDEX_MASK = 0x3FFFFFFF
 
 
 def aligned(shape, dtype) -> np.ndarray:
-    """Zeros at an address that vectors can be loaded from and stored to whole."""
+    """An array of zeros whose address is aligned for loading and storing whole vectors."""
     dtype = np.dtype(dtype)
     size = int(np.prod(shape)) * dtype.itemsize
     raw = np.zeros(size + _ALIGNMENT, np.uint8)
@@ -199,24 +204,26 @@ def aligned(shape, dtype) -> np.ndarray:
 
 
 def compilations() -> int:
-    """How many kernels have been compiled (or loaded from the cache) by this process."""
+    """The number of kernels that this process has compiled or loaded from the cache."""
     return sum(len(k.compiled_kernels) for k in _state["kernels"])
 
 
 def real():
-    """The float type of the kernel being traced."""
+    """The default float type of the kernel that is being traced."""
     return impl.get_runtime().default_fp
 
 
 def is_f64() -> bool:
-    """Whether the kernel being traced computes in float64."""
+    """Whether the kernel that is being traced computes in float64."""
     return real() == ti.f64
 
 
 def call_bitcode(file: Path, function: str, values, variables=()) -> None:
-    """Call a function of LLVM's bitcode from the kernel being traced. It gets addresses of copies of values, then of variables.
+    """Call a function of an LLVM bitcode file from the kernel that is being traced.
 
-    What it writes to a variable shows after the loop around the call; Taichi does not see it within.
+    values : the function gets the addresses of copies of them
+    variables : and the addresses of these, to which it may write
+    Taichi does not know that the function writes to a variable: read it only after the loop that contains the call.
     """
     runtime = impl.get_runtime()
     arguments = make_expr_group([*(impl.expr_init(value) for value in values), *variables])
@@ -226,4 +233,6 @@ def call_bitcode(file: Path, function: str, values, variables=()) -> None:
 
 
 for _function in (real, is_f64):
-    vars(_function)["_is_wrapped_kernel"] = True  # plain Python called while tracing: Taichi need not warn
+    vars(_function)["_is_wrapped_kernel"] = (
+        True  # stops Taichi's warning about plain Python functions called while tracing
+    )

@@ -1,14 +1,14 @@
 """A patch that makes Taichi 1.7.4 trace kernels faster. It does not change what is traced.
 
-Tracing runs the Python of a kernel node by node. Taichi repeats four things on the way; here each is done once:
+Tracing runs the Python code of a kernel node by node. Taichi repeats four kinds of work, which this patch avoids:
 
-- The source of a function is found, formatted and parsed every time the function is inlined. Here a file is parsed once,
-  and the syntax tree of a function is lent to one pass at a time.
-- The source line of every node is formatted for an error message that rarely comes. Here only while an error is raised.
-- The builder of a node is looked up by name, and its position is stored, for every expression. Here the builder is looked
-  up by type, and the position is stored for every statement.
-- Taichi reads source text to learn whether a function is defined in a class. Here the calling frame tells, and, while
-  Taichi itself is imported, one line of that source.
+- Taichi finds, formats and parses the source of a function every time the function is inlined. Here a file is parsed once;
+  one pass at a time may use the syntax tree of a function, because it writes to it.
+- Taichi formats the source line of every node for a possible error message. Here this happens only when an error is raised.
+- Taichi looks up the builder of a node by name, and stores its position, for every expression. Here the builder is looked up
+  by type, and the position is stored for every statement.
+- Taichi reads source text to find out whether a function is defined in a class. Here the calling frame is used; while Taichi
+  is imported, one line of source is read.
 
 Kernels, cache keys and error messages stay as they were (tests/physics/test_tracing.py). GEN_ART_STOCK_TAICHI=1 switches
 this patch off.
@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 
 def _frame_info(frame, context: int = 1) -> inspect.Traceback:
-    """`inspect.getframeinfo` with the one line of source that Taichi looks at."""
+    """`inspect.getframeinfo` with only the line of source that Taichi reads."""
     code, line = frame.f_code, frame.f_lineno
     return inspect.Traceback(code.co_filename, line, code.co_name, [linecache.getline(code.co_filename, line)], 0)
 
@@ -38,17 +38,17 @@ finally:
 
 __all__ = ["install"]
 
-_transform = kernel_impl.transform_tree
-_parse_alone = kernel_impl._get_tree_and_ctx
-_position_in_full = ASTTransformerContext.get_pos_info
-_build_in_full = Builder.__call__
+_stock_transform_tree = kernel_impl.transform_tree
+_stock_tree_and_context = kernel_impl._get_tree_and_ctx
+_stock_position = ASTTransformerContext.get_pos_info
+_stock_build = Builder.__call__
 
 
 @dataclass
 class _File:
-    """A source file parsed once: its lines, and its functions by first line (a decorator's, as in a code object) and name.
+    """A parsed source file: its lines, and its functions by name and first line (that of a decorator, as in a code object).
 
-    A function defined under an `if` or a `with` is not found, and is then parsed on its own, as Taichi does.
+    A function that is defined under an `if` or a `with` is not found here; Taichi then parses it.
     """
 
     lines: list[str]
@@ -70,23 +70,25 @@ class _File:
 
 
 _files: dict[str, _File] = {}
-_lent: set[int] = set()  # ids of the trees that a pass is writing into
+_in_use: set[int] = set()  # ids of the trees to which a pass is writing
 
 
 def _function(code) -> tuple[ast.FunctionDef, _File] | None:
-    """The tree of a function and its file; None when its source cannot be had this way, or another pass is at it."""
+    """The tree of a function and its file; None if its source is not found this way or another pass uses the tree."""
     lines = linecache.getlines(code.co_filename)
     file = _files.get(code.co_filename)
     if lines and (file is None or file.lines is not lines):
         file = _files[code.co_filename] = _File.read(lines)
     node = file.functions.get((code.co_firstlineno, code.co_name)) if file else None
-    return (node, file) if file and node and id(node) not in _lent else None
+    return (node, file) if file and node and id(node) not in _in_use else None
 
 
 def _tree_and_context(self, excluded_parameters=(), is_kernel=True, args=None, is_real_function=False, **rest):
     found = _function(self.func.__code__)
     if found is None:
-        return _parse_alone(self, excluded_parameters, is_kernel, args=args, is_real_function=is_real_function, **rest)
+        return _stock_tree_and_context(
+            self, excluded_parameters, is_kernel, args=args, is_real_function=is_real_function, **rest
+        )
     node, file = found
     variables = kernel_impl._get_global_vars(self.func)
     if is_kernel or is_real_function:
@@ -109,26 +111,26 @@ def _tree_and_context(self, excluded_parameters=(), is_kernel=True, args=None, i
 
 def _transform_tree(tree, context):
     function = tree.body[0]
-    arguments = function.args.args  # emptied on the way for a kernel
-    _lent.add(id(function))
+    arguments = function.args.args  # Taichi removes the arguments of a kernel
+    _in_use.add(id(function))
     try:
-        return _transform(tree, context)
+        return _stock_transform_tree(tree, context)
     finally:
-        _lent.discard(id(function))
+        _in_use.discard(id(function))
         function.args.args = arguments
 
 
 def _position(self, node) -> str:
     if sys.exc_info()[0] is not None:
-        return _position_in_full(self, node)
+        return _stock_position(self, node)
     return f'File "{self.file}", line {node.lineno + self.lineno_offset}, in {self.func.func.__name__}:\n'
 
 
 _builders: dict[type, Callable | None] = {}
 
 
-class _Failing:
-    """Stands in for the builder of a node that failed: Taichi's own way of building then words the error."""
+class _RaisingBuilder:
+    """Replaces the builder of a node that failed, so that Taichi's code raises the error again with its message."""
 
     def __init__(self, error: Exception):
         self.error = error
@@ -147,7 +149,7 @@ def _build(self, context, node):
     except KeyError:
         build = _builders[kind] = getattr(self, "build_" + kind.__name__, None)
     if build is None:
-        return _build_in_full(self, context, node)
+        return _stock_build(self, context, node)
     try:
         if not isinstance(node, ast.stmt):
             return build(context, node)
@@ -158,7 +160,7 @@ def _build(self, context, node):
         finally:
             positions.pop()
     except Exception as error:
-        return _build_in_full(_Failing(error), context, node)
+        return _stock_build(_RaisingBuilder(error), context, node)
 
 
 def _build_name(context, node):
@@ -167,7 +169,7 @@ def _build_name(context, node):
 
 
 def _inside_class(level_of_class_stackframe: int) -> bool:
-    """Whether the frame that defines the function is a class body (the level counts to the frame around that)."""
+    """Whether the frame that defines the function is a class body. The level is that of the frame around it."""
     frame = sys._getframe(level_of_class_stackframe - 1)
     return not frame.f_code.co_flags & inspect.CO_OPTIMIZED and "__qualname__" in frame.f_locals
 

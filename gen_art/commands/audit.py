@@ -16,9 +16,9 @@ __all__ = ["command"]
     type=options.POSITIVE,
     help="Film time to run to; 2 s, or 1 s with mutual forces or stiff springs, when left out.",
 )
-@click.option("--json", "as_json", is_flag=True, help="As JSON.")
-@click.option("-o", "--output", help="Draw it too: .png, .svg, or .html with the text. Needs matplotlib.")
-@click.option("--overwrite", is_flag=True, help="Replace that file.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.option("-o", "--output", help="Also write plots: .png, .svg, or .html with the text. Needs matplotlib.")
+@click.option("--overwrite", is_flag=True, help="Replace OUTPUT if it exists.")
 @options.preset_options
 @options.run_options
 def command(
@@ -26,9 +26,9 @@ def command(
 ):
     """Print the ledger and the convergence of PRESET.
 
-    A copy with few particles runs in f64 at dt, dt/2 and dt/4: what was born, died, worked and dissipated, the
-    residual, and the order at which it falls. --precision f32 states its floor too. -o draws energy, momentum,
-    paths and convergence.
+    A copy with few particles runs in f64 at dt, dt/2 and dt/4. The report lists births, deaths, work and dissipation, the
+    residual, and the order at which it falls. With --precision f32 it also gives the rounding error of f32. -o writes plots
+    of energy, momentum, paths and convergence.
     """
     path = Path(output) if output else None
     if path is not None:

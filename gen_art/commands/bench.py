@@ -1,4 +1,4 @@
-"""`gen-art bench`: the measurements in benchmarks/, side by side with the peers that are installed."""
+"""`gen-art bench`: runs the benchmarks in benchmarks/, also for comparable programs that are installed."""
 
 import subprocess
 import sys
@@ -14,9 +14,10 @@ __all__ = ["command"]
 @click.command("bench")
 @click.argument("names", nargs=-1)
 def command(names):
-    """Run benchmarks side by side with peers.
+    """Run the benchmarks NAMES, or all of them.
 
-    NAMES, or all; each writes its figures as JSON, with the machine, in benchmarks/.
+    Comparable programs that are installed are measured too. Each benchmark writes its figures and the machine's name as JSON
+    in benchmarks/.
     """
     folder = Path(__file__).resolve().parent.parent.parent / "benchmarks"
     scripts = {path.stem: path for path in sorted(folder.glob("[!_]*.py"))}
@@ -26,7 +27,8 @@ def command(names):
         if name not in scripts:
             from gen_art.registry import suggest
 
-            raise UsageError(f"no benchmark '{name}'{suggest(name, scripts) or '; there are ' + ', '.join(scripts)}")
+            hint = suggest(name, scripts) or "; there are " + ", ".join(scripts)
+            raise UsageError(f"there is no benchmark '{name}'{hint}")
     failed = [name for name in names or scripts if subprocess.run([sys.executable, str(scripts[name])]).returncode]
     if failed:
         raise GenArtError(f"failed: {', '.join(failed)}")

@@ -1,4 +1,4 @@
-"""`gen-art gallery`: a still and a short loop of each preset, and a page that shows them."""
+"""`gen-art gallery`: makes a still and a short loop of each preset, and a page that shows them."""
 
 from html import escape
 from pathlib import Path
@@ -10,17 +10,17 @@ from gen_art.commands import options
 __all__ = ["command"]
 
 STILL, LOOP = (1280, 720), (640, 360)
-LOOP_BYTES = 750_000  # what a loop may take; the encoder holds the rate only within the buffer of each segment
+LOOP_BYTES = 750_000  # size of a loop, roughly: the encoder limits the rate within the buffer of each segment only
 
 
 @click.command("gallery")
 @click.argument("names", nargs=-1)
-@click.option("-o", "--output", "folder", default="gallery", show_default=True, help="The folder to fill.")
+@click.option("-o", "--output", "folder", default="gallery", show_default=True, help="The folder to write to.")
 @options.process_options
 def command(names, folder, threads, progress):
     """Make a still and a loop of each preset.
 
-    1280x720 and 640x360, of all presets or of NAMES, and index.html beside them.
+    Stills are 1280x720, loops 640x360; of the presets NAMES, or of all. index.html shows them.
     """
     from gen_art.commands.progress import reporter
     from gen_art.output import job
@@ -32,15 +32,15 @@ def command(names, folder, threads, progress):
         preset = load_preset(name)
         time, frames = moments(preset)
         with reporter(progress) as report:
-            made = job.still(
+            paths = job.still(
                 preset, out / f"{name}.webp", time, size=STILL, overwrite=True, threads=threads, progress=report
             )
             rate = int(LOOP_BYTES * 8 / (len(frames) / preset.clock.fps))
-            made += job.render(
+            paths += job.render(
                 preset, out / f"{name}.mp4", frames=frames, size=LOOP, overwrite=True, threads=threads, progress=report,
                 max_rate=rate,
             )  # fmt: skip
-        for path in made:
+        for path in paths:
             click.echo(f"{path} {path.stat().st_size / 1000:.0f} KB")
     (out / "index.html").write_text(page(preset_names()), encoding="utf-8")
     click.echo(out / "index.html")
@@ -64,10 +64,10 @@ def page(names) -> str:
     figures = []
     for name in names:
         lines = (presets_folder() / f"{name}.yaml").read_text(encoding="utf-8").splitlines()
-        words = " ".join(line.lstrip("# ") for line in lines[:2] if line.startswith("#"))
+        description = " ".join(line.lstrip("# ") for line in lines[:2] if line.startswith("#"))
         figures.append(
             f'<figure><video src="{name}.mp4" poster="{name}.webp" autoplay loop muted playsinline></video>'
-            f'<figcaption><a href="{name}.webp">{name}</a> {escape(words)}</figcaption></figure>'
+            f'<figcaption><a href="{name}.webp">{name}</a> {escape(description)}</figcaption></figure>'
         )
     return _PAGE.format(figures="\n".join(figures))
 

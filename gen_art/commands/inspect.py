@@ -1,4 +1,4 @@
-"""`gen-art inspect`: what a preset comes to, what it will take, and which invariants should hold."""
+"""`gen-art inspect`: prints the frames, particles, memory, forces and conserved quantities of a preset."""
 
 import click
 
@@ -10,14 +10,14 @@ __all__ = ["command"]
 @click.command("inspect")
 @click.argument("preset")
 @click.option("--size", type=options.SIZE, help="Width and height in pixels.")
-@click.option("--scale", type=options.SCALE, help="The preset's size, scaled: 50%.")
+@click.option("--scale", type=options.SCALE, help="Scale the preset's size: 50%.")
 @click.option("--precision", type=click.Choice(["f32", "f64"]), default="f32", show_default=True, help="Float type.")
-@click.option("--json", "as_json", is_flag=True, help="As JSON, with the resolved preset.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON, with the resolved preset.")
 @options.preset_options
 def command(preset, size, scale, precision, as_json, seed, settings, fps, duration, plugins):
-    """Say what PRESET comes to.
+    """Print what PRESET contains and needs.
 
-    Frames and steps, particles and memory, forces, what should be conserved, and what does not suit it.
+    Frames and steps, particles and memory, forces, conserved quantities, and warnings.
     """
     preset, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     from gen_art.output.job import picture_size
@@ -40,7 +40,7 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
         for label in ("forces", "interactions", "colliders", "medium", "emitters"):
             if system[label]:
                 click.echo(f"  {label:13} {', '.join(system[label])}")
-        click.echo(f"  {'should hold':13} {', '.join(system['should_hold']) or 'nothing by itself'}")
+        click.echo(f"  {'conserved':13} {', '.join(system['should_hold']) or 'nothing by itself'}")
         for quantity, reason in system["booked"].items():
             click.echo(f"  {'in the ledger':13} {quantity}: {reason}")
     for sentence in facts["advice"]:
@@ -61,18 +61,18 @@ def _facts(preset, size, precision) -> dict:
     expected, clock = estimate(preset, precision), preset.clock
     systems = {}
     for name, system in preset.systems.items():
-        holds, booked = invariants(preset, system)
+        conserved, booked = invariants(preset, system)
         systems[name] = {
             "integrator": system.integrator,
             "born": _count(expected.born[name]),
             "peak": _count(expected.peak[name]),
             "bytes": _count(expected.bytes[name]),
             "forces": [repr(force) for force in forces_of(preset, system)],
-            "interactions": [repr(one) for one in system.interactions],
-            "colliders": [_still(one) for one in colliders_of(preset, system)],
+            "interactions": [repr(interaction) for interaction in system.interactions],
+            "colliders": [_collider_text(collider) for collider in colliders_of(preset, system)],
             "medium": [repr(term) for term in (system.medium or preset.medium).terms],
             "emitters": list(system.emitters),
-            "should_hold": holds,
+            "should_hold": conserved,
             "booked": booked,
         }
     return {
@@ -99,10 +99,11 @@ def _facts(preset, size, precision) -> dict:
     }
 
 
-def _still(one) -> str:
-    """A collider, without the words for a motion that it does not have."""
-    moves = {"velocity": any(one.values["velocity"]), "angular_velocity": one.rotates, "pivot": one.rotates}
-    return f"{type(one).__name__}({', '.join(f'{k}={v!r}' for k, v in one.values.items() if moves.get(k, True))})"
+def _collider_text(collider) -> str:
+    """A collider as text, without the parameters of a motion that it does not have."""
+    values, rotates = collider.values, collider.rotates
+    shown = {"velocity": any(values["velocity"]), "angular_velocity": rotates, "pivot": rotates}
+    return f"{type(collider).__name__}({', '.join(f'{k}={v!r}' for k, v in values.items() if shown.get(k, True))})"
 
 
 def _count(value: float) -> int | float:

@@ -1,4 +1,4 @@
-"""`gen-art list`: presets, and everything that a preset can name."""
+"""`gen-art list`: lists the presets, and everything that a preset can name."""
 
 import click
 
@@ -13,10 +13,11 @@ _REGISTRIES = ("forces", "shapes", "velocities", "emitters", "interactions", "co
 )
 @click.option("--plugin", "plugins", multiple=True, metavar="FILE.py", help="Include a plugin's forces and emitters.")
 def command(what, plugins):
-    """Name the presets, or what a preset can name, a line each.
+    """List the presets, or the names that a preset can use, one on a line.
 
-    `course` names the small presets that show one law each. The others are the words that YAML takes under forces:,
-    shape:, velocity:, interactions:, colliders: and integrator:, and for palettes; docs/forces.md has their formulas.
+    `course` lists the small presets that show one law of physics each. The others list the names that YAML can have under
+    forces:, shape:, velocity:, emitters:, interactions:, colliders: and integrator:, and the palettes. docs/forces.md has
+    their formulas.
     """
     from gen_art.plugins import load_plugin
 
@@ -24,8 +25,8 @@ def command(what, plugins):
         load_plugin(path)
     rows = _rows(what)
     width = max(12, *(len(name) for name, _ in rows))
-    for name, words in rows:
-        click.echo(f"{name:{width}} {words}")
+    for name, description in rows:
+        click.echo(f"{name:{width}} {description}")
 
 
 def _rows(what: str) -> list[tuple[str, str]]:
@@ -43,7 +44,9 @@ def _rows(what: str) -> list[tuple[str, str]]:
     if what == "palettes":
         from gen_art.preset.palettes import PALETTES, PERCEPTUAL
 
-        return [(n, "perceptual: lighter from end to end" if n in PERCEPTUAL else "artistic") for n in PALETTES]
+        return [
+            (n, "perceptual: lightness increases from end to end" if n in PERCEPTUAL else "artistic") for n in PALETTES
+        ]
     from gen_art.preset.shipped import course_names, preset_names, presets_folder
 
     rows = []

@@ -1,4 +1,4 @@
-"""`gen-art new`: a preset of one's own, with the files it needs."""
+"""`gen-art new`: writes a new preset with the files that it needs."""
 
 import shutil
 from pathlib import Path
@@ -15,10 +15,10 @@ __all__ = ["command"]
 @click.option("--from", "source", metavar="PRESET", help="The preset to start from: a name or a path.")
 @click.option("--overwrite", is_flag=True, help="Replace files that exist.")
 def command(name, source, overwrite):
-    """Write NAME.yaml, a commented preset of your own to change.
+    """Write NAME.yaml, a commented preset that you can change.
 
-    It is a small fountain of sparks, or with --from a copy of PRESET, together with the pictures and tables that PRESET
-    names. NAME may lie in a folder, which is made: mine/sparks.
+    It is a small fountain of sparks, or with --from a copy of PRESET with the pictures and tables that PRESET names. NAME may
+    contain a folder, which is created: mine/sparks.
     """
     from gen_art.preset.load import load_preset, open_source
     from gen_art.preset.shipped import find, starter

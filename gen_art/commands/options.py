@@ -1,4 +1,4 @@
-"""Options that several commands share, and the forms their values take."""
+"""Options that several commands share, and the types of their values."""
 
 import functools
 import re
@@ -22,14 +22,16 @@ __all__ = [
 
 
 class _Word(click.Choice):
-    """One of some words; a wrong one gets the nearest."""
+    """One of several words; the error for another word suggests the nearest."""
 
     def convert(self, value, parameter, context):
         from gen_art.registry import suggest
 
         if value not in self.choices:
             self.fail(
-                f"no '{value}'{suggest(value, self.choices)}; there are {', '.join(self.choices)}", parameter, context
+                f"'{value}' is unknown{suggest(value, self.choices)}; there are {', '.join(self.choices)}",
+                parameter,
+                context,
             )
         return value
 
@@ -94,7 +96,10 @@ class _Seed(click.ParamType):
 
 
 class _Number(click.ParamType):
-    """A finite number above zero (or from zero); `1/2` is one."""
+    """A finite number above 0, such as `1/2`.
+
+    zero : 0 is allowed too
+    """
 
     name = "number"
 
@@ -130,85 +135,85 @@ def _stack(*decorators):
     return decorate
 
 
-# which preset, and what is changed in it
+# the preset, and changes of it
 preset_options = _stack(
-    click.option("--seed", type=SEED, help="Another seed is another take; random draws one."),
+    click.option("--seed", type=SEED, help="Seed of all random numbers; 'random' chooses one."),
     click.option(
         "--set", "settings", multiple=True, metavar="PATH=VALUE", help="Change a value of the preset (repeatable)."
     ),
-    click.option("--fps", type=POSITIVE, help="Frames a film second."),
-    click.option("--duration", type=POSITIVE, help="Length of the film, seconds."),
+    click.option("--fps", type=POSITIVE, help="Frames per second of film."),
+    click.option("--duration", type=POSITIVE, help="Length of the film in seconds."),
     click.option(
         "--plugin", "plugins", multiple=True, metavar="FILE.py", help="Load forces and emitters from a Python file."
     ),
 )
 
-# where it is computed; the picture does not depend on it
+# how the process runs; the picture does not depend on it
 process_options = _stack(
     click.option("--arch", default="cpu", callback=_arch, expose_value=False, show_default=True, help="Backend."),
     click.option(
-        "--threads", type=click.IntRange(1, 1024), help="Threads for kernels; the picture does not depend on it."
+        "--threads", type=click.IntRange(1, 1024), help="Number of threads; the picture does not depend on it."
     ),
     click.option(
         "--progress",
         type=_Word(["auto", "rich", "json", "none"]),
         default="auto",
         show_default=True,
-        help="How progress is shown, on standard error.",
+        help="How progress is shown on standard error.",
     ),
 )
 
-# how it is computed
+# how the simulation is computed
 run_options = _stack(
     click.option("--precision", type=_Word(["f32", "f64"]), default="f32", show_default=True, help="Float type."),
     process_options,
 )
 
-# what the picture is
+# the size and quality of the picture
 picture_options = _stack(
     click.option("--size", type=SIZE, help="Width and height in pixels: 1280x720."),
-    click.option("--scale", type=SCALE, help="The preset's size, scaled: 50%."),
+    click.option("--scale", type=SCALE, help="Scale the preset's size: 50%."),
     click.option(
         "--quality",
         type=_Word(["draft", "preview", "final"]),
         default="final",
         show_default=True,
-        help="How carefully it is rendered.",
+        help="draft halves the size; draft and preview encode films faster.",
     ),
     click.option("--overwrite", is_flag=True, help="Replace output that exists."),
-    click.option("--transparent", is_flag=True, help="Leave the background out, where the format can."),
-    click.option("--dry-run", is_flag=True, help="Check everything, say what would be made, write nothing."),
+    click.option("--transparent", is_flag=True, help="Leave the background out, if the format supports it."),
+    click.option("--dry-run", is_flag=True, help="Check everything and print what would be made, but write nothing."),
 )
 
 
 BITS = _Word(["8", "10", "16", "32"])
 
-# what a film is encoded as
+# how a film is encoded
 film_options = _stack(
     click.option(
         "--codec",
         type=_Word(["h264", "h265", "prores", "ffv1", "vp9", "av1"]),
-        help="How a film is encoded; the default of its file extension when left out.",
+        help="Codec of a film; the default of its file extension when left out.",
     ),
     click.option(
         "--profile",
         type=_Word(["preview", "web", "master"]),
-        help="Care of the encoder: web, or preview with --quality draft or preview.",
+        help="Quality of the encoder; web when left out, or preview with --quality draft or preview.",
     ),
     click.option("--bits", type=BITS, help="Bits a channel: 8 or 10 in films, 16 in .mkv and .png, 16 or 32 in .exr."),
 )
 
 
 def overrides(settings, fps=None, duration=None) -> dict[str, Any]:
-    """What --set, --fps and --duration change, by dotted path."""
+    """The values that --set, --fps and --duration set, by dotted path."""
     from gen_art.preset.overrides import parse_setting
 
-    changed = dict(parse_setting(setting) for setting in settings)
-    return changed | {f"clock.{k}": v for k, v in (("fps", fps), ("duration", duration)) if v is not None}
+    values = dict(parse_setting(setting) for setting in settings)
+    return values | {f"clock.{k}": v for k, v in (("fps", fps), ("duration", duration)) if v is not None}
 
 
 def load(preset, *, seed=None, settings=(), fps=None, duration=None, plugins=()):
-    """(Preset, plugins): plugins first, as they may register keys; then the options as overrides."""
+    """(Preset with the options as overrides, plugins). Plugins are loaded first, because they may register keys."""
     from gen_art.plugins import load_plugin
     from gen_art.preset.load import load_preset
 

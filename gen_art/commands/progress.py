@@ -1,6 +1,6 @@
 """Progress on standard error: a bar for people, JSON lines for programs, or nothing.
 
-A reporter takes events: {"event": "frame", "frame": k, "frames": n, "particles": count, "fps": ..., "eta": seconds}.
+A reporter is called with events: {"event": "frame", "frame": k, "frames": n, "particles": count, "fps": ..., "eta": s}.
 """
 
 import json
@@ -13,7 +13,7 @@ __all__ = ["reporter"]
 
 @contextmanager
 def reporter(mode: str) -> Iterator[Callable[[dict], None] | None]:
-    """The function that takes progress events; None where nothing is to be shown."""
+    """Yield the function that is called with progress events, or None if nothing is to be shown."""
     if mode == "auto":
         mode = "rich" if sys.stderr.isatty() else "none"
     if mode == "json":
@@ -62,6 +62,6 @@ def _bar() -> Iterator[Callable[[dict], None]]:
 
 
 def _clock(seconds: float) -> str:
-    minutes, rest = divmod(max(0, round(seconds)), 60)
+    minutes, seconds = divmod(max(0, round(seconds)), 60)
     hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"
+    return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"

@@ -1,4 +1,4 @@
-"""`gen-art render`: frames, a still sequence or a film, by the ending of OUT."""
+"""`gen-art render`: renders a film or an image sequence, as the file extension of OUT says."""
 
 import click
 
@@ -23,10 +23,10 @@ def command(
 ):  # fmt: skip
     """Render PRESET to a film or to frames.
 
-    OUT's ending says what is made: .mp4 (H.264), .mov (ProRes), .webm (VP9), .mkv (FFV1, lossless), .gif and .webp are
-    films; a pattern such as out/frame_####.png (also .jpg .webp .exr) is a sequence. {preset} and {seed} in OUT are
-    filled in, and folders that are missing are made. While a film is written it is NAME.partial.EXT, which plays and stays
-    when the render is stopped.
+    The file extension of OUT sets the format: .mp4 (H.264), .mov (ProRes), .webm (VP9), .mkv (FFV1, lossless), .gif and
+    .webp are films; a pattern such as out/frame_####.png (also .jpg .webp .exr) is an image sequence. {preset} and {seed} in
+    OUT are replaced, and missing folders are created. A film is written to NAME.partial.EXT first; if the render is stopped,
+    that file stays and can be played.
     """
     preset, loaded = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     from gen_art.commands.progress import reporter
@@ -38,13 +38,13 @@ def command(
         "size": size, "scale": scale, "quality": quality, "overwrite": overwrite, "transparent": transparent,
         "frames": frames, "codec": codec, "profile": profile, "bits": int(bits) if bits else None,
     }  # fmt: skip
-    target, shape = job.check_target(preset, out, **output)
+    target, pixel_size = job.check_target(preset, out, **output)
     until = preset.clock.preroll + frames[-1] * preset.clock.speed / preset.clock.fps
     expected = refuse_if_too_large(
-        preset, precision, shape, until, coded=target.film.codec.memory if target.film else 0.0
+        preset, precision, pixel_size, until, coded=target.film.codec.memory if target.film else 0.0
     )
     if dry_run:
-        click.echo(f"{out}: {len(frames)} frames of {shape[0]}x{shape[1]}, {expected}")
+        click.echo(f"{out}: {len(frames)} frames of {pixel_size[0]}x{pixel_size[1]}, {expected}")
         return
     with reporter(progress) as report:
         paths = job.render(preset, out, precision=precision, threads=threads, progress=report, plugins=loaded, **output)

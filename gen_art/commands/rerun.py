@@ -1,4 +1,4 @@
-"""`gen-art rerun`: a picture again, from the recipe inside it."""
+"""`gen-art rerun`: makes a picture again from the recipe inside it."""
 
 import click
 
@@ -11,17 +11,18 @@ __all__ = ["command"]
 @click.argument("picture")
 @click.option("-o", "--output", "out", required=True, metavar="OUT", help="Where the picture is written.")
 @click.option("--overwrite", is_flag=True, help="Replace output that exists.")
-@click.option("--plugin", "plugins", multiple=True, metavar="FILE.py", help="The plugins of the recipe, byte for byte.")
-@click.option("--folder", metavar="DIR", help="Where the preset's own files lie.")
 @click.option(
-    "--other-version", is_flag=True, help="Go on with a picture of another version of gen-art, with a warning."
+    "--plugin", "plugins", multiple=True, metavar="FILE.py", help="A plugin of the recipe, with the same bytes."
 )
+@click.option("--folder", metavar="DIR", help="The folder of the preset's files.")
+@click.option("--other-version", is_flag=True, help="Accept a picture of another version of gen-art, with a warning.")
 @options.process_options
 def command(picture, out, overwrite, plugins, folder, other_version, threads, progress):
     """Make PICTURE again from the recipe inside it.
 
-    The result is the same, byte for byte. It needs the version of gen-art that made PICTURE, its plugins (--plugin) and
-    the files its preset names: small ones are in the recipe, others are looked for here, beside PICTURE and in --folder.
+    The result has the same bytes. This needs the version of gen-art that made PICTURE, its plugins (--plugin) and the files
+    that its preset names: the recipe contains the small ones; others are looked for in the current folder and beside
+    PICTURE, or in --folder.
     """
     import warnings
 
@@ -30,12 +31,12 @@ def command(picture, out, overwrite, plugins, folder, other_version, threads, pr
     from gen_art.plugins import load_plugin
 
     loaded = tuple(load_plugin(path) for path in plugins)
-    with reporter(progress) as report, warnings.catch_warnings(record=True) as told:
+    with reporter(progress) as report, warnings.catch_warnings(record=True) as caught:
         paths = job.rerun(
             picture, out, threads=threads, overwrite=overwrite, progress=report, plugins=loaded, folder=folder,
             other_version=other_version,
         )  # fmt: skip
-    for one in told:
-        click.echo(f"gen-art: warning: {one.message}", err=True)
+    for warning in caught:
+        click.echo(f"gen-art: warning: {warning.message}", err=True)
     for path in paths:
         click.echo(path)

@@ -1,4 +1,4 @@
-"""`gen-art schema`: the JSON Schema of a preset."""
+"""`gen-art schema`: prints the JSON Schema of presets."""
 
 import click
 
@@ -10,7 +10,7 @@ __all__ = ["command"]
 def command(plugins):
     """Print the JSON Schema of presets.
 
-    A YAML editor completes and checks presets with it: every key, its meaning, unit, range and default.
+    With it a YAML editor completes and checks presets. It has every key with its meaning, unit, range and default.
     """
     import json
 

@@ -1,4 +1,4 @@
-"""`gen-art show`: the YAML of a preset, of a changed preset, or of the preset inside a picture."""
+"""`gen-art show`: prints the YAML of a preset, of a changed preset, or of the preset inside a picture."""
 
 from pathlib import Path
 
@@ -13,13 +13,13 @@ _PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".gif", ".exr", ".mp4", ".mov", "
 
 @click.command("show")
 @click.argument("preset")
-@click.option("--resolved", is_flag=True, help="As JSON, with knobs, options and --set filled in.")
+@click.option("--resolved", is_flag=True, help="Print JSON, with knobs, options and --set filled in.")
 @options.preset_options
 def command(preset, resolved, seed, settings, fps, duration, plugins):
-    """Print the YAML of PRESET: the text to start your own from.
+    """Print the YAML of PRESET.
 
-    With --set, --seed, --fps or --duration the values are changed in it; comments and layout stay. PRESET may also be a
-    picture or film of gen-art: the preset it was made with is printed, with knobs filled in.
+    --set, --seed, --fps and --duration change values in it; comments and layout stay. PRESET may also be a picture or film
+    made by gen-art: its preset is printed, with knobs filled in.
     """
     if Path(preset).suffix.lower() in _PICTURES:
         from gen_art.output.read_recipe import read_recipe
@@ -39,10 +39,10 @@ def command(preset, resolved, seed, settings, fps, duration, plugins):
         source, _ = open_source(preset)
         text = "\n".join(source.lines)
         if overrides or seed is not None:
-            drawn = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)[
-                0
-            ].seed
-            text = changed_text(text, overrides | ({"seed": drawn} if seed is not None else {})).rstrip("\n") + "\n"
+            changed, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
+            if seed is not None:
+                overrides |= {"seed": changed.seed}
+            text = changed_text(text, overrides).rstrip("\n") + "\n"
         click.echo(text, nl=bool(source.lines[-1]) and not text.endswith("\n"))
         return
     preset, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)

@@ -1,4 +1,4 @@
-"""`gen-art still`: one developed picture."""
+"""`gen-art still`: renders one picture."""
 
 import click
 
@@ -10,7 +10,9 @@ __all__ = ["command"]
 @click.command("still")
 @click.argument("preset")
 @click.option("-o", "--output", "out", required=True, metavar="OUT", help="The picture: .png .jpg .webp .exr.")
-@click.option("--time", type=options.NOT_NEGATIVE, help="Film time, seconds; the preset's gallery.time when left out.")
+@click.option(
+    "--time", type=options.NOT_NEGATIVE, help="Film time in seconds; the preset's gallery.time when left out."
+)
 @click.option(
     "--bits", type=options.BITS, help="Bits a channel: 8, or 16 as .png; 16 (half, default) or 32 (float) as .exr."
 )
@@ -21,10 +23,10 @@ def command(
     preset, out, time, bits, size, scale, quality, overwrite, transparent, dry_run,
     seed, settings, fps, duration, plugins, precision, threads, progress,
 ):  # fmt: skip
-    """Make one picture of PRESET at film time T.
+    """Render one picture of PRESET.
 
-    Folders of OUT that are missing are made.
-    .exr holds the light before it is developed (linear, premultiplied RGBA) with the layers Z and velocity.
+    Missing folders of OUT are created. An .exr contains the light before it is developed (linear, premultiplied RGBA) and the
+    layers Z and velocity.
     """
     preset, loaded = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     time = preset.poster_time if time is None else time
@@ -36,10 +38,10 @@ def command(
         "size": size, "scale": scale, "quality": quality, "overwrite": overwrite, "transparent": transparent,
         "bits": int(bits) if bits else None,
     }  # fmt: skip
-    _, shape = job.check_target(preset, out, moving=False, **output)
-    expected = refuse_if_too_large(preset, precision, shape, preset.clock.preroll + time * preset.clock.speed)
+    _, pixel_size = job.check_target(preset, out, moving=False, **output)
+    expected = refuse_if_too_large(preset, precision, pixel_size, preset.clock.preroll + time * preset.clock.speed)
     if dry_run:
-        click.echo(f"{out}: {shape[0]}x{shape[1]} at {time:g} s, {expected}")
+        click.echo(f"{out}: {pixel_size[0]}x{pixel_size[1]} at {time:g} s, {expected}")
         return
     with reporter(progress) as report:
         paths = job.still(

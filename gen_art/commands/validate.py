@@ -1,4 +1,4 @@
-"""`gen-art validate`: every problem of each file."""
+"""`gen-art validate`: lists every problem of each file."""
 
 import click
 
@@ -14,8 +14,8 @@ __all__ = ["command"]
 def command(context, files, plugins):
     """List every problem of each FILE.
 
-    Each with line and column. A FILE may be the name of a preset too. Problems go to standard error; the exit status
-    is 3 when there is one, 5 when a file cannot be read.
+    Each problem has its line and column. A FILE may also be the name of a preset. Problems are printed on standard error;
+    the exit status is 3 if there are any, 5 if a file cannot be read.
     """
     from gen_art.errors import GenArtError
     from gen_art.plugins import load_plugin

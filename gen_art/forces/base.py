@@ -1,13 +1,10 @@
 """The contract of a force: what a class may declare, and what the kernels use of it."""
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar, Protocol
 
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.registry import Parametric, Registry
-
-if TYPE_CHECKING:
-    from gen_art.forces.medium import Medium
 
 __all__ = [
     "FORCES",
@@ -22,6 +19,12 @@ __all__ = [
 
 FORCES = Registry("force")
 force = FORCES  # as a decorator: @ga.force("swirl")
+
+
+class Fluid(Protocol):
+    """What a force needs to know of a medium: its density, kg/m^3."""
+
+    density: float
 
 
 class Force(Parametric):
@@ -95,7 +98,7 @@ class Force(Parametric):
                 "give it a mass above 0"
             )
 
-    def bound_numbers(self, medium: "Medium") -> list[float]:
+    def bound_numbers(self, medium: "Fluid") -> list[float]:
         """The run-time numbers in a medium: a `density` that was left out is the medium's.
 
         Raises UsageError if this force needs a density and neither gives one.

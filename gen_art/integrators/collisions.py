@@ -22,7 +22,7 @@ from gen_art.colliders.surface import (
     surface_properties,
 )
 from gen_art.integrators.ledger_rows import add_entry
-from gen_art.integrators.tile import WIDTH
+from gen_art.integrators.particle_tile import WIDTH
 from gen_art.maths.elementary import phi
 from gen_art.particles.rows import CHARGE, LIFETIME, MASS, RADIUS
 

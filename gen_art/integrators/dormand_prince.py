@@ -15,8 +15,8 @@ from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.integrators.kernel_terms import KernelTerms
 from gen_art.integrators.mass_loss import apply_mass_loss, compute_mass_loss
+from gen_art.integrators.particle_tile import STATE, WIDTH, TileTerms, accumulate, lane_steps, load, tile
 from gen_art.integrators.step_kernels import BLOCK, advance_stage
-from gen_art.integrators.tile import STATE, WIDTH, TileTerms, accumulate, lane_steps, load, tile
 
 __all__ = ["ERROR", "STAGES", "TIMES", "first_step", "make_slopes", "next_step"]
 

@@ -18,10 +18,7 @@ from gen_art.integrators.collisions import resolve_collisions
 from gen_art.integrators.kernel_terms import KernelTerms
 from gen_art.integrators.ledger_rows import LEDGER_COLUMNS, add_entry
 from gen_art.integrators.mass_loss import add_exhaust_entries, compute_mass_loss
-from gen_art.integrators.pushers import gamma_at
-from gen_art.integrators.schemes import AHEAD, DRIFT, FIRST_DRIFT, KICK, STAGE, TIME, WEIGHT
-from gen_art.integrators.step_kernels import BLOCK, advance_stage, drift, load_stage
-from gen_art.integrators.tile import (
+from gen_art.integrators.particle_tile import (
     STATE,
     WIDTH,
     TileTerms,
@@ -35,6 +32,9 @@ from gen_art.integrators.tile import (
     stage_view,
     tile,
 )
+from gen_art.integrators.pushers import gamma_at
+from gen_art.integrators.schemes import AHEAD, DRIFT, FIRST_DRIFT, KICK, STAGE, TIME, WEIGHT
+from gen_art.integrators.step_kernels import BLOCK, advance_stage, drift, load_stage
 from gen_art.particles.rows import CHARGE, MASS
 
 __all__ = ["LEDGER_COLUMNS", "make_ledger_kernel"]

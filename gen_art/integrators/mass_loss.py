@@ -4,7 +4,7 @@ from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
 from gen_art.forces.base import term_acceleration, term_mass_rate
 from gen_art.integrators.ledger_rows import add_entry
-from gen_art.integrators.tile import WIDTH, repeats, view
+from gen_art.integrators.particle_tile import WIDTH, repeats, view
 from gen_art.particles.rows import MASS
 
 __all__ = ["add_exhaust_entries", "compute_mass_loss", "apply_mass_loss"]

@@ -14,8 +14,7 @@ from gen_art.backend.runtime import ti
 from gen_art.integrators.collisions import resolve_collisions
 from gen_art.integrators.kernel_terms import KernelTerms
 from gen_art.integrators.mass_loss import apply_mass_loss, compute_mass_loss
-from gen_art.integrators.schemes import AHEAD, DRIFT, FIRST_DRIFT, KICK, STAGE, TIME, WEIGHT
-from gen_art.integrators.tile import (
+from gen_art.integrators.particle_tile import (
     STATE,
     WIDTH,
     TileTerms,
@@ -28,6 +27,7 @@ from gen_art.integrators.tile import (
     store,
     tile,
 )
+from gen_art.integrators.schemes import AHEAD, DRIFT, FIRST_DRIFT, KICK, STAGE, TIME, WEIGHT
 
 __all__ = ["BLOCK", "advance_stage", "drift", "make_step", "load_stage"]
 

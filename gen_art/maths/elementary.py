@@ -1,7 +1,7 @@
-"""Elementary functions that vectorise and give the same bits on every C library.
+"""Elementary functions that can be vectorised and give the same bits with every C library.
 
-Scalar libm calls stop Taichi's inner loops from vectorising (8 to 10 times slower). These are range reduction plus a
-polynomial, in the precision of the kernel that uses them. They work on scalars and, component by component, on vectors.
+A scalar call of libm prevents LLVM from vectorising Taichi's inner loops, which is 8 to 10 times slower. These functions use
+range reduction and a polynomial, in the precision of the kernel. They work on scalars and, component by component, on vectors.
 
 Accuracy over the stated ranges: 2 ulp in float32, 1e-15 relative (exp, log, phi) or absolute (sin, cos) in float64.
 Source: range reduction after Cody & Waite, Software Manual for the Elementary Functions (1980); Taylor and atanh series.
@@ -35,7 +35,7 @@ _COS = {
     False: tuple((-1) ** k / _FACTORIAL[2 * k] for k in range(5, -1, -1)),
     True: tuple((-1) ** k / _FACTORIAL[2 * k] for k in range(9, -1, -1)),
 }
-# pi/2 and ln 2 as sums of parts short enough that a small integer times the leading ones is exact
+# pi/2 and ln 2 as sums of parts; the leading parts have so few bits that their product with a small integer is exact
 _HALF_PI = {
     False: (1.5703125, 4.837512969970703e-4, 7.549789948768648e-8),
     True: (1.5707963109016418, 1.5893254712295857e-8, 6.123233995736766e-17),
@@ -53,7 +53,7 @@ def _horner(x, coefficients: ti.template()):
 
 @ti.func
 def _two_to(n):
-    """2 to the whole number n (an i32), by writing the exponent's bits."""
+    """2 to the power n (an i32), made by writing the bits of the exponent."""
     result = n * 0.0
     if ti.static(is_f64()):
         result = ti.bit_cast((ti.cast(n, ti.i64) + ti.i64(1023)) << ti.i64(52), ti.f64)
@@ -64,7 +64,7 @@ def _two_to(n):
 
 @ti.func
 def _exp(x):
-    """e^x; 0 below -87 (f32) or -708 (f64), largest finite power above +88 or +709."""
+    """e^x; 0 below -87 (f32) or -708 (f64); above 88 or 709 the value there."""
     low, high = ti.static((-708.0, 709.0) if is_f64() else (-87.0, 88.0))
     y = ti.min(ti.max(x, low), high)
     n = ti.floor(y * 1.4426950408889634 + 0.5)
@@ -107,13 +107,15 @@ def _sine(x, quarter):
 
 
 def _components(x) -> int:
-    """How many components a value has while a kernel is traced; 0 for a scalar."""
+    """The number of components of a value while a kernel is traced; 0 for a scalar."""
     if isinstance(x, ti.Matrix):
         return x.n
     return x.get_shape()[0] if isinstance(x, Expr) and x.is_tensor() else 0
 
 
-_components._is_wrapped_kernel = True  # plain Python called while tracing: Taichi need not warn
+_components._is_wrapped_kernel = (
+    True  # stops Taichi's warning about plain Python functions that are called while tracing
+)
 
 
 @ti.func
@@ -163,7 +165,7 @@ def cos(x):
 
 @ti.func
 def power(x, y):
-    """x^y for x >= 0 (0 at x = 0, whatever y > 0 is)."""
+    """x^y for x >= 0; 0 at x = 0, for every y."""
     return ti.select(x > 0.0, _exp(y * _log(ti.max(x, ti.static(1e-300 if is_f64() else 1e-37)))), 0.0)
 
 

@@ -24,7 +24,7 @@ def lattice_hash(h):
 
 @ti.func
 def _value(h, shift: ti.template()):
-    """Ten bits of a hash, 0 to 1023: the curl takes no notice of the offset, and the scale is applied once at the end."""
+    """Ten bits of a hash, 0 to 1023. An offset does not change the curl, and the scale is applied once at the end."""
     return ti.cast(ti.cast((h >> ti.u32(shift)) & ti.u32(1023), ti.i32), real())
 
 
@@ -35,7 +35,7 @@ def _mix(a, b, w):
 
 @ti.func
 def _slopes(a: ti.template(), c: ti.template(), n: ti.template(), u, v, w):
-    """d/dv and d/dw (up to the weights' own slopes) of the trilinear blend of a[c, n[u + 2 v + 4 w]]."""
+    """d/dv and d/dw of the trilinear interpolation of a[c, n[u + 2 v + 4 w]], without the derivatives of the weights."""
     e00, e10 = _mix(a[c, n[0]], a[c, n[1]], u), _mix(a[c, n[2]], a[c, n[3]], u)
     e01, e11 = _mix(a[c, n[4]], a[c, n[5]], u), _mix(a[c, n[6]], a[c, n[7]], u)
     return _mix(e10 - e00, e11 - e01, w), _mix(e01 - e00, e11 - e10, v)
@@ -45,7 +45,7 @@ def _slopes(a: ti.template(), c: ti.template(), n: ti.template(), u, v, w):
 def curl_noise(p, time, seed):
     """Unit-strength divergence-free velocity at lattice position p (3,), at noise time `time`; seed is a u32.
 
-    The field changes wholly over one unit of `time`. Dimensionless; features are about one lattice cell across.
+    The field is a new one after one unit of `time`. Dimensionless; features are about one lattice cell across.
     """
     base = ti.floor(p)
     f = p - base
@@ -68,7 +68,7 @@ def curl_noise(p, time, seed):
         old, new = lattice_hash(cell), lattice_hash(cell + ti.u32(0x27D4EB2F))
         for c in ti.static(range(3)):
             a[c, n] = _mix(_value(old, 10 * c), _value(new, 10 * c), g)
-    # each component of A needs two of its three slopes: blend along the third axis first
+    # of each component of A two of the three slopes are needed: interpolate along the third axis first
     dy0, dz0 = _slopes(a, 0, (0, 1, 2, 3, 4, 5, 6, 7), w[0], w[1], w[2])
     dz1, dx1 = _slopes(a, 1, (0, 2, 4, 6, 1, 3, 5, 7), w[1], w[2], w[0])
     dx2, dy2 = _slopes(a, 2, (0, 4, 1, 5, 2, 6, 3, 7), w[2], w[0], w[1])

@@ -1,4 +1,4 @@
-"""Counter-based random numbers: a value is a pure function of (key, channel), never of the order of calls.
+"""Counter-based random numbers: a value is a function of (key, channel) and does not depend on the order of calls.
 
 Philox-2x32 with 10 rounds: counter (key low word, channel), key (key high word). The same function exists for kernels
 (`Stream`) and for NumPy (`uniform`, `derive`), bit for bit.
@@ -36,7 +36,7 @@ def philox_numpy(c0, c1, key):
 
 
 def _mixed(z):
-    """A 64-bit bijection in which every input bit reaches every output bit (SplitMix64's finaliser, variant 13)."""
+    """A 64-bit bijection in which every input bit affects every output bit (SplitMix64's finaliser, variant 13)."""
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return z ^ (z >> np.uint64(31))
@@ -55,17 +55,19 @@ def derive(key, number) -> np.ndarray:
 
 
 def uniform(key, channel: int) -> np.ndarray:
-    """Float64 in (0, 1) for each uint64 key: what a float64 kernel's `r.uniform(channel)` gives."""
+    """Float64 in (0, 1) for each uint64 key: the value of `r.uniform(channel)` in a float64 kernel."""
     key = np.asarray(key, np.uint64)
     a, b = philox_numpy(key & np.uint64(0xFFFFFFFF), channel, key >> np.uint64(32))
     return (a.astype(np.float64) * 2.0**-32) + (b >> np.uint32(12)).astype(np.float64) * 2.0**-52 + 2.0**-53
 
 
-@ti.real_func  # called, not laid out at every draw: a kernel of births is traced and compiled in half the time
+# a real function is compiled once and called, instead of inlined at every draw: this halves the time to trace and compile a
+# kernel of births
+@ti.real_func
 def _uniform(low: ti.u32, high: ti.u32, channel: ti.u32) -> ti.f64:
-    """Uniform in (0, 1) from the words of a key and a channel: the ten rounds, and 52 bits of what they give."""
+    """Uniform in (0, 1) from the two words of a key and a channel: 52 bits of the result of the ten rounds."""
     x, y, k = low, channel, high
-    for _ in range(10):  # a run-time loop: unrolled, it would cost the tracer a thousand nodes
+    for _ in range(10):  # a run-time loop: unrolled, it would be a thousand nodes to trace
         product = ti.cast(x, ti.u64) * ti.u64(_MULTIPLIER)
         x = ti.cast(product >> ti.u64(32), ti.u32) ^ k ^ y
         y = ti.cast(product & ti.u64(0xFFFFFFFF), ti.u32)
@@ -77,8 +79,8 @@ def _uniform(low: ti.u32, high: ti.u32, channel: ti.u32) -> ti.f64:
 class Stream:
     """The random stream of one particle inside a kernel: `r.uniform(channel)`, `r.normal(channel)`, `r.sphere(channel)`.
 
-    Channels are whole numbers of the author's choice; the same channel always gives the same value. Draws are made in
-    float64 and rounded to the kernel's precision, so float32 and float64 simulations are born alike.
+    Channels are whole numbers of the author's choice; the same channel always gives the same value. Values are computed in
+    float64 and rounded to the kernel's precision, so float32 and float64 simulations have the same births.
     """
 
     _data_oriented = True
@@ -98,7 +100,7 @@ class Stream:
 
     @ti.func
     def normal(self, channel):
-        """Standard normal, by Box and Muller, from the channel and its twin."""
+        """Standard normal, by the Box-Muller transform of this channel and channel + 0x40000000."""
         u, v = self.uniform(channel), self.uniform(channel + 0x40000000)
         return ti.sqrt(-2.0 * log(u)) * cos(6.283185307179586 * v)
 

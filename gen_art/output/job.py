@@ -12,9 +12,9 @@ import numpy as np
 from gen_art.errors import EncoderError, OutputError, UsageError
 from gen_art.output.background import background
 from gen_art.output.playback import Playback
+from gen_art.output.progress import Report
 from gen_art.output.read_recipe import read_recipe
 from gen_art.output.recipe import find_files, make_recipe, verify
-from gen_art.output.report import Report
 from gen_art.output.stills import write_still
 from gen_art.output.target import Target, check_size_of, check_writable, find_target
 from gen_art.preset.files import FOLDER

@@ -1,1 +1,1 @@
-"""How the particles of one system are stored."""
+"""The storage of the particles of one system."""

@@ -1,6 +1,6 @@
-"""Fixed particles: held where they are, whatever pulls at them.
+"""Fixed particles, which no force moves.
 
-They are marked by a lifetime beyond every real one (but not infinite): their own part of every step is empty.
+They are marked by a lifetime that is longer than any real one but finite. Their part of every step has the length 0.
 """
 
 import numpy as np
@@ -18,5 +18,5 @@ def is_fixed(lifetime):
 
 
 def fixed_lifetimes(lifetimes: np.ndarray) -> np.ndarray:
-    """Which of these lifetimes mark a fixed particle (bool)."""
+    """Bools: which of these lifetimes mark a fixed particle."""
     return (lifetimes > 2.0e38) & (lifetimes < 3.3e38)

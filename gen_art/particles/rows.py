@@ -1,4 +1,4 @@
-"""The rows of the state array of a system, (rows, capacity): what each holds. Kernels call this array S."""
+"""The rows of a system's state array, (rows, capacity), which kernels call S."""
 
 __all__ = [
     "CHARGE", "FIRST_ATTRIBUTE", "LIFETIME", "MASS", "POSITION", "PX", "PY", "PZ", "RADIUS", "VELOCITY", "VX", "VY", "VZ",

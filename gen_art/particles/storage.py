@@ -9,17 +9,20 @@ __all__ = ["BASE_ROWS", "PADDING", "Particles"]
 
 BASE_ROWS = {"mass": MASS, "charge": CHARGE, "radius": RADIUS, "lifetime": LIFETIME}
 PADDING = 64  # slots past the end that a tile may read and write
-_TOLERATED = 0.2  # share of dead slots that is cheaper to carry than to remove
-_PATIENCE = 32  # launches after which the dead are counted
+_TOLERATED = 0.2  # share of dead slots up to which keeping them is cheaper than removing them
+_PATIENCE = 32  # launches after which the dead slots are counted
 
 
 class Particles:
-    """One (channels, capacity) float array and the whole-number columns beside it.
+    """The state of one system's particles as arrays with the particle (slot) on the last axis.
 
-    floats (channels, capacity) f32 or f64     birth (capacity,) f64, s: the exact time of birth
-    key (2, capacity) uint32: high word, low word of the random stream     id (capacity,) int64, never reused
-    source (capacity,) int32: which of `sources` it came from
-    Slots [0, count) are in order of id. One is dead when birth + lifetime <= time; `tidy` removes the dead, stably.
+    floats : (channels, capacity) f32 or f64, the state array; gen_art.particles.rows names its rows
+    birth : (capacity,) f64, exact time of birth, s
+    key : (2, capacity) uint32, high and low word of the key of the random stream
+    id : (capacity,) int64, never reused
+    source : (capacity,) int32, index into `sources`
+    count : number of used slots, [0, count), in the order of their ids
+    A particle is dead when birth + lifetime <= time; `tidy` removes the dead and keeps the order.
     """
 
     def __init__(self, dtype, attributes: tuple[str, ...] = (), sources: tuple = (), capacity: int = 1024):
@@ -29,7 +32,8 @@ class Particles:
         self.count = 0
         self.next_id = 0
         self.may_die = False
-        self._untidy = self._look_at = 0
+        self._launches = 0  # since the dead were counted
+        self._count_at = 0  # the next id above which they are counted again
         self._allocate(np.dtype(dtype), capacity)
 
     def _allocate(self, dtype, capacity: int) -> None:
@@ -43,8 +47,8 @@ class Particles:
             self.id = np.zeros(size, np.int64)
             self.source = np.zeros(size, np.int32)
         except MemoryError:
-            raise MemoryRefused(f"no memory for {capacity:,} particles") from None
-        self.floats[MASS] = 1.0  # a lane past the end computes too: give it a mass
+            raise MemoryRefused(f"there is no memory for {capacity:,} particles") from None
+        self.floats[MASS] = 1.0  # lanes past the end are computed too and must not divide by zero
         self.capacity = capacity
 
     def columns(self):
@@ -52,7 +56,7 @@ class Particles:
         return (self.floats, self.birth, self.key, self.id, self.source)
 
     def reserve(self, extra: int) -> None:
-        """Make room for `extra` more particles; the capacity grows by half at least."""
+        """Make room for `extra` more particles. If the capacity grows, it grows by at least half."""
         if self.count + extra <= self.capacity:
             return
         old, n = self.columns(), self.count
@@ -61,7 +65,7 @@ class Particles:
             new[..., :n] = previous[..., :n]
 
     def append(self, birth, key, source) -> slice:
-        """Add particles with these births (f64), keys (uint64) and sources; returns their slots. Ids follow on."""
+        """Add particles with these times of birth (f64), keys (uint64) and sources; returns their slots."""
         m = len(birth)
         self.reserve(m)
         new = slice(self.count, self.count + m)
@@ -81,22 +85,23 @@ class Particles:
         return (self.birth[used] + self.floats[LIFETIME, used].astype(np.float64))[slots]
 
     def alive(self, time: float) -> np.ndarray:
-        """Which used slots hold a particle that lives at `time` (bool)."""
+        """Bools: which used slots have a particle that is alive at `time`."""
         return (self.death() > time) & (self.birth[: self.count] <= time)
 
     def tidy(self, time: float, at_once: bool) -> bool:
-        """Remove the dead when they may be many (or `at_once`, when there are any), keeping the order. True if slots moved.
+        """Remove the dead particles when there may be many, keeping the order; returns whether slots have changed.
 
-        Carrying some costs less than removing them each step; nothing visible depends on when it happens.
+        at_once : remove them even if there are few
+        Keeping a few dead particles costs less than removing them at every step. It does not change any result.
         """
-        self._untidy += 1
+        self._launches += 1
         if (
             not self.may_die
             or not self.count
-            or not (at_once or self._untidy >= _PATIENCE or self.next_id > self._look_at)
+            or not (at_once or self._launches >= _PATIENCE or self.next_id > self._count_at)
         ):
             return False
-        self._untidy, self._look_at = 0, self.next_id + max(int(_TOLERATED * self.count), 1024)
+        self._launches, self._count_at = 0, self.next_id + max(int(_TOLERATED * self.count), 1024)
         keep = np.flatnonzero(self.death() > time)
         if len(keep) == self.count or (not at_once and len(keep) > self.count * (1.0 - _TOLERATED)):
             return False

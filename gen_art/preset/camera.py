@@ -1,4 +1,4 @@
-"""Where a picture is taken from: `camera:`. Angles are in degrees, as the camera takes them."""
+"""The keys of `camera:`. Angles are in degrees."""
 
 from typing import Annotated, Literal
 
@@ -17,25 +17,23 @@ FieldOfView = Annotated[float, Within(0, 170, open_low=True, open_high=True)]
 
 
 class CameraKey(Model):
-    """A stop on the camera's path; what is left out stays as the stop before had it."""
+    """A stop on the camera's path; a key that is left out keeps its value from the stop before."""
 
     time: Number = about(..., "film time of the stop", unit="s")
     position: Vector | None = about(None, "where the camera is")
-    target: Vector | None = about(None, "what it looks at")
+    target: Vector | None = about(None, "the point that the camera looks at")
     up: Vector | None = about(None, "the direction that is up in the picture")
     fov: FieldOfView | None = about(None, "angle of view from bottom to top", unit="degrees")
-    height: Positive | None = about(None, "world units from bottom to top of an orthographic camera")
-    roll: Number | None = about(None, "turn about the line of sight", unit="degrees")
-    focus: Positive | None = about(None, "the lens's focus distance")
-    easing: Easing | None = about(
-        None, "the word for the way from this stop to the next, where it differs from the camera's own"
-    )
+    height: Positive | None = about(None, "height of an orthographic camera's view, in world units")
+    roll: Number | None = about(None, "rotation about the line of sight", unit="degrees")
+    focus: Positive | None = about(None, "focus distance of the lens, in world units")
+    easing: Easing | None = about(None, "motion from this stop to the next; the camera's `easing` when left out")
 
 
 class CameraOrbit(Model):
-    """The camera turns about the axis through its target; a number is its `rate`."""
+    """The camera orbits the axis through its target; a number sets the `rate`."""
 
-    rate: Number = about(10.0, "turn a film second, right-handed about the axis", unit="degrees/s")
+    rate: Number = about(10.0, "angle per second of film, right-handed about the axis", unit="degrees/s")
     start: Number = about(0.0, "angle at film time 0", unit="degrees")
     axis: Vector = about((0.0, 1.0, 0.0), "direction of the axis")
 
@@ -53,11 +51,11 @@ class CameraOrbit(Model):
 
 
 class Fog(Model):
-    """Light dims as exp(-(d - start) / distance) beyond `start` from the camera, towards `color`; a number is its `distance`."""
+    """Beyond `start`, light fades towards `color` as exp(-(d - start) / distance); a number sets the `distance`."""
 
-    distance: Positive = about(..., "over which light falls to 1/e")
-    start: NotNegative = about(0.0, "clear air in front of the camera")
-    color: ColourValue = about("black", "what everything turns into far away")
+    distance: Positive = about(..., "distance over which light falls to 1/e, in world units")
+    start: NotNegative = about(0.0, "distance from the camera at which the fog begins, in world units")
+    color: ColourValue = about("black", "the colour of the fog")
 
     short_form = {"type": ["number", "string"]}
 
@@ -67,20 +65,20 @@ class Fog(Model):
 
 
 class Shake(Model):
-    """A hand that holds the camera: it pans and tilts by smooth noise of mean 0; a number is its `amplitude`.
+    """Camera shake: the camera pans and tilts by smooth noise of mean 0; a number sets the `amplitude`.
 
-    The noise is a function of the film time and the seed alone. An orthographic camera shifts instead, by what the same
-    angle moves the picture of a camera of `fov` degrees.
+    The noise depends on the film time and the seed only. An orthographic camera shifts instead, by the distance that the
+    same angle moves the picture of a camera of `fov` degrees.
     """
 
     amplitude: Annotated[float, Within(0, 45)] = about(
-        0.3, "standard deviation of the pan, and of the tilt; it stays within 3.4 of them", unit="degrees"
+        0.3, "standard deviation of pan and tilt; they stay within 3.4 standard deviations", unit="degrees"
     )
     frequency: Annotated[float, Within(0, 1000, open_low=True)] = about(
-        1.0, "the movement has parts from half of it to twice", unit="Hz"
+        1.0, "middle frequency of the movement, which ranges from half of it to twice", unit="Hz"
     )
     roll: Annotated[float, Within(0, 45)] = about(0.0, "standard deviation of the roll", unit="degrees")
-    seed: Annotated[int, Field(ge=0, lt=2**63)] = about(0, "another hand")
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = about(0, "another seed gives another movement")
 
     short_form = {"type": ["number", "string"]}
 
@@ -90,15 +88,15 @@ class Shake(Model):
 
 
 class Lens(Model):
-    """Depth of field of a thin lens; a number is its `radius`. For a perspective camera.
+    """Depth of field of a thin lens, for a perspective camera; a number sets the `radius`.
 
-    A point at depth d is drawn as a disc that has all its light; its radius in the picture is radius * |1 / focus - 1 / d|
-    as a slope of sight.
+    A point at depth d is drawn as a disc with all of the point's light; the disc's radius in the picture, as the tangent of
+    an angle of view, is radius * |1 / focus - 1 / d|.
     """
 
     radius: NotNegative = about(..., "radius of the lens, in world units")
     focus: Positive | None = about(
-        None, "what is sharp, in world units along the line of sight; the distance to the target when left out"
+        None, "focus distance along the line of sight, in world units; the distance to the target when left out"
     )
 
     short_form = {"type": ["number", "string"]}
@@ -109,36 +107,39 @@ class Lens(Model):
 
 
 class CameraSpec(Model):
-    """Where the picture is taken from: a perspective camera with `fov`, or an orthographic one with `height`."""
+    """The camera: perspective with `fov`, or orthographic with `height`."""
 
-    position: Vector = about((0.0, 0.0, 10.0), "where it is")
-    target: Vector = about((0.0, 0.0, 0.0), "what it looks at, the middle of the picture")
+    position: Vector = about((0.0, 0.0, 10.0), "where the camera is")
+    target: Vector = about((0.0, 0.0, 0.0), "the point that the camera looks at, the middle of the picture")
     up: Vector = about((0.0, 1.0, 0.0), "the direction that is up in the picture")
     fov: FieldOfView = about(40.0, "angle of view from bottom to top", unit="degrees")
-    height: Positive | None = about(None, "world units from bottom to top: makes the camera orthographic")
-    roll: Number = about(0.0, "turn about the line of sight", unit="degrees")
-    near: Positive | None = about(None, "nothing nearer along the line of sight is drawn")
-    far: Positive | None = about(None, "nothing farther along the line of sight is drawn")
+    height: Positive | None = about(None, "height of the view in world units; makes the camera orthographic")
+    roll: Number = about(0.0, "rotation about the line of sight", unit="degrees")
+    near: Positive | None = about(None, "particles nearer than this along the line of sight are not drawn")
+    far: Positive | None = about(None, "particles farther than this along the line of sight are not drawn")
     shutter: Annotated[float, Within(0, 360)] = about(
-        180.0, "the part of a frame the shutter is open: 180 is half", unit="degrees"
+        180.0, "shutter angle: 180 means that the shutter is open for half of a frame", unit="degrees"
     )
-    fog: Fog | None = about(None, "haze that grows with distance")
-    orbit: CameraOrbit | None = about(None, "a steady turn about the target")
-    path: tuple[CameraKey, ...] = about((), "stops in film time; fov and height change by equal factors in equal times")
+    fog: Fog | None = about(None, "fog that increases with distance")
+    orbit: CameraOrbit | None = about(None, "a steady orbit about the target")
+    path: tuple[CameraKey, ...] = about(
+        (), "stops in film time; between them fov and height change by equal factors in equal times"
+    )
     easing: Easing = about(
         "spline",
-        "the way from stop to stop: `smooth` rests at each stop, `spline` passes through them, "
-        "`accelerate` leaves from rest, `brake` comes to rest, `hold` stays and then cuts",
+        "motion between stops: `linear` at constant speed, `smooth` rests at each stop, `spline` passes through them "
+        "smoothly, `accelerate` starts from rest, `brake` comes to rest, `hold` stays at a stop and then jumps to the next",
     )
-    shake: Shake | None = about(None, "a hand that holds the camera")
+    shake: Shake | None = about(None, "the shake of a hand-held camera")
     lens: Lens | None = about(None, "depth of field")
     subframes: Annotated[int, Field(ge=1, le=256)] = about(
         1,
-        "moments of the open shutter whose pictures are averaged, evenly on steps of the clock (the "
-        "largest divisor of the open steps up to it); one is enough where streaks draw the motion",
+        "number of moments within the open shutter whose pictures are averaged. They are evenly spaced on time steps, so "
+        "the number is the largest divisor of the open steps that is not above this. One is enough where streaks draw "
+        "the motion",
     )
     supersample: Annotated[int, Field(ge=1, le=8)] = about(
-        1, "the picture is drawn this many times as wide and high, and averaged"
+        1, "supersampling: the picture is drawn this many times wider and higher, and then averaged"
     )
     size: tuple[Annotated[int, Field(ge=1, le=16384)], Annotated[int, Field(ge=1, le=16384)]] = about(
         (1280, 720), "default size of the picture, width and height in pixels"
@@ -150,9 +151,8 @@ class CameraSpec(Model):
             raise UsageError(f"the camera's near ({self.near:g}) must be less than its far ({self.far:g})")
         if self.lens is not None and self.height is not None:
             raise UsageError(
-                "an orthographic camera (`height`) has no lens: it stands infinitely far away, where all "
-                "is equally sharp;"
-                "leave out `lens`, or give `fov` instead of `height`"
+                "an orthographic camera (`height`) has no depth of field: leave out `lens`, or give `fov` instead of "
+                "`height`"
             )
         for before, after in zip(self.path, self.path[1:]):
             if after.time <= before.time:
@@ -165,7 +165,7 @@ class CameraSpec(Model):
             if position == target:
                 raise UsageError(f"the camera's position and target must differ, also at {key.time:g} s of its path")
             if key.height is not None and self.height is None:
-                raise UsageError("a path that changes `height` needs a `height` of the camera to begin with")
+                raise UsageError("a path that changes `height` needs `height` in the camera")
             if key.focus is not None and self.lens is None:
-                raise UsageError("a path that changes `focus` needs a `lens` of the camera")
+                raise UsageError("a path that changes `focus` needs `lens` in the camera")
         return self

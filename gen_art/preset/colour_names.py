@@ -1,6 +1,6 @@
-"""Colours as people write them: names, `#rrggbb` and [r, g, b]; gradients of them and of named palettes. All sRGB-encoded.
+"""Colours as written in presets: names, `#rrggbb`, [r, g, b], and gradients of colours or palettes. All are sRGB-encoded.
 
-The renderer turns them into linear light (renderer/colour.py).
+The renderer converts them to linear light (renderer/colour.py).
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ _FORMS = "; write a name, '#rrggbb' or [r, g, b]"
 
 
 def srgb(value) -> tuple[float, float, float]:
-    """An sRGB-encoded triple in 0..1 from a name, `#rgb`, `#rrggbb` or [r, g, b]; UsageError otherwise."""
+    """An sRGB-encoded triple in 0..1 from a name, `#rgb`, `#rrggbb` or [r, g, b]. Raises UsageError otherwise."""
     if isinstance(value, str):
         text = COLOURS.get(value.strip().lower(), value.strip())
         if text.startswith("#") and len(text) in (4, 7):
@@ -39,7 +39,7 @@ def srgb(value) -> tuple[float, float, float]:
             except ValueError:
                 pass
         if palette(value):
-            raise UsageError(f"{shown(value)} is a palette, where one colour is meant")
+            raise UsageError(f"{shown(value)} is a palette, but this must be one colour")
         raise UsageError(f"no colour named {shown(value)}{hint(value, COLOURS) or _FORMS}")
     if not isinstance(value, (list, tuple)) or len(value) != 3:
         raise UsageError(f"must be a colour: a name, '#rrggbb' or [r, g, b] from 0 to 1; not {shown(value)}")
@@ -59,7 +59,7 @@ def _all_numbers(values) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Gradient:
-    """Colours at positions 0..1, interpolated in OKLab: ((position, colour), ...), positions increasing.
+    """Colours at increasing positions 0..1, interpolated in OKLab: ((position, colour), ...).
 
     Written as a colour, a palette's name (`magma`, `magma reversed`), a list of colours, or a list of [position, colour].
     """
@@ -77,7 +77,7 @@ class Gradient:
 
     @classmethod
     def of(cls, value) -> "Gradient":
-        """A Gradient from any of its written forms; UsageError otherwise."""
+        """A Gradient from any of its written forms. Raises UsageError otherwise."""
         if isinstance(value, Gradient):
             return value
         if isinstance(value, str):
@@ -97,7 +97,7 @@ class Gradient:
         raise UsageError("a gradient is a list of colours, or of [position, colour] pairs")
 
     def written(self):
-        """The gradient as YAML holds it."""
+        """The gradient as plain data for YAML."""
         if len(self.stops) == 1:
             colour = self.stops[0][1]
             return list(colour) if isinstance(colour, tuple) else colour

@@ -1,4 +1,4 @@
-"""Who is born, when, where and with what: `particle:` and `emitters:` of a system."""
+"""The keys of `particle:` and `emitters:`: how many particles are born, when, where and with which properties."""
 
 from typing import Annotated, Any, Literal
 
@@ -45,7 +45,7 @@ Velocity = Annotated[Any, One("velocities", bare="constant")]
 
 
 def _rate(value):
-    """Particles a second: a number, or a curve over simulated time."""
+    """Births per second: a number, or a curve over simulated time."""
     if isinstance(value, (list, tuple, dict, Curve)):
         curve = Curve.of(value)
         _NOT_NEGATIVE.check(curve.minimum)
@@ -54,7 +54,7 @@ def _rate(value):
 
 
 def _times(value):
-    """Simulated times in order, not negative; one number is one time."""
+    """Simulated times, not negative, in order; a number is a single time."""
     times = value if isinstance(value, (list, tuple)) else [value]
     return tuple(sorted(_NOT_NEGATIVE.check(number(time)) for time in times))
 
@@ -66,14 +66,14 @@ Times = Annotated[tuple[float, ...], Parsed(_times, _TIMES)]
 
 
 class Attributes(Model):
-    """What each particle is born with; ranges are drawn once a particle. Mass and density are alternatives."""
+    """The properties of newborn particles; a value is drawn from a range for each particle. Give mass or density."""
 
     radius: NotNegativeRange | None = about(None, "radius of the particle; 0.01 when left out", unit="m")
     mass: NotNegativeRange | None = about(None, "mass; 1 when neither mass nor density is given", unit="kg")
     density: PositiveRange | None = about(None, "mass = density 4/3 pi radius^3", unit="kg/m^3")
     charge: RangeValue | None = about(None, "electric charge; 0 when left out", unit="C")
-    lifetime: PositiveRange | None = about(None, "simulated time it lives; without end when left out", unit="s")
-    attributes: dict[str, RangeValue] = about({}, "further numbers of your own, each a row of the state")
+    lifetime: PositiveRange | None = about(None, "lifetime in simulated time; unlimited when left out", unit="s")
+    attributes: dict[str, RangeValue] = about({}, "further numbers by name, stored for each particle")
 
     @model_validator(mode="after")
     def _one_mass(self):
@@ -83,44 +83,46 @@ class Attributes(Model):
 
 
 class ParticleSpec(Attributes):
-    """The particle of a system; its emitters may say otherwise for theirs."""
+    """The properties of a system's particles; an emitter may override them for the particles it emits."""
 
 
 class EmitterOrbit(Model):
-    """A circle that carries an emitter: radius (cos, sin)(2 pi t / period + phase) about its place, across `axis`."""
+    """The emitter moves on a circle about its place: radius (cos, sin)(2 pi t / period + phase), perpendicular to `axis`."""
 
     radius: NotNegative = about(..., "radius of the circle", unit="m")
-    period: Positive = about(..., "simulated time for a turn", unit="s")
-    axis: Vector = about((0.0, 1.0, 0.0), "the turn is right-handed about it")
-    phase: Number = about(0.0, "where on the circle it starts", unit="degrees")
+    period: Positive = about(..., "simulated time of one turn", unit="s")
+    axis: Vector = about((0.0, 1.0, 0.0), "axis of the circle; the emitter turns right-handed about it")
+    phase: Number = about(0.0, "angle at time 0", unit="degrees")
 
 
 class MotionSpec(Model):
-    """A moving emitter: its place shifts by velocity t, and round an orbit."""
+    """The motion of an emitter: a steady velocity, and a circle added to it."""
 
     velocity: Vector = about((0.0, 0.0, 0.0), "steady velocity of the emitter", unit="m/s")
-    orbit: EmitterOrbit | None = about(None, "a circle on top of it")
+    orbit: EmitterOrbit | None = about(None, "a circle that is added to the steady motion")
 
 
 class PulseSpec(Model):
-    """Births come in puffs: those of each period gather about its beginning, the mean rate kept."""
+    """A periodic rate: in each period the births gather around its beginning; the mean rate stays the same."""
 
-    period: Positive = about(..., "simulated time from puff to puff", unit="s")
-    depth: Annotated[float, Within(0, 0.99)] = about(0.5, "0 is steady; the peak is 1 / (1 - depth) times the mean")
+    period: Positive = about(..., "simulated time from pulse to pulse", unit="s")
+    depth: Annotated[float, Within(0, 0.99)] = about(
+        0.5, "0 is a steady rate; the peak is 1 / (1 - depth) times the mean"
+    )
     duty: Annotated[float, Within(0.01, 1)] = about(
-        1.0, "the part of each period, about its beginning, that has births"
+        1.0, "the part of each period, around its beginning, in which particles are born"
     )
 
 
 class FromEvent(Model):
-    """Fed by what happens in another system: `shells.death`, `.birth`, `.impact` (on a collider whose
-    action is emit) or `.path` (along the way of the living)."""
+    """Births from events of another system: `shells.death`, `.birth`, `.impact` (on a collider with `action: emit`) or
+    `.path` (along the paths of its living particles)."""
 
     event: str = about(..., "SYSTEM.death, SYSTEM.birth, SYSTEM.impact or SYSTEM.path")
-    tag: Words = about((), "only from particles of emitters (or choices) with one of these tags")
-    inherit: Literal["velocity", "none"] = about("none", "whether the parent's velocity is added")
+    tag: Words = about((), "only events of particles from emitters (or choices) with one of these tags")
+    inherit: Literal["velocity", "none"] = about("none", "`velocity` adds the parent's velocity")
     balance: Literal["pairs", "none"] = about(
-        "none", "pairs: velocities cancel two by two, the burst carries no momentum"
+        "none", "`pairs`: each pair of particles gets opposite velocities, so a burst has no momentum of its own"
     )
 
     short_form = {"type": "string", "description": "SYSTEM.death, SYSTEM.birth, SYSTEM.impact or SYSTEM.path"}
@@ -149,35 +151,35 @@ class FromEvent(Model):
 
 
 class Choice(Attributes):
-    """One of several kinds of burst; an event takes one of them, with a chance in proportion to its weight."""
+    """One of several kinds of burst; each event chooses one, with a probability in proportion to its weight."""
 
-    weight: Positive = about(1.0, "its share among the choices")
+    weight: Positive = about(1.0, "weight of this choice")
     count: CountRange | None = about(None, "particles for each event; the emitter's when left out")
-    shape: Shape = about(None, "where, relative to the event; the emitter's when left out")
-    velocity: Velocity = about(None, "the emitter's when left out", unit="m/s")
-    tag: str | None = about(None, "a name that looks and other emitters refer to")
+    shape: Shape = about(None, "positions of birth relative to the event; the emitter's when left out")
+    velocity: Velocity = about(None, "velocities at birth; the emitter's when left out", unit="m/s")
+    tag: str | None = about(None, "a name by which looks and other emitters refer to these particles")
 
 
 class EmitterSpec(Attributes):
     """Births: at a `rate`, `at` given times, a `count` at the start, or `from` events of another system.
 
-    A scripted emitter stands here under its registered name: `spiral: {turns: 3}`.
+    A scripted emitter is written here under its registered name: `spiral: {turns: 3}`.
     """
 
     rate: Rate | None = about(
-        None, "births a simulated second, or a curve over time; `from: path`: for each parent", unit="1/s"
+        None, "births per simulated second, or a curve over time; with a `path` event for each parent", unit="1/s"
     )
-    pulse: PulseSpec | None = about(None, "puffs of a rate")
-    at: Times | None = about(None, "times of births", unit="s")
-    count: CountRange | None = about(None, "births for each time or event; alone: all at `start`")
+    pulse: PulseSpec | None = about(None, "makes the rate periodic")
+    at: Times | None = about(None, "simulated times of births", unit="s")
+    count: CountRange | None = about(None, "births for each time or event; by itself, all are born at `start`")
     start: NotNegative | None = about(None, "simulated time of the first births", unit="s")
     stop: NotNegative | None = about(None, "simulated time of the last births", unit="s")
-    source: FromEvent | None = Field(None, alias="from", description="events of another system that feed it")
-    shape: Shape = about(None, "where they are born; a point at the origin when left out", unit="m")
-    velocity: Velocity = about(None, "at rest when left out", unit="m/s")
-    motion: MotionSpec | None = about(None, "a moving emitter")
-    tag: str | None = about(None, "a name that looks and other emitters refer to")
-    choose: dict[str, Choice] = about({}, "kinds of burst, one of which each event takes")
+    source: FromEvent | None = Field(None, alias="from", description="events of another system that cause births")
+    shape: Shape = about(None, "positions of birth; a point at the origin when left out", unit="m")
+    velocity: Velocity = about(None, "velocities at birth; at rest when left out", unit="m/s")
+    motion: MotionSpec | None = about(None, "motion of the emitter")
+    tag: str | None = about(None, "a name by which looks and other emitters refer to these particles")
+    choose: dict[str, Choice] = about({}, "kinds of burst, of which each event chooses one")
     scripted: Any = Field(None, exclude=True, description="a registered emitter of a plugin")
 
     @classmethod
@@ -194,25 +196,25 @@ class EmitterSpec(Attributes):
         plain = {key: item for key, item in value.items() if key not in named and key != "scripted"}
         if not named:
             return plain
-        made = One("emitters", bare="").validate(named)
-        births = getattr(made, "births", None)
+        scripted = One("emitters", bare="").validate(named)
+        births = getattr(scripted, "births", None)
         if births is not None:
-            own = sorted({"rate", "at", "count", "start", "from", "choose", "shape", "velocity"} & set(plain))
-            if own:
-                raise UsageError(f"{made.name} lays its own particles at the start: leave out {own[0]}")
+            unused = sorted({"rate", "at", "count", "start", "from", "choose", "shape", "velocity"} & set(plain))
+            if unused:
+                raise UsageError(f"{scripted.name} makes its own particles at the start: leave out {unused[0]}")
             plain = {**plain, "count": births}
-        return {**plain, "scripted": made}
+        return {**plain, "scripted": scripted}
 
     @model_validator(mode="after")
-    def _one_way(self):
-        problem = _ways(self)
+    def _consistent(self):
+        problem = _find_conflict(self)
         if problem:
             raise UsageError(problem)
         return self
 
     @property
     def tags(self) -> tuple[str, ...]:
-        """Every tag a particle of this emitter may carry."""
+        """Every tag that a particle of this emitter may have."""
         return tuple(tag for tag in (self.tag, *(choice.tag for choice in self.choose.values())) if tag)
 
     @classmethod
@@ -221,15 +223,15 @@ class EmitterSpec(Attributes):
         properties |= {name: class_schema(registry("emitters")[name]) for name in registry("emitters")}
 
 
-def _ways(emitter: EmitterSpec) -> str:
-    """What is wrong with the combination of rate, at, count, from, start and stop; empty when nothing is."""
+def _find_conflict(emitter: EmitterSpec) -> str:
+    """The problem with the combination of rate, at, count, from, start and stop; empty when there is none."""
     rate, at, count, source = emitter.rate, emitter.at, emitter.count, emitter.source
     choices = emitter.choose.values()
     counted = count is not None or (source is not None and choices and all(c.count is not None for c in choices))
     if source is None and any(c.count is not None for c in choices):
-        return "a choice's count goes with from: births for each event"
+        return "the count of a choice needs from: it is the number of births for each event"
     if source is None and count is not None and not count.constant:
-        return "a range of counts goes with from: so many births for each event"
+        return "a range of counts needs from: a number of births is drawn for each event"
     if rate is not None and at is not None:
         return "rate and at are alternatives: give one of them"
     if rate is not None and count is not None:
@@ -237,12 +239,12 @@ def _ways(emitter: EmitterSpec) -> str:
     if source is not None and at is not None:
         return "from and at are alternatives: events bring their own times"
     if source is not None and source.kind == "path" and rate is None:
-        return "from a path needs a rate: births a second for each parent"
+        return "from a path needs a rate: births per second for each parent"
     if source is not None and isinstance(rate, Curve):
-        return "from a path takes a steady rate, not a curve"
+        return "from a path needs a steady rate, not a curve"
     if source is not None and source.kind != "path":
         if rate is not None:
-            return f"from {source.system}.{source.kind} takes a count, not a rate"
+            return f"from {source.system}.{source.kind} needs a count, not a rate"
         if not counted:
             return f"from {source.system}.{source.kind} needs a count: births for each event"
     if source is None and rate is None and at is None and not counted:
@@ -251,9 +253,9 @@ def _ways(emitter: EmitterSpec) -> str:
         if source is not None and getattr(emitter, key) is not None:
             return f"{key} and from are alternatives: events bring their own times and places"
     if emitter.stop is not None and rate is None:
-        return "stop goes with a rate"
+        return "stop needs a rate"
     if emitter.pulse is not None and (rate is None or source is not None):
-        return "pulse goes with a rate that events do not feed"
+        return "pulse needs a rate, without from"
     if emitter.stop is not None and emitter.stop <= (emitter.start or 0.0):
         return f"stop must be later than start, not {emitter.stop:g}"
     return ""

@@ -1,6 +1,7 @@
-"""How many particles a preset will have, and the memory they take, before anything is allocated.
+"""Estimates how many particles a preset has and how much memory it needs, before anything is allocated.
 
-A census in slices of simulated time: births by rate, time, count and event; deaths spread over the range of lifetimes.
+Births by rate, time, count and event are counted in slices of simulated time; deaths are spread over the range of
+lifetimes.
 """
 
 import os
@@ -20,29 +21,38 @@ __all__ = ["Estimate", "available_memory", "estimate", "megabytes", "refuse_if_t
 
 SLICES = 600
 FLOAT_CHANNELS = 10  # position, velocity, mass, charge, radius, lifetime
-BOOKKEEPING = 28  # bytes: birth time, key, id, source
-INDEX_LIMIT = 2**31 - 1  # of a system's whole array
+OTHER_COLUMNS = 28  # bytes of a particle: birth time, key, id, source
+INDEX_LIMIT = 2**31 - 1  # numbers in a system's float array
 _FOREVER = 1e300
 
 
-# bytes at the peak of the process, measured with one preset of each kind at several sizes and rates
+# memory at the peak of the process, bytes; measured with one preset of each kind at several sizes and rates
 PROCESS = 190e6  # with Taichi, a small picture and no particles
-GROWTH = 2.0  # capacity beyond the slots in use, and the old arrays beside the new ones
-BIRTH = 160  # a birth while it is being made
-SHADED, LIT, LISTED, SORTED = 50, 36, 85, 36  # a particle on the picture, of a lit system, as a sprite, sorted by depth
-REMEMBERED = 20  # a particle's place that a ribbon goes back to
-CELL = 4 * 4  # of the density grid that a light shines through: eight arrays of a cloud that fills half of its cube
-FILM, PICTURE = 16, 10  # a pixel of light; of the developed picture, its halos and its file
-BATCH_BIRTHS = 4096  # births, or an eighth of the living, that a launch of several steps may make
-BATCH = 64  # steps taken at once where no events and no interactions tie them
+GROWTH = 2.0  # factor for spare capacity, and for old arrays that exist beside new ones while a system grows
+BIRTH = 160  # of a particle while it is being born
+SHADED = 50  # of a particle in the picture
+LIT = 36  # more, in a lit system
+LISTED = 85  # more, drawn as a sprite
+SORTED = 36  # more, sorted by depth
+REMEMBERED = 20  # of a past position of a particle, for ribbons
+CELL = 4 * 4  # of a cell of the density grid: eight arrays, for smoke that fills half of its cube
+FRAMEBUFFER, PICTURE = (
+    16,
+    10,
+)  # of a pixel of the framebuffer; of a pixel of the developed picture, its bloom and its file
+BATCH_BIRTHS = 4096  # births in a launch of several steps; an eighth of the living particles if that is more
+BATCH = 64  # steps of a launch without events and interactions
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """Per system: births over the whole preset, the most alive at once, bytes of state then; and the process's peak.
+    """The particles and the memory of a preset.
 
-    `working` is the memory that goes with the particles, in bytes: state with room to grow, births, drawing; `pixel` that of
-    one pixel of the picture before it is written.
+    born : by system, births in the whole preset
+    peak : by system, the most particles alive at once
+    bytes : by system, memory of the state at that peak
+    working : memory that depends on the particles, bytes: state with spare capacity, births, drawing
+    pixel : memory of one pixel of the picture before it is written, bytes
     """
 
     born: dict[str, float]
@@ -60,7 +70,10 @@ class Estimate:
         return sum(self.bytes.values())
 
     def process(self, size: tuple[int, int], coded: float = 0.0) -> float:
-        """Bytes at the peak of the process that makes a picture of this size; coded : what an encoder holds for each pixel."""
+        """Memory at the peak of the process that makes a picture of this size, bytes.
+
+        coded : bytes that an encoder holds for each pixel
+        """
         return PROCESS + self.working + (self.pixel + coded) * size[0] * size[1]
 
     def __str__(self) -> str:
@@ -68,12 +81,12 @@ class Estimate:
 
 
 def bytes_per_particle(system: SystemSpec, precision: str = "f32") -> int:
-    """Bytes of state a particle takes in a system's storage."""
-    return (FLOAT_CHANNELS + _attributes(system)) * (8 if precision == "f64" else 4) + BOOKKEEPING
+    """Bytes of a particle in a system's storage."""
+    return (FLOAT_CHANNELS + _attributes(system)) * (8 if precision == "f64" else 4) + OTHER_COLUMNS
 
 
 def _attributes(system: SystemSpec) -> int:
-    """How many attributes a system's particles have: what it declares, and what its emitters' classes do."""
+    """The number of attributes of a system's particles: those it declares and those its emitters' classes declare."""
     names = set(system.particle.attributes)
     for emitter in system.emitters.values():
         names |= set(getattr(emitter.scripted, "declares", ()))
@@ -81,7 +94,7 @@ def _attributes(system: SystemSpec) -> int:
 
 
 def estimate(preset: Preset, precision: str = "f32", until: float | None = None) -> Estimate:
-    """The census of a preset up to simulated time `until` (the last frame when None)."""
+    """The estimate for a preset up to simulated time `until`, s (the last frame when None)."""
     census = _Census(preset, preset.clock.simulated if until is None else until)
     with np.errstate(over="ignore", invalid="ignore"):
         census.run()
@@ -90,7 +103,7 @@ def estimate(preset: Preset, precision: str = "f32", until: float | None = None)
         peak[name] = float(np.nan_to_num(census.peak[name], nan=np.inf))
         size[name] = peak[name] * bytes_per_particle(system, precision)
         steady, sudden = (float(np.nan_to_num(most[name], nan=np.inf)) for most in (census.steady, census.sudden))
-        # the births of a batch stand beside its dead; a launch takes fewer steps where they would be many
+        # the births of a batch are stored beside its dead; a launch has fewer steps when there would be many births
         steady = min(steady, max(BATCH_BIRTHS, peak[name] / 8, steady / BATCH))
         slots = peak[name] + steady
         state += GROWTH * slots * bytes_per_particle(system, precision)
@@ -112,14 +125,16 @@ def _drawing(look: Look) -> float:
 
 
 def _pixel(preset: Preset) -> float:
-    """Bytes of a pixel of the picture while it is made."""
+    """Bytes of a pixel while the picture is rendered."""
     camera = preset.camera or CameraSpec()
     trails = sum(s.look is not None and s.look.trail is not None for s in preset.systems.values())
     averaged = (camera.supersample > 1) + (camera.subframes > 1)
-    return PICTURE + FILM * (camera.supersample**2 * (1 + trails) + averaged)
+    return PICTURE + FRAMEBUFFER * (camera.supersample**2 * (1 + trails) + averaged)
 
 
 class _Census:
+    """Counts births and deaths in slices of simulated time."""
+
     def __init__(self, preset: Preset, until: float):
         self.preset = preset
         self.width = max(until, 1e-300) / SLICES
@@ -132,10 +147,10 @@ class _Census:
         self.alive = dict.fromkeys(self.groups, 0.0)
         self.born = dict.fromkeys(preset.systems, 0.0)
         self.peak = dict.fromkeys(preset.systems, 0.0)
-        self.steady = dict.fromkeys(preset.systems, 0.0)  # the most births made together, by rates
+        self.steady = dict.fromkeys(preset.systems, 0.0)  # the most births of one launch, by rates
         self.sudden = dict.fromkeys(preset.systems, 0.0)  # and by counts
-        tied = any(s.interactions or any(e.source for e in s.emitters.values()) for s in preset.systems.values())
-        self.batch = (1 if tied else BATCH) * preset.clock.step
+        stepwise = any(s.interactions or any(e.source for e in s.emitters.values()) for s in preset.systems.values())
+        self.batch = (1 if stepwise else BATCH) * preset.clock.step  # simulated time of a launch, s
 
     def run(self) -> None:
         births = dict.fromkeys(self.groups, 0.0)
@@ -153,16 +168,16 @@ class _Census:
                 by_count = sum(n for (s, e, _), n in born.items() if s == name and system.emitters[e].rate is None)
                 self.steady[name] = max(self.steady[name], by_rate * self.batch / self.width)
                 self.sudden[name] = max(self.sudden[name], by_count)
-                mine = [group for group in self.groups if group[0] == name]
-                number = sum(born[group] for group in mine)
+                groups = [group for group in self.groups if group[0] == name]
+                number = sum(born[group] for group in groups)
                 self.born[name] += number
-                self.peak[name] = max(self.peak[name], sum(self.alive[group] for group in mine) + number)
+                self.peak[name] = max(self.peak[name], sum(self.alive[group] for group in groups) + number)
             for group in self.groups:
                 self.alive[group] += born[group] - died[group]
             births = born
 
     def _schedule(self, group, k: int, number: float, lifetime: Range | None) -> None:
-        """Deaths of `number` births in slice k, spread evenly over the range of lifetimes."""
+        """Add the deaths of `number` births in slice k, spread evenly over the range of lifetimes."""
         if lifetime is None or not number:
             return
         first = k + max(1, int(min(lifetime.lo / self.width, 2 * SLICES)))
@@ -171,7 +186,7 @@ class _Census:
             self.groups[group][first : last + 1] += number / (last - first + 1)
 
     def _births(self, name, emitter, start, stop, died, births):
-        """(tag, number, lifetime) born of one emitter in a slice."""
+        """(tag, number, lifetime) of the births from one emitter in a slice."""
         events = self._events(emitter, start, stop, died, births)
         weights = sum(choice.weight for choice in emitter.choose.values())
         for choice in emitter.choose.values() or [None]:
@@ -180,7 +195,7 @@ class _Census:
             yield (choice or emitter).tag, number, (choice and choice.lifetime) or emitter.lifetime
 
     def _events(self, emitter, start, stop, died, births) -> float:
-        """Times an emitter fires in a slice: births by rate, moments of `at`, or events of another system."""
+        """How often an emitter emits in a slice: births by rate, times of `at`, or events of another system."""
         if emitter.source is None:
             first = emitter.start or 0.0
             if emitter.at is not None:
@@ -190,7 +205,7 @@ class _Census:
             return _integral(
                 emitter.rate, max(start, first), min(stop, _FOREVER if emitter.stop is None else emitter.stop)
             )
-        # how often a particle strikes is not known before it has: once is assumed, when it is born
+        # the number of a particle's impacts is not known beforehand: one is assumed, at its birth
         table = {"death": died, "birth": births, "impact": births, "path": self.alive}[emitter.source.kind]
         total = sum(
             number
@@ -215,19 +230,19 @@ def megabytes(size: float) -> str:
 
 
 def available_memory() -> float:
-    """Bytes this process may still take: what the machine has free, or what its control group leaves."""
-    found = []
+    """Bytes that this process can still allocate: the machine's free memory, or less if its control group has a limit."""
+    limits = []
     with suppress(OSError, ValueError, IndexError):
         line = next(row for row in Path("/proc/meminfo").read_text().splitlines() if row.startswith("MemAvailable"))
-        found.append(float(line.split()[1]) * 1024)
-    if not found:
+        limits.append(float(line.split()[1]) * 1024)
+    if not limits:
         with suppress(OSError, ValueError, AttributeError):
-            found.append(float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES"))
+            limits.append(float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES"))
     with suppress(OSError, ValueError):
         limit = Path("/sys/fs/cgroup/memory.max").read_text().strip()
         if limit != "max":
-            found.append(float(limit) - float(Path("/sys/fs/cgroup/memory.current").read_text()))
-    return max(0.0, min(found)) if found else 8e9
+            limits.append(float(limit) - float(Path("/sys/fs/cgroup/memory.current").read_text()))
+    return max(0.0, min(limits)) if limits else 8e9
 
 
 def refuse_if_too_large(
@@ -237,7 +252,7 @@ def refuse_if_too_large(
     until: float | None = None,
     coded: float = 0.0,
 ) -> Estimate:
-    """The estimate; MemoryRefused, naming the figures, when its particles (and a picture of `size`) cannot fit."""
+    """The estimate. Raises MemoryRefused, with the figures, if the particles (and a picture of `size`) do not fit."""
     expected = estimate(preset, precision, until)
     for name, peak in expected.peak.items():
         limit = INDEX_LIMIT // (FLOAT_CHANNELS + _attributes(preset.systems[name]))

@@ -24,9 +24,11 @@ __all__ = [
 
 
 class Parsed:
-    """Annotation: values pass through `parse` (a ValueError is a problem); `schema` is their JSON schema.
+    """Annotation of a key whose values are read by a function.
 
-    plain : makes plain data of a value, for the JSON schema's defaults
+    parse : makes the value from plain data; a ValueError becomes a problem of the preset
+    schema : JSON schema of the plain data
+    plain : makes plain data from a value, for the defaults in the JSON schema
     """
 
     def __init__(self, parse: Callable[[Any], Any], schema: dict, plain: Callable[[Any], Any] | None = None):
@@ -41,7 +43,10 @@ class Parsed:
 
 
 class Within(Parsed):
-    """Annotation: a number within bounds; `1/240` and `1e-3` are numbers. whole : whole numbers only."""
+    """Annotation: a number within bounds; `1/240` and `1e-3` are numbers.
+
+    whole : whole numbers only
+    """
 
     def __init__(self, low=-math.inf, high=math.inf, *, open_low=False, open_high=False, whole: bool = False):
         bounds = Bounds(low, high, open_low, open_high, whole)

@@ -1,4 +1,4 @@
-"""Files that a preset names: they lie in its own folder or below, and their bytes are part of a picture's recipe."""
+"""Files that a preset names. They are in the preset's folder or below, and a picture's recipe has their sha256."""
 
 from contextvars import ContextVar
 from pathlib import Path, PurePosixPath
@@ -9,30 +9,30 @@ from gen_art.preset.fields import Parsed
 
 __all__ = ["FOLDER", "ImageFile", "PresetFile", "inside"]
 
-FOLDER: ContextVar[Path] = ContextVar("folder", default=Path())  # of the preset that is being read
+FOLDER: ContextVar[Path] = ContextVar("folder", default=Path())  # the folder of the preset that is being read
 _IMAGE = {"type": "string", "description": "a picture in the preset's folder or below: spark.png"}
 
 
 class PresetFile(str):
-    """A file's name as the preset has it; `place` is where it lies."""
+    """A file's name as written in the preset; `place` is its path."""
 
     place: Path
 
     def __new__(cls, written: str, place: Path):
-        made = super().__new__(cls, written)
-        made.place = place
-        return made
+        file = super().__new__(cls, written)
+        file.place = place
+        return file
 
 
 def inside(value) -> PresetFile:
-    """The file of that name in the preset's folder or below; UsageError if there is none or it leads elsewhere."""
+    """The file of that name in the preset's folder or below. Raises UsageError if it does not exist or is elsewhere."""
     if isinstance(value, PresetFile):
         return value
     if not isinstance(value, str) or not value:
         raise UsageError(f"must be the name of a file, not {value!r}")
     parts = PurePosixPath(value.replace("\\", "/"))
     if parts.is_absolute() or ".." in parts.parts or ":" in value:
-        raise UsageError(f"{value}: a preset's files lie in its own folder or below")
+        raise UsageError(f"{value}: a preset's files must be in its own folder or below")
     folder = FOLDER.get()
     place = folder / parts
     if not place.resolve().is_relative_to(folder.resolve()):
@@ -46,7 +46,7 @@ def _image(value) -> PresetFile:
     file = inside(value)
     width, height = picture_size(file.place, file)
     if width * height > LARGEST:
-        raise UsageError(f"{file}: a sprite has at most {LARGEST // 10**6} million pixels; 512x512 is plenty")
+        raise UsageError(f"{file}: a sprite has at most {LARGEST // 10**6} million pixels; 512x512 is enough")
     return file
 
 

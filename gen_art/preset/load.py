@@ -1,4 +1,4 @@
-"""`load_preset`: from a name, a path, `-` or a mapping to a validated Preset."""
+"""`load_preset`: makes a validated Preset from a name, a path, `-` or a mapping."""
 
 import secrets
 import sys
@@ -23,11 +23,12 @@ if TYPE_CHECKING:
 
 __all__ = ["load_preset", "open_source", "validate"]
 
-_ABOUT_KEYS = ("unknown", "is neither a key", "a name may not", "particle.attributes declares")  # shown at the key
+# beginnings of problems that are shown at the key, not at the value
+_KEY_PROBLEMS = ("unknown", "is neither a key", "a name may not", "particle.attributes declares")
 
 
 def open_source(preset: str | Path) -> tuple[SourceText, str]:
-    """Read a preset's text with positions; also its name."""
+    """(text of a preset with positions, name of the preset)."""
     if str(preset) == "-":
         return read_bytes(sys.stdin.buffer.read(1_000_000), "<stdin>"), "stdin"
     path = find(str(preset))
@@ -42,12 +43,11 @@ def load_preset(
 ) -> "Preset":
     """A validated Preset.
 
-    preset : a shipped name ("fire"), a path, "-" for standard input, or a mapping as YAML would hold it, which
-        may have a `name` too
-    overrides : dotted paths ({"clock.fps": 60}) or nested mappings, which merge
-    seed : a whole number, or "random" for a fresh one
+    preset : a shipped name ("fire"), a path, "-" for standard input, or a mapping as in YAML, which may also have a `name`
+    overrides : dotted paths ({"clock.fps": 60}) or nested mappings, which are merged
+    seed : a whole number, or "random" for a random one
 
-    Raises PresetError with every problem and its place, UsageError for a name or path that leads nowhere, OutputError
+    Raises PresetError with every problem and its place, UsageError for a name or path that does not exist, OutputError
     when the file cannot be read.
     """
     from gen_art.preset.schema import Preset
@@ -74,33 +74,33 @@ def load_preset(
 
 
 def validate(data: dict, name: str, source: SourceText, set_paths: list[tuple]) -> "Preset":
-    """The Preset of plain data; PresetError with every problem, each where it stands in `source` or at its `--set`."""
-    from gen_art.preset.checks import references, unbound
+    """The Preset of plain data. Raises PresetError with every problem and its place in `source` or its `--set`."""
+    from gen_art.preset.references import references, unbound
     from gen_art.preset.registered import GRAVITATION
     from gen_art.preset.schema import Preset
 
     filled, found = fill_knobs(data)
     written = {"version": filled.get("version"), "seed": filled.get("seed", 0), **filled}
-    made, listed = None, found[:]
+    preset = None
     token = GRAVITATION.set(_gravitation(filled))
     try:
-        made = Preset.model_validate(filled).keep(name, written)
+        preset = Preset.model_validate(filled).keep(name, written)
     except ValidationError as error:
-        listed += [(item["loc"], friendly(item)) for item in error.errors()]
+        found += [(item["loc"], friendly(item)) for item in error.errors()]
     finally:
         GRAVITATION.reset(token)
-    listed += references(filled)
-    if made is not None:
-        listed += unbound(made)
-    problems = source.problems + [_located(data, source, set_paths, path, text) for path, text in listed]
+    found += references(filled)
+    if preset is not None:
+        found += unbound(preset)
+    problems = source.problems + [_located(data, source, set_paths, path, text) for path, text in found]
     problems = _distinct(problems)
-    if problems or made is None:
+    if problems or preset is None:
         raise preset_error(problems)
-    return made
+    return preset
 
 
 def _gravitation(data: dict) -> float | None:
-    """`units.G` where the preset gives it; what is wrong with it, the schema says."""
+    """`units.G` of the preset, or None; the schema reports problems with it."""
     units = data.get("units")
     with suppress(UsageError):
         return number(units["G"]) if isinstance(units, dict) and "G" in units else None
@@ -112,18 +112,18 @@ def _nowhere(name: str) -> SourceText:
 
 
 def _located(data: dict, source: SourceText, set_paths: list[tuple], path: tuple, text: str) -> Problem:
-    """A Problem at the parts of `path` that exist: short forms leave out names that the schema's path has."""
+    """A Problem at the parts of `path` that exist in the data: a short form leaves out names of the schema's path."""
     node: Any = data
-    real: list = []
+    existing: list = []
     for depth, part in enumerate(path):
         if (isinstance(node, dict) and part in node) or (
             isinstance(node, list) and isinstance(part, int) and part < len(node)
         ):
             node = node[part]
-            real.append(part)
+            existing.append(part)
         elif depth == len(path) - 1 and text == "is missing":
             text = f"'{part}' is missing"
-    here = tuple(real)
+    here = tuple(existing)
     for set_path in set_paths:
         if here[: len(set_path)] == set_path or (set_path[: len(here)] == here and not source.holds(here)):
             return Problem(here, text, "--set")
@@ -131,11 +131,11 @@ def _located(data: dict, source: SourceText, set_paths: list[tuple], path: tuple
             text += f" (with {dotted(set_path)} set)"
     if not source.lines:
         return Problem(here, text, source.name)
-    return source.problem(here, text, at_key=text.startswith(_ABOUT_KEYS))
+    return source.problem(here, text, at_key=text.startswith(_KEY_PROBLEMS))
 
 
 def _distinct(problems: list[Problem]) -> list[Problem]:
-    """In the order of the text, one problem for a place: what follows from a first one is left out."""
+    """The problems in the order of the text, one for each place: further ones there usually follow from the first."""
     seen, kept = set(), []
     for problem in sorted(problems, key=lambda p: (p.line, p.column)):
         words = problem.text if problem.text.endswith("is missing") or not problem.line else ""

@@ -1,4 +1,4 @@
-"""How a system is drawn: `look:`. Frozen pydantic models; attribute names are the YAML keys."""
+"""The keys of `look:`, which say how a system is drawn. Frozen pydantic models; attribute names are the YAML keys."""
 
 from typing import Annotated, Literal
 
@@ -32,16 +32,16 @@ BY = (
 
 
 class Ramp(Model):
-    """A number that may follow a quantity of the particle: `3`, `[[0, 1], [1, 0]]` (by age) or a mapping.
+    """A number that may depend on a quantity of the particle: `3`, `[[0, 1], [1, 0]]` (by age) or a mapping.
 
     Quantities: `age` is the fraction of the lifetime, 0 at birth and 1 at death; `seconds` the age in simulated seconds;
-    `speed` m/s; `acceleration` m/s^2, over the last time step; `energy` the kinetic energy in J; `charge` C;
-    `distance` from the origin in m; `x`, `y`, `z`; `random` a number in 0..1 that is the particle's own; or a declared
+    `speed` in m/s; `acceleration` in m/s^2, over the last time step; `energy` the kinetic energy in J; `charge` in C;
+    `distance` from the origin in m; `x`, `y`, `z`; `random` a number in 0..1 that is fixed for each particle; or a declared
     attribute such as `temperature`.
     """
 
-    by: str = about("age", "the quantity")
-    range: RangeValue | None = about(None, "the quantity at 0 and at 1 of the curve")
+    by: str = about("age", "the quantity on which the number depends")
+    range: RangeValue | None = about(None, "the values of the quantity at 0 and at 1 of the curve")
     curve: CurveValue = about(Curve(((0.0, 1.0),)), "a number, or points of a curve")
 
     short_form = {"type": ["number", "string", "array"], "description": "a number, or a curve over age"}
@@ -60,17 +60,17 @@ class Ramp(Model):
 
 
 class Color(Model):
-    """Colours by a quantity: a colour, a palette, or `{by: age, gradient: [white, crimson]}`.
+    """A colour that may depend on a quantity: a colour, a palette, or `{by: age, gradient: [white, crimson]}`.
 
-    Further keys are tags of emitters, with gradients of their own: `{by: age, clean: [white, crimson], tail: [gold, teal]}`.
+    Further keys are tags of emitters with their gradients: `{by: age, clean: [white, crimson], tail: [gold, teal]}`.
     """
 
     model_config = ConfigDict(frozen=True, extra="allow", arbitrary_types_allowed=True)
     __pydantic_extra__: dict[str, GradientValue]
 
-    by: str = about("age", "the quantity, as for numbers")
-    range: RangeValue | None = about(None, "the quantity at the two ends of the gradient")
-    gradient: GradientValue = about(Gradient(((0.0, "white"),)), "a colour, a palette, or colours in a list")
+    by: str = about("age", "the quantity on which the colour depends, as for numbers")
+    range: RangeValue | None = about(None, "the values of the quantity at the two ends of the gradient")
+    gradient: GradientValue = about(Gradient(((0.0, "white"),)), "a colour, a palette, or a list of colours")
 
     short_form = {"type": ["string", "array"], "description": "a colour, a palette or a gradient"}
 
@@ -93,25 +93,24 @@ class Color(Model):
 
 
 class Emission(Model):
-    """Light a particle gives off.
+    """The light that a particle emits.
 
     For discs and streaks `intensity` is the brightness at the middle of the sprite; a point has the area of one pixel of a
-    picture 720 rows high.
+    picture that is 720 pixels high.
     """
 
-    color: Color | None = about(None, "its colour; white when left out")
-    intensity: Ramp = about(Ramp(), "its brightness")
+    color: Color | None = about(None, "colour of the light; white when left out")
+    intensity: Ramp = about(Ramp(), "brightness of the light")
     blackbody: Ramp | None = about(
-        None, "temperature, or a curve of temperature over age (or over `by: seconds`); gives the colour", unit="K"
+        None, "temperature, or a curve of it over age (or `by: seconds`), that sets the colour of the light", unit="K"
     )
     planck: Fraction = about(
         0.3,
-        "how much of Planck's fall of brightness towards lower temperatures to keep, relative to the "
-        "hottest: 0 none, 1 all",
+        "how much darker lower temperatures are, relative to the hottest: 0 equally bright, 1 as in Planck's law",
     )
-    strobe: RangeValue | None = about(None, "a rate, with a phase, drawn once a particle", unit="Hz")
+    strobe: RangeValue | None = about(None, "flash rate; a rate and a phase are drawn for each particle", unit="Hz")
     duty: Annotated[float, Within(0, 1, open_low=True)] = about(
-        0.35, "the part of each period of the strobe that is lit"
+        0.35, "the part of each period of the strobe in which the particle is lit"
     )
 
     short_form = {"type": ["string", "array"], "description": "a colour, a palette or a gradient"}
@@ -124,26 +123,27 @@ class Emission(Model):
 
 
 class KeyLight(Model):
-    """A distant lamp that shines on smoke through the smoke itself, the sky around it, and the glow of other systems."""
+    """The light on smoke: a distant lamp, which the smoke itself shadows, the sky, and the light of other systems."""
 
-    direction: Vector = about((-1.0, -1.0, -0.5), "the way the lamp's light travels")
-    color: ColourValue = about("white", "the lamp's colour")
-    intensity: NotNegative = about(3.0, "the lamp's brightness")
-    ambient: ColourValue = about("white", "the sky's colour, from all sides")
-    ground: ColourValue | None = about(None, "the colour of what comes from below; the sky's when left out")
-    ambient_intensity: NotNegative = about(0.08, "the sky's brightness")
+    direction: Vector = about((-1.0, -1.0, -0.5), "direction in which the lamp's light travels")
+    color: ColourValue = about("white", "colour of the lamp")
+    intensity: NotNegative = about(3.0, "brightness of the lamp")
+    ambient: ColourValue = about("white", "colour of the sky, which shines from all sides")
+    ground: ColourValue | None = about(None, "colour of the light from below; the sky's when left out")
+    ambient_intensity: NotNegative = about(0.08, "brightness of the sky")
     phase: Annotated[float, Within(-1, 1, open_low=True, open_high=True)] = about(
-        0.0, "Henyey-Greenstein's g: -1 back to 1 forward scattering, 0 even"
+        0.0, "Henyey-Greenstein's g: -1 is backward scattering, 0 isotropic, 1 forward scattering"
     )
     scatter: Fraction = about(
         0.2,
-        "the part of the light that was scattered once before; it meets half the depth, and so on for that part of it",
+        "the part of the light that was already scattered once: half the optical depth attenuates it. The same part of "
+        "that light was scattered twice, and so on",
     )
-    depth: NotNegative = about(1.0, "factor on the optical depth this system casts into all light")
+    depth: NotNegative = about(1.0, "factor on the optical depth with which this system shadows light")
     resolution: Annotated[int, Field(ge=8, le=256)] = about(96, "cells along the longest side of the density grid")
-    glow: Words = about((), "systems whose own light shines on this one")
-    glow_intensity: NotNegative = about(1.0, "1 is as bright as they are")
-    glow_softness: NotNegative = about(0.0, "widens their light near them, in world units")
+    glow: Words = about((), "systems whose emission lights this one")
+    glow_intensity: NotNegative = about(1.0, "factor on the light of those systems")
+    glow_softness: NotNegative = about(0.0, "radius over which their light is softened near them, in world units")
 
     @model_validator(mode="after")
     def _pointing(self):
@@ -153,17 +153,19 @@ class KeyLight(Model):
 
 
 class Trail(Model):
-    """The film keeps what the system drew and lets it fade, alike at any fps; the particles are drawn over it as ever.
+    """What the system drew stays in the picture and fades, at the same speed for any fps; the particles are drawn over it.
 
-    A number is its `half_life`. Trails start 16 half-lives before frame 0, or with the simulation.
+    A number sets the `half_life`. Trails start 16 half-lives before frame 0, or at the start of the simulation.
     """
 
-    half_life: Positive = about(..., "film time in which it fades to one half", unit="s")
-    strength: NotNegative = about(1.0, "its brightness; at 1 a particle at rest builds up a trail as bright as itself")
+    half_life: Positive = about(..., "film time in which the trail fades to one half", unit="s")
+    strength: NotNegative = about(
+        1.0, "brightness of the trail; at 1 the trail of a particle at rest becomes as bright as the particle"
+    )
     substeps: Annotated[int, Field(ge=1, le=64)] = about(
         1,
-        "how many times the system is drawn from frame to frame (the largest divisor of a frame's steps up "
-        "to it), so that fast curves stay smooth",
+        "how many times a frame the system is added to the trail, so that fast curves stay smooth; the number used is the "
+        "largest divisor of a frame's steps that is not above this",
     )
 
     short_form = {"type": ["number", "string"]}
@@ -174,15 +176,15 @@ class Trail(Model):
 
 
 class Ribbon(Model):
-    """Each particle draws the path it came along. Needs `draw: streak`, whose width it begins with; a number is its `length`.
+    """Draws the past path of each particle. Needs `draw: streak`, which sets the width at the particle.
 
-    The emission's `intensity` is its brightness along the middle, whatever the particle's speed.
+    A number sets the `length`. The emission's `intensity` is the brightness along the middle, at any speed of the particle.
     """
 
-    length: Positive = about(..., "how far back it goes, in simulated time", unit="s")
-    points: Annotated[int, Field(ge=2, le=256)] = about(16, "positions that are remembered")
-    taper: Fraction = about(0.0, "width at the old end, relative to the particle's")
-    tail: Fraction = about(0.0, "brightness at the old end, relative to the particle's")
+    length: Positive = about(..., "length of the path, in simulated time", unit="s")
+    points: Annotated[int, Field(ge=2, le=256)] = about(16, "number of past positions that are stored")
+    taper: Fraction = about(0.0, "width at the old end, relative to that at the particle")
+    tail: Fraction = about(0.0, "brightness at the old end, relative to that at the particle")
 
     short_form = {"type": ["number", "string"]}
 
@@ -192,11 +194,15 @@ class Ribbon(Model):
 
 
 class Picture(Model):
-    """A picture for every particle, `radius` from its middle to its sides; white paint takes the particle's colour."""
+    """An image for every particle, `radius` from its middle to its sides; its colours are multiplied by the particle's."""
 
-    image: Annotated[PresetFile, ImageFile] = about(..., "the file, in the preset's folder, with a transparent ground")
-    turn: Literal["random"] | Number = about(0.0, "counter-clockwise; `random` turns each its own way", unit="degrees")
-    spin: RangeValue = about(Range(0.0, 0.0), "turn a simulated second, drawn once a particle", unit="degrees/s")
+    image: Annotated[PresetFile, ImageFile] = about(..., "image file in the preset's folder, with transparency")
+    turn: Literal["random"] | Number = about(
+        0.0, "rotation, counter-clockwise; `random` draws one for each particle", unit="degrees"
+    )
+    spin: RangeValue = about(
+        Range(0.0, 0.0), "rotation per simulated second, drawn for each particle", unit="degrees/s"
+    )
 
     short_form = {"type": "string", "description": "the picture's file"}
 
@@ -206,48 +212,50 @@ class Picture(Model):
 
 
 class Look(Model):
-    """How a system's particles are drawn. The `size` of all kinds scales with the picture's height."""
+    """How a system's particles are drawn. All sizes scale with the picture's height."""
 
     draw: Literal["point", "pixel", "disc", "streak", "sphere", "picture"] = about(
         "point",
-        "`point` is a dot placed between pixels, `pixel` light in the one pixel it falls in, `disc` a soft "
-        "Gaussian sprite whose radius is 2.2 standard deviations, "
-        "`streak` the way of the last `length` seconds, `sphere` an even disc with a sharp rim, `picture` "
-        "an image",
+        "`point` is a dot placed between pixels, `pixel` lights only the pixel that it falls in, `disc` is a soft Gaussian "
+        "sprite whose radius is 2.2 standard deviations, `streak` the path of the last `length` seconds, `sphere` an even "
+        "disc with a sharp rim, `picture` an image",
     )
     picture: Picture | None = about(None, "the image of `draw: picture`")
     blend: Literal["add", "alpha", "opaque"] = about(
-        "add", "`add` is light, `alpha` also hides what is behind it, `opaque` hides all of it"
+        "add", "`add` adds light, `alpha` partly hides what is behind the sprite, `opaque` hides it completely"
     )
-    radius: Positive | None = about(None, "of the sprite in world units; the particle's own when left out")
-    width: Positive | None = about(None, "of a streak in world units: two radii")
+    radius: Positive | None = about(None, "radius of the sprite in world units; the particle's radius when left out")
+    width: Positive | None = about(None, "width of a streak in world units, two radii")
     pixels: Annotated[float, Within(0, 4096, open_low=True)] | None = about(
-        None, "radius in pixels of a picture 720 rows high instead"
+        None, "radius in pixels of a picture that is 720 pixels high, instead of `radius`"
     )
     size: Ramp = about(Ramp(), "a factor on radius, width or pixels")
     length: NotNegative | None = about(
-        None, "of a streak in simulated time; as long as the shutter is open when left out", unit="s"
+        None, "length of a streak in simulated time; the time that the shutter is open when left out", unit="s"
     )
-    tail: Fraction = about(1.0, "a streak's brightness at its old end, relative to its head")
-    taper: Fraction = about(1.0, "a streak's width at its old end, relative to its head")
-    emission: Emission | None = about(None, "the light it gives off; white, 1 when nothing else is given")
+    tail: Fraction = about(1.0, "brightness of a streak at its old end, relative to its head")
+    taper: Fraction = about(1.0, "width of a streak at its old end, relative to its head")
+    emission: Emission | None = about(
+        None,
+        "the light that a particle emits; when left out, white of intensity 1 with `blend: add`, and none otherwise",
+    )
     opacity: Ramp = about(Ramp(), "optical depth at the middle of a sprite")
     reference: Positive | None = about(
         None,
-        "the radius of which `opacity` speaks: the depth falls as (reference / r)^2, so that a growing "
-        "sprite keeps its extinction cross section",
+        "the radius at which the optical depth is `opacity`: the depth falls as (reference / r)^2, so that a growing sprite "
+        "keeps its extinction cross section",
         unit="m",
     )
-    albedo: Color = about(Color.model_validate({}), "the part of the light that it scatters, by colour")
-    light: KeyLight | None = about(None, "what shines on it")
+    albedo: Color = about(Color.model_validate({}), "the part of the light that is scattered, by colour")
+    light: KeyLight | None = about(None, "the light on smoke")
     falloff: Literal["none", "inverse_square"] = about(
-        "none", "`inverse_square` dims points as 1/d^2, with 1 at the camera's target"
+        "none", "`inverse_square` dims points as 1/d^2, with a factor of 1 at the camera's target"
     )
-    trail: Trail | None = about(None, "an afterglow on the film")
-    ribbon: Ribbon | None = about(None, "the path it came along")
+    trail: Trail | None = about(None, "an afterglow that fades")
+    ribbon: Ribbon | None = about(None, "the past path of each particle")
 
     def goes_by(self, quantity: str) -> bool:
-        """Whether any number or colour follows this quantity."""
+        """Whether any number or colour depends on this quantity."""
         light = self.emission
         ramps: list[Ramp | Color] = [self.size, self.opacity, self.albedo]
         ramps += [r for r in (light.intensity, light.blackbody, light.color) if r is not None] if light else []
@@ -260,7 +268,7 @@ class Look(Model):
         if self.draw == "pixel" and self.pixels is not None:
             raise UsageError("draw: pixel has no size: leave out `pixels`, or give draw: disc")
         if (self.draw == "picture") != (self.picture is not None):
-            raise UsageError("draw: picture and a picture go together: `draw: picture` and `picture: spark.png`")
+            raise UsageError("`draw: picture` and `picture: spark.png` need each other")
         if self.blend == "alpha" and self.draw not in ("disc", "sphere", "picture"):
             raise UsageError("blend: alpha needs draw: disc, sphere or picture")
         if self.blend == "opaque" and self.draw not in ("sphere", "picture"):

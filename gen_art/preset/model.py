@@ -1,4 +1,4 @@
-"""The base of a preset's models: frozen; every problem collected, with a message for a person; a JSON schema for an editor."""
+"""The base class of a preset's models. They are frozen, report all problems at once and have a JSON schema for editors."""
 
 from typing import Any, ClassVar
 
@@ -19,22 +19,22 @@ def about(default: Any = ..., text: str = "", *, unit: str = "", **more):
 
 
 class Model(BaseModel):
-    """Base of every part of a preset: frozen, and an unknown key is a problem beside the others, with a suggestion."""
+    """Base of every part of a preset: frozen. An unknown key is reported with the other problems, with a suggestion."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", arbitrary_types_allowed=True)
 
-    short_form: ClassVar[dict | None] = None  # JSON schema of what `from_short` widens
+    short_form: ClassVar[dict | None] = None  # JSON schema of the short form that `from_short` reads
 
     @classmethod
     def known_keys(cls) -> list[str] | None:
-        """The keys YAML may use here (aliases win over Python names); None where any may stand."""
+        """The keys that YAML may have here (aliases instead of Python names); None if any key is allowed."""
         if cls.model_config.get("extra") == "allow":
             return None
         return [field.alias or name for name, field in cls.model_fields.items()]
 
     @classmethod
     def from_short(cls, value):
-        """The mapping that a short form stands for; a model with one says so here, and in `short_form`."""
+        """Hook: the mapping that a short form stands for. A model that overrides it also sets `short_form`."""
         return value
 
     @model_validator(mode="wrap")
@@ -58,15 +58,15 @@ class Model(BaseModel):
 
     @classmethod
     def __get_pydantic_json_schema__(cls, schema, handler):
-        made = handler(schema)
-        body = handler.resolve_ref_schema(made)
+        reference = handler(schema)
+        body = handler.resolve_ref_schema(reference)
         body.setdefault("additionalProperties", False)
         cls.describe(body["properties"])
         if cls.short_form is not None:
-            whole = dict(body)
+            mapping = dict(body)
             body.clear()
-            body |= {"description": whole.pop("description", ""), "anyOf": [whole, cls.short_form]}
-        return made
+            body |= {"description": mapping.pop("description", ""), "anyOf": [mapping, cls.short_form]}
+        return reference
 
     @classmethod
     def describe(cls, properties: dict) -> None:
@@ -74,7 +74,7 @@ class Model(BaseModel):
 
 
 def collected(problems) -> ValidationError:
-    """One ValidationError from (path, text) pairs; raised in a validator, its paths continue the outer one."""
+    """One ValidationError of (path, text) pairs. When a validator raises it, the paths are appended to the outer path."""
     return ValidationError.from_exception_data(
         "preset",
         [
@@ -85,7 +85,7 @@ def collected(problems) -> ValidationError:
 
 
 def friendly(error) -> str:
-    """The text of one pydantic error as a sentence about the value."""
+    """The message of one pydantic error, in this package's words."""
     kind, context, value = error["type"], error.get("ctx", {}), error.get("input")
     if kind == "problem":
         return context["text"]

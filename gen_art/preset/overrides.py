@@ -1,4 +1,4 @@
-"""Changing a preset before it is validated: dotted paths (`systems.flame.emitters.base.rate`) and `$knobs`."""
+"""Changes a preset before it is validated: dotted paths (`systems.flame.emitters.base.rate`) and `$knobs`."""
 
 import re
 from collections.abc import Mapping
@@ -12,12 +12,12 @@ from gen_art.registry import suggest
 
 __all__ = ["apply", "fill_knobs", "parse_setting", "plain"]
 
-_NAMED = ("systems", "emitters", "choose", "knobs")  # mappings whose keys are the preset's own names
+_NAMED = ("systems", "emitters", "choose", "knobs")  # mappings whose keys are names that the preset defines
 _PART = re.compile(r"([^.\[\]]+)|\[(\d+)\]")
 
 
 def parse_setting(text: str) -> tuple[str, Any]:
-    """`a.b=VALUE` -> (`a.b`, value); VALUE is YAML. UsageError when it is neither."""
+    """`a.b=VALUE` -> (`a.b`, value), where VALUE is YAML. Raises UsageError for other text."""
     path, equals, value = text.partition("=")
     if not equals or not path.strip():
         raise UsageError(
@@ -27,7 +27,7 @@ def parse_setting(text: str) -> tuple[str, Any]:
 
 
 def plain(value: Any, depth: int = 0) -> Any:
-    """A value from Python as plain data: tuples and arrays become lists, NumPy numbers Python's."""
+    """A Python value as plain data: tuples and arrays become lists, NumPy numbers become Python numbers."""
     if depth > 100:
         raise UsageError("a preset is nested more than 100 levels deep")
     if isinstance(value, Mapping):
@@ -46,51 +46,51 @@ def plain(value: Any, depth: int = 0) -> Any:
 def apply(data: dict, overrides: Mapping[str, Any], convert: bool = True) -> list[tuple]:
     """Set each override in `data`, in place; returns the paths that were set.
 
-    A dotted key replaces what stands there; a nested mapping merges into it, key by key.
-    convert : make plain data of the values first
-    Raises UsageError for a path that leads nowhere, with the nearest name.
+    A dotted key replaces the old value; a nested mapping is merged with it key by key.
+    convert : turn the values into plain data first
+    Raises UsageError for a path that does not exist, with the nearest name.
     """
-    done: list[tuple] = []
+    set_paths: list[tuple] = []
     for key, value in overrides.items():
         path = _split(str(key))
-        _set(data, path, plain(value) if convert else value, merge="." not in str(key), done=done)
-    return done
+        _set(data, path, plain(value) if convert else value, merge="." not in str(key), set_paths=set_paths)
+    return set_paths
 
 
 def _split(text: str) -> tuple:
     path = tuple(int(m[2]) if m[2] else m[1] for m in _PART.finditer(text))
     if not path or dotted(path) != text:
-        raise UsageError(f"{shown(text)} is no path: write keys with dots between, systems.flame.emitters.base.rate")
+        raise UsageError(f"{shown(text)} is not a path: write keys with dots between, systems.flame.emitters.base.rate")
     return path
 
 
-def _set(data: dict, path: tuple, value: Any, merge: bool, done: list[tuple]) -> None:
+def _set(data: dict, path: tuple, value: Any, merge: bool, set_paths: list[tuple]) -> None:
     node: Any = data
     for depth, part in enumerate(path[:-1]):
         node = _enter(node, path, depth, part)
     last, here = path[-1], path[:-1]
     if isinstance(node, list):
         node[_index(node, here, last)] = value
-        done.append(path)
+        set_paths.append(path)
     elif not isinstance(node, dict):
-        raise UsageError(f"{dotted(path)}: {_no_mapping(here, node)}")
+        raise UsageError(f"{dotted(path)}: {_not_a_mapping(here, node)}")
     elif merge and isinstance(value, dict) and isinstance(node.get(last), dict):
         for key, item in value.items():
-            _set(data, (*path, key), item, True, done)
+            _set(data, (*path, key), item, True, set_paths)
     else:
         if here and here[-1] == "knobs" and last not in node:
             raise UsageError(f"{dotted(path)}: there is no knob '{last}'{suggest(last, node)}")
         node[last] = value
-        done.append(path)
+        set_paths.append(path)
 
 
 def _enter(node: Any, path: tuple, depth: int, part) -> Any:
-    """The child that a path goes through; missing mappings are made, missing names are not."""
+    """The child on a path. A missing mapping is added, but a missing name is an error."""
     here = path[:depth]
     if isinstance(node, list):
         return node[_index(node, here, part)]
     if not isinstance(node, dict):
-        raise UsageError(f"{dotted(path)}: {_no_mapping(here, node)}")
+        raise UsageError(f"{dotted(path)}: {_not_a_mapping(here, node)}")
     if node.get(part) is None:
         if here and here[-1] in _NAMED:
             names = suggest(part, node) or ("; there are " + ", ".join(node) if node else "")
@@ -102,18 +102,18 @@ def _enter(node: Any, path: tuple, depth: int, part) -> Any:
 def _index(node: list, here: tuple, part) -> int:
     text = str(part)
     if not text.isdigit() or int(text) >= len(node):
-        raise UsageError(f"{dotted(here)} is a list of {len(node)}; {shown(part)} is not the index of one of them")
+        raise UsageError(f"{dotted(here)} is a list of {len(node)}; {shown(part)} is not an index of it")
     return int(text)
 
 
-def _no_mapping(here: tuple, node: Any) -> str:
+def _not_a_mapping(here: tuple, node: Any) -> str:
     if isinstance(node, str) and node.startswith("$"):
         return f"{dotted(here)} is the knob {node}; set knobs.{node[1:]} instead"
-    return f"{dotted(here)} holds {shown(node)}, no keys; set {dotted(here)} as a whole"
+    return f"{dotted(here)} is {shown(node)} and has no keys; set {dotted(here)} as a whole"
 
 
 def fill_knobs(data: dict) -> tuple[dict, list[tuple[tuple, str]]]:
-    """The data without `knobs:`, each `$name` replaced by its knob's value; and the problems found."""
+    """(the data without `knobs:` and with each `$name` replaced by its knob's value, problems)."""
     knobs = data.get("knobs")
     problems: list[tuple[tuple, str]] = []
     if knobs is None:
@@ -123,7 +123,7 @@ def fill_knobs(data: dict) -> tuple[dict, list[tuple[tuple, str]]]:
         knobs = {}
     for name, value in knobs.items():
         if isinstance(value, str) and value.startswith("$"):
-            problems.append((("knobs", name), "a knob holds a value, not another knob"))
+            problems.append((("knobs", name), "a knob must have a value, not another knob"))
 
     def fill(value: Any, path: tuple) -> Any:
         if isinstance(value, dict):

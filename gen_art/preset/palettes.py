@@ -1,11 +1,12 @@
-"""Named palettes: sRGB-encoded colours over 0..1, evenly spaced or as [position, colour], mixed in OKLab.
+"""Named palettes: sRGB-encoded colours over 0..1, evenly spaced or as [position, colour], interpolated in OKLab.
 
-`PERCEPTUAL` ones rise in OKLab lightness from end to end, so that more looks brighter: they show a quantity. The others are
-for looks. `NAME reversed` runs from the far end.
+The `PERCEPTUAL` palettes increase in OKLab lightness from end to end, so that larger values look brighter: use them to show
+a quantity. The others are artistic. `NAME reversed` is the palette in the opposite direction.
 
-Seven keep a known name and lie within 0.02 of the known colours in OKLab, about what an eye can tell: viridis, magma,
-inferno and plasma (S. van der Walt and N. Smith, 2015), cividis (Nunez, Anderton and Renslow, PLOS ONE 2018), turbo
-(A. Mikhailov, 2019) and the cyclic twilight (B. Bechtold, 2017). Their stops are fitted here, the least largest difference.
+Seven palettes have a known name and are within 0.02 of its colours in OKLab, about the smallest difference that an eye can
+see: viridis, magma, inferno and plasma (S. van der Walt and N. Smith, 2015), cividis (Nunez, Anderton and Renslow, PLOS ONE
+2018), turbo (A. Mikhailov, 2019) and the cyclic twilight (B. Bechtold, 2017). Their stops were fitted so that the largest
+difference is smallest.
 """
 
 from gen_art.registry import suggest
@@ -78,22 +79,22 @@ _REVERSED = " reversed"
 
 
 def names() -> list[str]:
-    """Every way to name a palette, as an editor offers them."""
-    return [name + way for name in PALETTES for way in ("", _REVERSED)]
+    """The names of all palettes, also reversed, for editors."""
+    return [name + suffix for name in PALETTES for suffix in ("", _REVERSED)]
 
 
 def palette(text: str) -> list | None:
-    """The stops of `NAME` or `NAME reversed`, or None when no palette is called so."""
+    """The stops of `NAME` or `NAME reversed`, or None when there is no such palette."""
     words = " ".join(text.lower().split())
     if words in PALETTES:
         return PALETTES[words]
     stops = PALETTES.get(words.removesuffix(_REVERSED))
     if stops is None:
         return None
-    return [[1 - one[0], one[1]] if isinstance(one, list) else one for one in reversed(stops)]
+    return [[1 - stop[0], stop[1]] if isinstance(stop, list) else stop for stop in reversed(stops)]
 
 
 def hint(text: str, colours) -> str:
-    """What may have been meant by a word that is neither a colour nor a palette."""
+    """A suggestion for a word that is neither a colour nor a palette."""
     name = " ".join(text.split()).removesuffix(_REVERSED)
     return suggest(name, [*colours, *PALETTES])

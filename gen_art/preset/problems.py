@@ -1,4 +1,4 @@
-"""What is wrong with a preset, where, and how it is shown: `file:line:column: path: problem`, the line, a caret."""
+"""The problems of a preset with their places, shown as `file:line:column: path: problem`, the line and a caret."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -7,12 +7,19 @@ from gen_art.errors import PresetError
 
 __all__ = ["Problem", "preset_error", "report", "dotted"]
 
-_WIDTH = 100  # the widest source line that is shown whole
+_WIDTH = 100  # a longer source line is cut
 
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One problem. `path` holds keys and list indices; line and column count from 1, 0 where there is no text."""
+    """One problem.
+
+    path : keys and list indices
+    text : the message
+    file : name of the file
+    line, column : counted from 1; 0 where there is no text
+    source : the source line
+    """
 
     path: tuple
     text: str
@@ -35,7 +42,7 @@ class Problem:
 
 
 def dotted(path: Iterable) -> str:
-    """('systems', 'flame', 'at', 2) -> `systems.flame.at[2]`, the form `--set` takes."""
+    """('systems', 'flame', 'at', 2) -> `systems.flame.at[2]`, as in `--set`."""
     text = ""
     for part in path:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
@@ -43,7 +50,7 @@ def dotted(path: Iterable) -> str:
 
 
 def report(problems: list[Problem], limit: int | None = None) -> str:
-    """Every problem under the other; beyond `limit`, how many more there are."""
+    """The problems, one below the other; at most `limit` of them, then the number of the others."""
     shown = [str(problem) for problem in problems[:limit]]
     if limit is not None and len(problems) > limit:
         shown.append(f"... and {len(problems) - limit} more; `gen-art validate` lists them all")
@@ -51,7 +58,7 @@ def report(problems: list[Problem], limit: int | None = None) -> str:
 
 
 def preset_error(problems: list[Problem]) -> PresetError:
-    """The exception for these problems; it carries them as `.problems`."""
+    """The exception for these problems, which are its attribute `problems`."""
     error = PresetError(report(problems))
     error.problems = problems  # type: ignore[attr-defined]
     return error

@@ -1,7 +1,7 @@
-"""YAML text to plain data, with the line and column of every key and value.
+"""Reads YAML text to plain data, with the line and column of every key and value.
 
-The parser's events are composed here, one by one: nothing is constructed from a tag, depth and size are bounded while
-scanning, aliases are counted at their expanded size, and every problem of a file is collected.
+The parser's events are composed here one by one. No object is constructed from a tag, depth and size are limited while
+scanning, aliases count with their expanded size, and all problems of a file are collected.
 """
 
 import math
@@ -33,7 +33,13 @@ _WORDS |= dict.fromkeys(("true", "True", "TRUE"), True) | dict.fromkeys(("false"
 
 @dataclass(slots=True)
 class Node:
-    """A value and where it starts; `keys` is where each key of a mapping stands; `size` counts the values inside."""
+    """A value with its place.
+
+    line, column : where it starts, counted from 0
+    value : a dict or list of Nodes, or a plain value
+    keys : line and column of each key of a mapping
+    size : number of values inside
+    """
 
     line: int
     column: int
@@ -51,7 +57,13 @@ class Node:
 
 @dataclass(slots=True)
 class SourceText:
-    """A read preset: plain data, and where each part of it stands."""
+    """The text of a preset, as nodes with their places.
+
+    name : of the file
+    lines : the text's lines
+    root : the whole as a Node
+    problems : those found while reading
+    """
 
     name: str
     lines: list[str]
@@ -73,7 +85,7 @@ class SourceText:
         return True
 
     def problem(self, path: tuple, text: str, at_key: bool = False) -> Problem:
-        """A Problem at `path`: at its value, or its key; where the path ends early, at what is there of it."""
+        """A Problem at the value of `path`, or at its key; if the path does not exist, at the part of it that does."""
         node, place = self.root, (self.root.line, self.root.column)
         for depth, part in enumerate(path):
             last = depth == len(path) - 1
@@ -91,12 +103,12 @@ class SourceText:
         return Problem(path, text, self.name, line + 1, column + 1, shown)
 
 
-class _TooMuch(Exception):
-    """A bound was passed; the message is the problem."""
+class _Unreadable(Exception):
+    """Reading cannot go on; the message is the problem."""
 
 
 class _BoundedScanner(Scanner):
-    """Refuses depth while scanning, before the parser's work grows with it."""
+    """Refuses deep nesting while scanning, before the parser spends time on it."""
 
     def fetch_flow_collection_start(self, *args, **kwargs):
         if len(self.flow_context) >= MAX_DEPTH:
@@ -110,7 +122,7 @@ class _BoundedScanner(Scanner):
 
 
 def read_file(path: Path, name: str | None = None) -> SourceText:
-    """Read a preset file. OutputError when it cannot be read, PresetError when it is no text."""
+    """Read a preset file. Raises OutputError when it cannot be read, PresetError when it is not text."""
     try:
         if path.is_dir():
             raise OutputError(f"{name or path}: is a folder, not a preset file")
@@ -126,20 +138,20 @@ def read_file(path: Path, name: str | None = None) -> SourceText:
 
 
 def read_bytes(data: bytes, name: str) -> SourceText:
-    """Decode and read; PresetError for what is too large or no UTF-8 text."""
+    """Decode and read. Raises PresetError for data that is too large or not UTF-8 text."""
     if len(data) > MAX_BYTES:
         raise preset_error([Problem((), f"is larger than {MAX_BYTES // 1000} KB: not a preset", name)])
     try:
         text = data.decode("utf-8-sig")
         if "\0" in text:
             raise ValueError
-    except ValueError:
+    except ValueError:  # also UnicodeDecodeError
         raise preset_error([Problem((), "is not a text file (a preset is YAML in UTF-8)", name)]) from None
     return read_text(text, name)
 
 
 def read_text(text: str, name: str) -> SourceText:
-    """Compose YAML text. Syntax errors raise PresetError; what can be collected stands in `.problems`."""
+    """Read YAML text. Raises PresetError for syntax errors; other problems are collected in `.problems`."""
     source = _compose(text, name)
     if source.root.value is None and not source.problems:
         raise preset_error([Problem((), "is empty: a preset starts with `version: 1`", name)])
@@ -152,7 +164,7 @@ def read_text(text: str, name: str) -> SourceText:
 
 
 def read_value(text: str, name: str):
-    """One YAML value, as `--set` takes it; a leading # is a colour here, not a comment."""
+    """One YAML value, as in `--set`; a leading # begins a colour here, not a comment."""
     if text.lstrip().startswith("#"):
         return text.strip()
     source = _compose(text, name)
@@ -169,7 +181,7 @@ def _compose(text: str, name: str) -> SourceText:
     try:
         for event in yaml.parse(text):
             composer.take(event)
-    except _TooMuch as error:
+    except _Unreadable as error:
         raise preset_error([*source.problems, source.at(composer.place, (), str(error))]) from None
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
@@ -178,7 +190,7 @@ def _compose(text: str, name: str) -> SourceText:
     except YAMLError as error:
         before = text[: getattr(error, "position", 0)]
         place = (before.count("\n"), len(before) - before.rfind("\n") - 1)
-        raise preset_error([source.at(place, (), "not YAML: a character that text may not hold")]) from None
+        raise preset_error([source.at(place, (), "not YAML: a character that is not allowed in text")]) from None
     return source
 
 
@@ -191,11 +203,11 @@ def _syntax(error: MarkedYAMLError) -> str:
 
 
 class _Composer:
-    """Takes parser events one by one and builds nodes on an explicit stack, never by recursion."""
+    """Builds nodes from parser events, on an explicit stack instead of by recursion."""
 
     def __init__(self, source: SourceText):
         self.source = source
-        self.stack: list[tuple[Node, str | None]] = []  # open collections, with the key a mapping waits to fill
+        self.stack: list[tuple[Node, str | None]] = []  # open collections; of a mapping the key whose value comes next
         self.anchors: dict[str, Node] = {}
         self.open_anchors: list[str | None] = []
         self.documents = 0
@@ -208,14 +220,14 @@ class _Composer:
         if isinstance(event, yaml_events.DocumentStartEvent):
             self.documents += 1
             if self.documents > 1:
-                raise _TooMuch("a preset file holds one document; `---` starts a second one")
+                raise _Unreadable("a preset file must have one document; `---` starts a second one")
         elif isinstance(event, yaml_events.ScalarEvent):
             self._refuse_tag(event)
             self._add(Node(*self.place, self._scalar(event)), event.anchor)
         elif isinstance(event, (yaml_events.MappingStartEvent, yaml_events.SequenceStartEvent)):
             self._refuse_tag(event)
             if len(self.stack) >= MAX_DEPTH:
-                raise _TooMuch(f"nested more than {MAX_DEPTH} levels deep")
+                raise _Unreadable(f"nested more than {MAX_DEPTH} levels deep")
             self._open(Node(*self.place, {} if isinstance(event, yaml_events.MappingStartEvent) else []), event.anchor)
         elif isinstance(event, (yaml_events.MappingEndEvent, yaml_events.SequenceEndEvent)):
             self._close()
@@ -229,14 +241,14 @@ class _Composer:
             if key is not None or isinstance(node.value, list)
         )
 
-    def _complain(self, text: str, path: tuple | None = None) -> None:
+    def _add_problem(self, text: str, path: tuple | None = None) -> None:
         self.source.problems.append(self.source.at(self.place, self._path() if path is None else path, text))
         if len(self.source.problems) > 100:
-            raise _TooMuch("too many problems to go on")
+            raise _Unreadable("too many problems to go on")
 
     def _refuse_tag(self, event) -> None:
         if event.tag is not None:
-            self._complain(f"YAML tags are not allowed here ({str(event.tag)[:40]}); write the plain value")
+            self._add_problem(f"YAML tags are not allowed here ({str(event.tag)[:40]}); write the plain value")
 
     def _scalar(self, event):
         text = event.value
@@ -249,21 +261,21 @@ class _Composer:
         if _FLOAT.fullmatch(text):
             return float(text)
         if _NOT_FINITE.fullmatch(text):
-            self._complain(f"must be a finite number, not {text}")
+            self._add_problem(f"must be a finite number, not {text}")
             return 1.0
         return text
 
     def _count(self, size: int) -> None:
         self.total += size
         if self.total > MAX_VALUES:
-            raise _TooMuch(f"holds more than {MAX_VALUES:,} values, aliases expanded: not a preset")
+            raise _Unreadable(f"has more than {MAX_VALUES:,} values with aliases expanded: not a preset")
 
     def _alias(self, anchor: str) -> None:
         if anchor in self.open_anchors:
-            raise _TooMuch(f"the alias *{anchor} stands inside its own anchor")
+            raise _Unreadable(f"the alias *{anchor} is inside its own anchor")
         node = self.anchors.get(anchor)
         if node is None:
-            raise _TooMuch(f"the alias *{anchor} has no anchor &{anchor} before it")
+            raise _Unreadable(f"the alias *{anchor} has no anchor &{anchor} before it")
         self._add(node, None)
 
     def _add(self, node: Node, anchor: str | None) -> None:
@@ -286,18 +298,18 @@ class _Composer:
 
     def _key(self, parent: Node, node: Node) -> None:
         if isinstance(node.value, (dict, list)):
-            raise _TooMuch("a key must be a word")
+            raise _Unreadable("a key must be a word")
         key = _key_text(node.value)
         if key in parent.keys:
             line = parent.keys[key][0] + 1
-            self._complain(f"the key is given twice (first in line {line})", (*self._path(), key))
+            self._add_problem(f"the key is given twice (first in line {line})", (*self._path(), key))
         else:
             parent.keys[key] = self.place
         self.stack[-1] = (parent, key)
 
     def _open(self, node: Node, anchor: str | None) -> None:
         if self.stack and isinstance(self.stack[-1][0].value, dict) and self.stack[-1][1] is None:
-            raise _TooMuch("a key must be a word")
+            raise _Unreadable("a key must be a word")
         self._count(1)
         self.stack.append((node, None))
         self.open_anchors.append(anchor)
@@ -305,7 +317,7 @@ class _Composer:
     def _close(self) -> None:
         node, _ = self.stack.pop()
         anchor = self.open_anchors.pop()
-        self.total -= node.size  # what is inside was counted; _add counts the whole
+        self.total -= node.size  # its values were counted already; _add counts the whole node
         self._add(node, anchor)
 
 

@@ -1,8 +1,8 @@
 """Registered classes (forces, shapes, velocities, interactions, scripted emitters) as values in a preset.
 
-One mechanism for all: `name: VALUE`, where VALUE is a mapping of parameters or, if it is none, the value of the first
-parameter. Angles (unit "rad") are written in degrees; a constant `G` that is left out is the one of `units:`.
-Registries are read when a preset is read, so the classes of a plugin count.
+All are written `name: VALUE`, where VALUE is a mapping of parameters, or the value of the first parameter. Angles (unit
+"rad") are written in degrees; a constant `G` that is left out is that of `units:`. Registries are looked up when a preset is
+read, so the classes of plugins are included.
 """
 
 import importlib
@@ -22,9 +22,9 @@ from gen_art.registry import Bounds, Parameter, Parametric, Registry, suggest
 
 __all__ = ["GRAVITATION", "Many", "One", "build", "class_schema", "parameters", "registry"]
 
-GRAVITATION: ContextVar[float | None] = ContextVar("units.G", default=None)  # of the preset that is being read
+GRAVITATION: ContextVar[float | None] = ContextVar("units.G", default=None)  # units.G of the preset that is being read
 
-_HOMES = {
+_REGISTRIES = {  # kind -> package with the built-in classes, module and name of the registry
     "forces": ("gen_art.forces", "gen_art.forces.base", "FORCES"),
     "interactions": ("gen_art.interactions", "gen_art.interactions.base", "INTERACTIONS"),
     "colliders": ("gen_art.colliders", "gen_art.colliders.base", "COLLIDERS"),
@@ -36,13 +36,13 @@ _HOMES = {
 
 def registry(kind: str) -> Registry:
     """The registry of `forces`, `interactions`, `colliders`, `shapes`, `velocities` or `emitters`, with all built-in classes."""
-    package, module, name = _HOMES[kind]
+    package, module, name = _REGISTRIES[kind]
     importlib.import_module(package)
     return getattr(importlib.import_module(module), name)
 
 
 def is_field(cls: type) -> bool:
-    """Whether a force can be a term of a medium: it has a vector for every place and time."""
+    """Whether a force can be a term of a medium, that is, has a vector at every position and time."""
     return callable(getattr(cls, "acceleration", None))
 
 
@@ -56,7 +56,7 @@ def in_degrees(parameter: Parameter) -> bool:
 
 
 def _within(parameter: Parameter, value: float) -> float:
-    """The value in the object's unit; UsageError, in YAML's unit, when it is out of range."""
+    """The value in the object's unit. Raises UsageError, in YAML's unit, when it is out of range."""
     if not in_degrees(parameter):
         return parameter.bounds.check(value)
     in_yaml = Bounds(math.degrees(parameter.minimum), math.degrees(parameter.maximum))
@@ -64,7 +64,7 @@ def _within(parameter: Parameter, value: float) -> float:
 
 
 def _value(parameter: Parameter, value: Any) -> Any:
-    """One parameter's value from its YAML form; UsageError says what is wrong."""
+    """One parameter's value from its YAML form. Raises UsageError for a wrong value."""
     kind = parameter.kind
     if value is None and parameter.default is None and not parameter.required:
         return None
@@ -93,26 +93,26 @@ def _value(parameter: Parameter, value: Any) -> Any:
 
 
 def _as_mapping(cls: type[Parametric], value: Any) -> dict:
-    """The short forms as a mapping: a list of vectors is the first parameters in order, all else the first one."""
+    """A short form as a mapping: a list of vectors gives the first parameters in order, other values the first one."""
     names = parameters(cls)
     if isinstance(value, dict):
         return value
     if not names:
         if value in (None, True):
             return {}
-        raise UsageError(f"takes no parameters: write `{cls.name}: {{}}`")
+        raise UsageError(f"has no parameters: write `{cls.name}: {{}}`")
     if value is None:
         return {}
     first, *_ = names.values()
     if first.kind == "vector" and isinstance(value, (list, tuple)) and value and isinstance(value[0], (list, tuple)):
         if len(value) > len(names):
-            raise UsageError(f"takes at most {len(names)} values ({', '.join(names)}), not {len(value)}")
+            raise UsageError(f"has at most {len(names)} values ({', '.join(names)}), not {len(value)}")
         return dict(zip(names, value))
     return {first.name: value}
 
 
 def build(cls: type[Parametric], value: Any) -> Parametric:
-    """An instance from its YAML form; ValidationError with every problem, each under its key."""
+    """An instance from its YAML form. Raises ValidationError with every problem under its key."""
     try:
         given = _as_mapping(cls, value)
     except UsageError as error:
@@ -140,15 +140,15 @@ def build(cls: type[Parametric], value: Any) -> Parametric:
 
 
 def _under(key, error: ValidationError) -> Iterator[tuple[tuple, str]]:
-    """The problems of `build`, with `key` put before their paths."""
+    """The problems of `build`, with `key` added in front of their paths."""
     for item in error.errors():
         yield (*(key if isinstance(key, tuple) else (key,)), *item["loc"]), item["ctx"]["text"]
 
 
 class Many:
-    """Annotation for `forces: {gravity: ..., drag: ...}`: instances in a tuple; a list of mappings is several.
+    """Annotation for `forces: {gravity: ..., drag: ...}`: a tuple of instances; a list of mappings gives several of a name.
 
-    The tuple is in the order of names, not of the file: sums in floating point depend on the order.
+    The tuple is ordered by name, not as in the file, because floating-point sums depend on the order.
     """
 
     def __init__(self, kind: str, accept: Callable[[type], bool] = lambda cls: True):
@@ -159,11 +159,11 @@ class Many:
         return [name for name in classes if self.accept(classes[name])]
 
     def _elsewhere(self, name: str) -> str:
-        """Where a name that is known as something else belongs."""
+        """A hint for a name that belongs under another key."""
         for kind in ("forces", "interactions", "colliders"):
             if kind != self.kind and name in registry(kind):
-                one = registry(kind).kind
-                return f"; it is {'an' if one[0] in 'aeiou' else 'a'} {one}, and goes under {kind}:"
+                singular = registry(kind).kind
+                return f"; it is {'an' if singular[0] in 'aeiou' else 'a'} {singular}, and goes under {kind}:"
         return ""
 
     def validate(self, value: Any) -> tuple:
@@ -173,48 +173,47 @@ class Many:
             return ()
         if not isinstance(value, dict):
             raise UsageError(f"must be a mapping of {self.kind}, not {shown(value)}")
-        names, problems, made = self.names(), [], []
+        names, problems, instances = self.names(), [], []
         for name in sorted(value):
             if name not in names:
-                one = registry(self.kind).kind
                 hint = (
                     self._elsewhere(name)
                     or suggest(name, names)
                     or f"; there are {', '.join(sorted(names))}; is a --plugin missing?"
                 )
-                problems.append(((name,), f"unknown {one}{hint}"))
+                problems.append(((name,), f"unknown {registry(self.kind).kind}{hint}"))
                 continue
             cls, item = registry(self.kind)[name], value[name]
             several = isinstance(item, list) and item and all(isinstance(part, dict) for part in item)
             for key, part in [((name, k), part) for k, part in enumerate(item)] if several else [((name,), item)]:
                 try:
-                    made.append(build(cls, part))
+                    instances.append(build(cls, part))
                 except ValidationError as error:
                     problems += _under(key, error)
         if problems:
             raise collected(problems)
-        return tuple(made)
+        return tuple(instances)
 
     def __get_pydantic_core_schema__(self, source, handler):
         return core_schema.no_info_plain_validator_function(self.validate)
 
     def __get_pydantic_json_schema__(self, schema, handler):
         classes = registry(self.kind)
-        several = {name: class_schema(classes[name]) for name in sorted(self.names())}
+        schemas = {name: class_schema(classes[name]) for name in sorted(self.names())}
         return {
             "type": "object",
             "additionalProperties": False,
             "properties": {
-                name: {**one, "anyOf": [*one["anyOf"], {"type": "array", "items": one["anyOf"][0]}]}
-                for name, one in several.items()
+                name: {**schema, "anyOf": [*schema["anyOf"], {"type": "array", "items": schema["anyOf"][0]}]}
+                for name, schema in schemas.items()
             },
         }
 
 
 class One:
-    """Annotation for `velocity: {cone: [0, 1, 0], angle: 5}`: one registered name, its other parameters beside it.
+    """Annotation for `velocity: {cone: [0, 1, 0], angle: 5}`: one registered name, with its other parameters beside it.
 
-    A bare vector means `bare` (the constant velocity, the point).
+    bare : the class that a plain vector stands for (the constant velocity, the point)
     """
 
     def __init__(self, kind: str, bare: str):
@@ -238,7 +237,7 @@ class One:
         name, *others = named
         cls = classes[name]
         if others and not set(others) <= set(parameters(cls)):
-            raise UsageError(f"holds two of a kind, {name} and {others[0]}: choose one")
+            raise UsageError(f"has both {name} and {others[0]}: choose one")
         siblings = {key: item for key, item in value.items() if key != name}
         try:
             try:
@@ -261,15 +260,15 @@ class One:
         classes = registry(self.kind)
         options: list[dict] = [{"type": "array", "description": f"short for {self.bare}"}]
         for name in sorted(classes):
-            one = class_schema(classes[name])
-            whole = one["anyOf"][0]
+            forms = class_schema(classes[name])
+            mapping = forms["anyOf"][0]
             options.append(
                 {
                     "type": "object",
-                    "description": one["description"],
+                    "description": forms["description"],
                     "required": [name],
                     "additionalProperties": False,
-                    "properties": {**whole["properties"], name: {"anyOf": one["anyOf"]}},
+                    "properties": {**mapping["properties"], name: {"anyOf": forms["anyOf"]}},
                 }
             )
         return {"anyOf": options}
@@ -277,49 +276,49 @@ class One:
 
 def _parameter_schema(parameter: Parameter) -> dict:
     convert = math.degrees if in_degrees(parameter) else float
-    one: dict[str, Any] = {}
+    schema: dict[str, Any] = {}
     if parameter.kind in ("float", "int", "vector", "range"):
-        one = {"type": "integer" if parameter.kind == "int" else "number"}
-        one |= {"minimum": convert(parameter.minimum)} if parameter.minimum > -math.inf else {}
-        one |= {"maximum": convert(parameter.maximum)} if parameter.maximum < math.inf else {}
+        schema = {"type": "integer" if parameter.kind == "int" else "number"}
+        schema |= {"minimum": convert(parameter.minimum)} if parameter.minimum > -math.inf else {}
+        schema |= {"maximum": convert(parameter.maximum)} if parameter.maximum < math.inf else {}
         if parameter.kind == "vector":
-            one = {"type": "array", "items": {"anyOf": [one, {"type": "string"}]}, "minItems": 3, "maxItems": 3}
+            schema = {"type": "array", "items": {"anyOf": [schema, {"type": "string"}]}, "minItems": 3, "maxItems": 3}
         text = {
             "type": "string",
             "description": "a fraction 1/4, a $knob" + (", a range 2..4" * (parameter.kind == "range")),
         }
-        one = {"anyOf": [one, text]}
+        schema = {"anyOf": [schema, text]}
     elif parameter.kind == "bool":
-        one = {"type": "boolean"}
+        schema = {"type": "boolean"}
     elif parameter.kind == "choice":
-        one = {"enum": list(parameter.choices)}
+        schema = {"enum": list(parameter.choices)}
     elif parameter.kind in ("text", "file"):
-        one = {"type": "string"}
+        schema = {"type": "string"}
     unit = "degrees" if in_degrees(parameter) else parameter.unit
     description = " ".join(part for part in (parameter.doc, f"[{unit}]" if unit else "") if part)
-    one |= {"description": description} if description else {}
-    one |= {"unit": unit} if unit else {}
+    schema |= {"description": description} if description else {}
+    schema |= {"unit": unit} if unit else {}
     if parameter.default is not None:
         default = parameter.default
         if in_degrees(parameter):
-            turned = [round(math.degrees(part), 9) for part in (default if isinstance(default, tuple) else (default,))]
-            default = turned if isinstance(default, tuple) else turned[0]
-        one["default"] = str(Range.of(default)) if parameter.kind == "range" else default
-    return one
+            degrees = [round(math.degrees(part), 9) for part in (default if isinstance(default, tuple) else (default,))]
+            default = degrees if isinstance(default, tuple) else degrees[0]
+        schema["default"] = str(Range.of(default)) if parameter.kind == "range" else default
+    return schema
 
 
 def class_schema(cls: type[Parametric]) -> dict:
-    """The JSON schema of one registered class: a mapping of its parameters first, then the short form."""
+    """The JSON schema of one registered class: a mapping of its parameters first, then the short forms."""
     known = parameters(cls)
-    whole: dict[str, Any] = {
+    mapping: dict[str, Any] = {
         "type": "object",
         "additionalProperties": False,
         "properties": {name: _parameter_schema(parameter) for name, parameter in known.items()},
     }
     required = [name for name, parameter in known.items() if parameter.required]
     if required:
-        whole["required"] = required
-    forms = [whole]
+        mapping["required"] = required
+    forms = [mapping]
     if known:
         forms.append(_parameter_schema(next(iter(known.values()))))
         forms.append({"type": "array", "items": {"type": "array"}})

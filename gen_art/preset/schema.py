@@ -28,7 +28,7 @@ def _version(value):
     if isinstance(value, bool) or not isinstance(value, int) or value < 1:
         raise UsageError(f"must be {VERSION}, not {shown(value)}")
     if value > VERSION:
-        raise UsageError(f"this preset is written for version {value}; this gen-art reads version {VERSION}: update it")
+        raise UsageError(f"the preset has version {value}, but this gen-art reads version {VERSION}: update gen-art")
     return value
 
 
@@ -48,18 +48,19 @@ def _integrator(value):
 
 
 class Units(Model):
-    """Labels of the units the numbers are in, and the constant of gravitation in them. SI when left out."""
+    """Labels of the units of all numbers, and the constant of gravitation in these units. SI when left out."""
 
     length: str = about("m", "label of lengths")
     time: str = about("s", "label of times")
     mass: str = about("kg", "label of masses")
     charge: str = about("C", "label of charges")
     velocity: str | None = about(None, "label of velocities; length/time when left out")
+    # the value of CODATA 2018, m^3 kg^-1 s^-2
     G: Number = about(6.67430e-11, "constant of gravitation in these units")
 
 
 class MediumSpec(Model):
-    """What the particles move in: a fluid's density, and a velocity field: the sum of wind, curl_noise and others."""
+    """The fluid in which the particles move: its density and its velocity, the sum of wind, curl_noise and other fields."""
 
     density: NotNegative = about(0.0, "density of the fluid", unit="kg/m^3")
     terms: Annotated[Any, Many("forces", is_field)] = about((), "velocity fields")
@@ -84,24 +85,24 @@ class MediumSpec(Model):
 
 
 class SystemSpec(Model):
-    """A named group of particles with its own forces and look."""
+    """A named group of particles with its forces and its look."""
 
-    particle: ParticleSpec = about(ParticleSpec(), "what each particle is born with")
+    particle: ParticleSpec = about(ParticleSpec(), "properties of newborn particles")
     integrator: Annotated[str, Parsed(_integrator, {"type": "string"})] = about(
-        "velocity_verlet", "the scheme of a time step"
+        "velocity_verlet", "the integration scheme"
     )
     speed_of_light: Positive | None = about(
-        None, "makes boris, vay and higuera_cary relativistic; Newton's mechanics when left out", unit="m/s"
+        None, "makes boris, vay and higuera_cary relativistic; Newtonian mechanics when left out", unit="m/s"
     )
     exact_gyration: bool = about(False, "charges turn by the exact angle in uniform fields, up to 3 rad a step")
-    forces: Annotated[Any, Many("forces")] = about((), "forces on this system alone")
-    inherit_forces: bool = about(True, "whether the preset's shared forces act on it too")
-    medium: MediumSpec | None = about(None, "its own medium; the preset's when left out")
+    forces: Annotated[Any, Many("forces")] = about((), "forces on this system only")
+    inherit_forces: bool = about(True, "whether the preset's shared forces also act on this system")
+    medium: MediumSpec | None = about(None, "the medium of this system; the preset's when left out")
     interactions: Annotated[Any, Many("interactions")] = about((), "forces between particles")
-    colliders: Annotated[Any, Many("colliders")] = about((), "surfaces for this system alone")
-    inherit_colliders: bool = about(True, "whether the preset's shared colliders are there for it too")
-    emitters: dict[str, EmitterSpec] = about({}, "where its particles come from")
-    look: Look | None = about(None, "how it is drawn; not at all when null")
+    colliders: Annotated[Any, Many("colliders")] = about((), "colliders of this system only")
+    inherit_colliders: bool = about(True, "whether the preset's shared colliders also act on this system")
+    emitters: dict[str, EmitterSpec] = about({}, "the emitters of its particles")
+    look: Look | None = about(None, "how the system is drawn; a system without a look is not drawn")
 
     @model_validator(mode="after")
     def _charged(self):
@@ -119,10 +120,12 @@ class SystemSpec(Model):
 
 
 class Gallery(Model):
-    """Which moments stand for the preset."""
+    """The moments that represent the preset in the gallery."""
 
-    time: NotNegative | None = about(None, "film time of the still; the middle when left out", unit="s")
-    loop: NotNegativeRange | None = about(None, "film time of the loop, three to six seconds: 2..6", unit="s")
+    time: NotNegative | None = about(None, "film time of the still; the middle of the film when left out", unit="s")
+    loop: NotNegativeRange | None = about(
+        None, "start and end of the loop in film time, three to six seconds long: 2..6", unit="s"
+    )
 
 
 class Preset(Model):
@@ -130,19 +133,17 @@ class Preset(Model):
 
     version: Annotated[int, Parsed(_version, {"const": VERSION})] = about(..., "version of the preset format")
     seed: Annotated[int, Parsed(_seed, {"type": "integer", "minimum": 0})] = about(
-        0, "another seed is another take of the preset"
+        0, "seed of all random numbers; another seed gives another variation of the preset"
     )
     units: Units = about(Units(), "units of the numbers")
-    clock: Clock = about(..., "duration, frames and time steps")
-    medium: MediumSpec = about(MediumSpec(), "what the particles move in")
+    clock: Clock = about(..., "duration, frames and time step")
+    medium: MediumSpec = about(MediumSpec(), "the fluid in which the particles move")
     forces: Annotated[Any, Many("forces")] = about((), "forces that act on every system")
-    colliders: Annotated[Any, Many("colliders")] = about((), "surfaces for every system")
-    systems: dict[str, SystemSpec] = about(..., "the particles", min_length=1)
-    camera: CameraSpec | None = about(
-        None, "where the picture is taken from; one that frames the particles when left out"
-    )
-    develop: DevelopSpec = about(DevelopSpec(), "from light to picture")
-    gallery: Gallery = about(Gallery(), "the moments that stand for the preset")
+    colliders: Annotated[Any, Many("colliders")] = about((), "colliders of every system")
+    systems: dict[str, SystemSpec] = about(..., "the particle systems by name", min_length=1)
+    camera: CameraSpec | None = about(None, "the camera; when left out, one that has all particles in its view")
+    develop: DevelopSpec = about(DevelopSpec(), "how light becomes a picture")
+    gallery: Gallery = about(Gallery(), "the moments that represent the preset")
     _name: str = PrivateAttr("preset")
     _written: dict = PrivateAttr(default_factory=dict)
     _folder: Path = PrivateAttr(Path())
@@ -161,35 +162,35 @@ class Preset(Model):
         return self._name
 
     def keep(self, name: str, written: dict) -> "Preset":
-        """Remember the name, the folder that is being read and the plain data this was made from."""
+        """Store the name, the folder that is being read and the plain data from which this was made."""
         self._name, self._written, self._folder = name, written, FOLDER.get()
         return self
 
     @property
     def folder(self) -> Path:
-        """Where the files it names lie."""
+        """The folder of the files that the preset names."""
         return self._folder
 
     @property
     def files(self) -> list:
-        """The files it names, of looks in the order of the systems and then of forces, fields and colliders."""
+        """The files that the preset names: of looks in the order of the systems, then of forces, fields and colliders."""
         looks = (system.look for system in self.systems.values())
-        found = [look.picture.image for look in looks if look is not None and look.picture is not None]
+        images = [look.picture.image for look in looks if look is not None and look.picture is not None]
         laws = [*self.forces, *self.medium.terms, *self.colliders]
         for system in self.systems.values():
-            own = system.medium.terms if system.medium is not None else ()
-            laws += [*system.forces, *own, *system.colliders]
-        return found + [v for law in laws for v in law.values.values() if isinstance(v, PresetFile)]
+            fields = system.medium.terms if system.medium is not None else ()
+            laws += [*system.forces, *fields, *system.colliders]
+        return images + [v for law in laws for v in law.values.values() if isinstance(v, PresetFile)]
 
     @property
     def poster_time(self) -> float:
-        """Film time of the picture that stands for the preset, s: `gallery.time`, else the frame nearest to the middle."""
+        """Film time of the picture that represents the preset, s: `gallery.time`, else the frame nearest to the middle."""
         if self.gallery.time is not None:
             return self.gallery.time
         return round(self.clock.duration / 2 * self.clock.fps) / self.clock.fps
 
     def resolved(self) -> dict:
-        """The preset as plain data with overrides and knobs filled in; loads again to an equal preset."""
+        """The preset as plain data with overrides and knobs filled in. Loading it gives an equal preset."""
         return json.loads(json.dumps(self._written))
 
     def __eq__(self, other) -> bool:
@@ -204,13 +205,13 @@ class Preset(Model):
 
 
 def json_schema() -> dict:
-    """The JSON Schema of a preset, registered classes and their parameters included, for a YAML editor."""
-    made = Preset.model_json_schema(by_alias=True)
-    made["$schema"] = "https://json-schema.org/draft/2020-12/schema"
-    made["title"] = "Gen Art preset"
-    return made
+    """The JSON Schema of a preset for YAML editors, with the registered classes and their parameters."""
+    schema = Preset.model_json_schema(by_alias=True)
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    schema["title"] = "Gen Art preset"
+    return schema
 
 
 def described(kind: str) -> dict[str, dict]:
-    """Name -> JSON schema of every registered class of a kind; the documentation's tables are made of it."""
+    """Name -> JSON schema of every registered class of a kind."""
     return {name: class_schema(registry(kind)[name]) for name in sorted(registry(kind))}

@@ -1,4 +1,4 @@
-"""The presets that come with the package, and what a PRESET on the command line names."""
+"""The presets that come with the package, and the file that a PRESET on the command line names."""
 
 import difflib
 from pathlib import Path
@@ -9,29 +9,29 @@ __all__ = ["course_names", "find", "preset_names", "presets_folder", "starter"]
 
 
 def presets_folder() -> Path:
-    """The shipped presets: inside the installed package, or beside it in a source checkout."""
+    """The folder of the shipped presets: in the installed package, or beside it in a source checkout."""
     package = Path(__file__).resolve().parent.parent
     inside = package / "presets"
     return inside if inside.is_dir() else package.parent / "presets"
 
 
 def preset_names() -> list[str]:
-    """The names of the large presets, which the gallery shows."""
+    """The names of the large presets, which are shown in the gallery."""
     return sorted(path.stem for path in presets_folder().glob("*.yaml"))
 
 
 def course_names() -> list[str]:
-    """The small presets that show one law each, by the name they are called by: course/NAME."""
+    """The names of the small presets that show one law of physics each: course/NAME."""
     return sorted(f"course/{path.stem}" for path in (presets_folder() / "course").glob("*.yaml"))
 
 
 def starter() -> Path:
-    """The commented preset that `gen-art new` begins with."""
+    """The commented preset that `gen-art new` copies."""
     return Path(__file__).with_name("starter.yaml")
 
 
 def find(name: str) -> Path:
-    """The file of a shipped preset's name or of a path; UsageError, with the nearest name, for neither."""
+    """The file of a shipped preset's name, or a path. Raises UsageError, with the nearest name, for other text."""
     shipped = presets_folder() / f"{name}.yaml"
     if name in preset_names() or name in course_names():
         return shipped

@@ -1,4 +1,4 @@
-"""The values a preset is written in: numbers (`1/240`), ranges (`2..4`), vectors and curves over keys."""
+"""The values of a preset's keys: numbers (`1/240`), ranges (`2..4`), vectors and curves."""
 
 import bisect
 import math
@@ -40,7 +40,7 @@ def number(value) -> float:
 
 
 def vector(value) -> tuple[float, float, float]:
-    """Three finite floats from a sequence `[x, y, z]`; UsageError otherwise."""
+    """Three finite floats from a sequence `[x, y, z]`. Raises UsageError otherwise."""
     if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__len__") or len(value) != 3:
         raise UsageError(f"must be three numbers [x, y, z], not {shown(value)}")
     x, y, z = (number(component) for component in value)
@@ -49,7 +49,7 @@ def vector(value) -> tuple[float, float, float]:
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Values drawn evenly from lo to hi, once per particle; a constant where lo == hi. Written `2..4`, or `2`.
+    """Uniform random values from lo to hi, drawn once for each particle; a constant if lo == hi. Written `2..4`, or `2`.
 
     Raises UsageError unless both ends are finite and lo <= hi.
     """
@@ -93,9 +93,9 @@ class Range:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A piecewise linear function through keys ((x, y), ...), x strictly increasing; constant outside its keys.
+    """A piecewise linear function through keys ((x, y), ...) with strictly increasing x; constant outside its keys.
 
-    Raises UsageError for no keys, keys that are not pairs of finite numbers, or x that does not increase.
+    Raises UsageError if there are no keys, if keys are not pairs of finite numbers, or if x does not increase.
     """
 
     points: tuple[tuple[float, float], ...]
@@ -150,7 +150,7 @@ class Curve:
 
 
 def shown(value) -> str:
-    """A value as an error message shows it: the way it is written in YAML, cut to a reasonable length."""
+    """A value for an error message: as it is written in YAML, cut to a reasonable length."""
     if isinstance(value, (dict, list, tuple)):
         text = f"a {'mapping' if isinstance(value, dict) else 'list'} of {len(value)}"
     elif value is None:

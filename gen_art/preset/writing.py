@@ -1,4 +1,4 @@
-"""Presets as YAML text: an existing text with some values changed, and plain data."""
+"""Writes presets as YAML text: an existing text with some values changed, or plain data."""
 
 import io
 from collections.abc import Mapping
@@ -11,8 +11,8 @@ from gen_art.preset.overrides import apply
 
 __all__ = ["changed_text", "yaml_text"]
 
-_WIDTH = 100_000  # never break a line that the author wrote
-_SHORT = 100  # characters of a mapping or list that is written on one line
+_WIDTH = 100_000  # so that no line of the author's is broken
+_SHORT = 100  # mappings and lists up to this many characters are written on one line
 
 
 def _yaml() -> YAML:
@@ -30,9 +30,9 @@ def _written(data) -> str:
 
 
 def changed_text(text: str, overrides: Mapping[str, Any]) -> str:
-    """The text of a valid preset with values set (dotted paths, as `--set`); comments, order and layout stay.
+    """The text of a valid preset with values set (by dotted paths, as in `--set`); comments, order and layout stay.
 
-    Raises UsageError for a path that leads nowhere.
+    Raises UsageError for a path that does not exist.
     """
     data = _yaml().load(text)
     apply(data, {path: _laid_out(value) for path, value in overrides.items()}, convert=False)
@@ -40,7 +40,7 @@ def changed_text(text: str, overrides: Mapping[str, Any]) -> str:
 
 
 def yaml_text(data: Mapping[str, Any]) -> str:
-    """Plain data as YAML: mappings and lists that are short stand on one line."""
+    """Plain data as YAML, with short mappings and lists on one line."""
     out = CommentedMap()
     for key, value in data.items():
         out[key] = _laid_out(value)
@@ -49,11 +49,11 @@ def yaml_text(data: Mapping[str, Any]) -> str:
 
 def _laid_out(value: Any) -> Any:
     if isinstance(value, Mapping):
-        made: Any = CommentedMap((key, _laid_out(item)) for key, item in value.items())
+        node: Any = CommentedMap((key, _laid_out(item)) for key, item in value.items())
     elif isinstance(value, (list, tuple)):
-        made = CommentedSeq(_laid_out(item) for item in value)
+        node = CommentedSeq(_laid_out(item) for item in value)
     else:
         return value
     if len(str(value)) <= _SHORT:
-        made.fa.set_flow_style()
-    return made
+        node.fa.set_flow_style()
+    return node

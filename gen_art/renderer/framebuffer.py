@@ -9,7 +9,7 @@ from gen_art.backend.runtime import aligned, kernel, ti
 from gen_art.errors import MemoryRefused
 from gen_art.renderer import tiled_splat
 from gen_art.renderer.sprite import LEVEL
-from gen_art.renderer.sprites import Sprites
+from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.tiled_splat import BIN, CHUNKS, SLICES
 
 __all__ = ["FrameBuffer", "splat"]

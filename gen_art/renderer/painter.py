@@ -15,7 +15,7 @@ from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import ProjectedParticles, shade
 from gen_art.renderer.smoke_lighting import add_scattered_light
 from gen_art.renderer.sprite import DISC, FOOTPRINT, HIDDEN, KINDS, POINT, STREAK
-from gen_art.renderer.sprites import Sprites
+from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.supersample import box_averaged
 
 if TYPE_CHECKING:

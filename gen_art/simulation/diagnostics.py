@@ -14,7 +14,7 @@ from gen_art.backend import runtime
 from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
 from gen_art.integrators.kernel_terms import KernelTerms
-from gen_art.integrators.tile import TileTerms, repeats, view
+from gen_art.integrators.particle_tile import TileTerms, repeats, view
 from gen_art.particles.rows import CHARGE, MASS, PX, PY, PZ, VX, VY, VZ
 
 __all__ = ["Diagnostics", "diagnose", "energy_of_pairs", "sums"]

@@ -1,9 +1,10 @@
-"""The ledger: the running account of mass, momentum, charge and energy.
+"""The ledger of mass, momentum, charge and energy: what every force, birth and death adds to the totals or takes from them.
 
 E(t) = E(0) + work + born - died - dissipated + residual, where E is the kinetic energy plus the time-independent potential
-of the living; with a speed of light (gamma - 1) m c^2, and momentum gamma m v.
-Conservative forces book no work: the residual is the scheme's error. Every force books its impulse.
-A collider books what it takes and, where it moves, works, and what outer forces work otherwise in the rest of a step for it.
+energy of the living particles; with a speed of light the kinetic energy is (gamma - 1) m c^2 and the momentum gamma m v.
+Conservative forces have no entry of work: the residual is the scheme's error. Every force has an entry of its impulse.
+The entry of a collider holds the energy that it dissipates, its work if it moves, and by how much an impact changes the
+work of the other forces in the rest of the step.
 """
 
 from dataclasses import dataclass, field
@@ -13,13 +14,29 @@ import numpy as np
 
 from gen_art.integrators.ledger_kernel import make_ledger_kernel
 from gen_art.integrators.ledger_rows import LEDGER_COLUMNS
+from gen_art.integrators.step_kernels import BLOCK
 from gen_art.particles.rows import MASS, POSITION, VELOCITY
-from gen_art.simulation.diagnostics import diagnose, energy_of_pairs, sums
+from gen_art.simulation.diagnostics import (
+    ANGULAR_MOMENTUM,
+    ENERGY,
+    MOMENTUM,
+    POTENTIALS,
+    TOTAL_CHARGE,
+    TOTAL_MASS,
+    diagnose,
+    energy_of_pairs,
+    sums,
+)
 
-__all__ = ["Account", "LedgerKeeper", "Ledger", "Transfer"]
+__all__ = ["Entries", "LedgerKeeper", "Ledger", "Transfer"]
+
+# columns of the ledger rows (gen_art.integrators.ledger_rows)
+_WORK, _DISSIPATED, _IMPULSE = 0, 1, slice(2, 5)
+# an engine has two rows: energy, mass and momentum of the exhaust, then its angular momentum
+_EXHAUST_ENERGY, _EXHAUST_MASS, _EXHAUST_VECTOR = 0, 1, slice(2, 5)
 
 
-class Account(dict):
+class Entries(dict):
     """Amounts by name, and their `total`. Vectors are (3,) float64 arrays."""
 
     zero: Any = 0.0
@@ -31,7 +48,15 @@ class Account(dict):
 
 @dataclass(frozen=True)
 class Transfer:
-    """What births brought or deaths took: number, mass (kg), charge (C), momentum (3,), angular momentum (3,), energy (J)."""
+    """What births add or deaths remove.
+
+    count : number of particles
+    mass : kg
+    charge : C
+    momentum : (3,) N s
+    angular_momentum : (3,) N m s
+    energy : J
+    """
 
     count: int = 0
     mass: float = 0.0
@@ -46,19 +71,23 @@ class Transfer:
 
 @dataclass(frozen=True)
 class Ledger:
-    """The account since the simulation began.
+    """The entries since the simulation began. Names are SYSTEM.FORCE or SYSTEM.EMITTER.
 
-    born, died : Passage by emitter, and died by engine for what it burnt
-    work, dissipated : J by force     impulse : (3,) N s by force; each with .total
-    residual : J, what the energy changed by beyond the account; momentum_residual : (3,), likewise
-    scale : J, the energy that moved (kinetic, work, dissipated, born, died), to judge the residual by
+    born : Transfer by emitter
+    died : Transfer by emitter, and by engine the exhaust
+    work, dissipated : energy by force, J
+    impulse : (3,) by force, N s
+    residual : change of the energy that the entries do not explain, J
+    momentum_residual : (3,) the same of the momentum, N s
+    scale : the largest energy that moved (kinetic, work, dissipated, born, died), J, to compare the residual with
+    born, died, work, dissipated and impulse have a .total.
     """
 
-    born: Account
-    died: Account
-    work: Account
-    dissipated: Account
-    impulse: Account
+    born: Entries
+    died: Entries
+    work: Entries
+    dissipated: Entries
+    impulse: Entries
     residual: float
     momentum_residual: np.ndarray
     scale: float
@@ -76,167 +105,186 @@ class Ledger:
         return {k: plain(getattr(self, k)) for k in self.__dataclass_fields__}
 
 
-class _Transfers(Account):
+class _Transfers(Entries):
     zero = Transfer()
 
 
-class _Vectors(Account):
+class _Vectors(Entries):
     zero = np.zeros(3)
 
 
 class LedgerKeeper:
-    """Keeps the account of one simulation: called around each step and at each birth."""
+    """Collects the ledger entries of one simulation. It is called before each launch and at births and deaths."""
 
     def __init__(self, sim):
         self.sim = sim
         self._rows_of = {}
         for name, system in sim.members.items():
-            rows = len(system.composition.terms) + sum(len(one.parts) for one in system.interactions)
+            rows = len(system.composition.terms) + sum(len(interaction.parts) for interaction in system.interactions)
             rows += len(system.composition.colliders) + 2 * len(system.composition.mass_loss_terms)
             self._rows_of[name] = np.zeros((rows, LEDGER_COLUMNS))
-        self._kept: dict[str, np.ndarray] = {}
+        # by system, (3, capacity): what the ledger kernel of a system with colliders stores between the stages of a step
+        self._impact_states: dict[str, np.ndarray] = {}
         self._born, self._died = _Transfers(), _Transfers()
-        self._solved: dict[str, np.ndarray] = {}  # of implicit and torn interactions: impulse, dissipated
-        self._worked: dict[str, float] = {}  # by moving colliders that an interaction has taken
+        self._implicit_rows: dict[str, np.ndarray] = {}  # ledger rows of implicit interactions and broken bonds
+        self._collider_work: dict[str, float] = {}  # J, of colliders that an interaction handles
         self._start = diagnose(sim)
 
     def record_step(self, name: str, stepper, begin, first, dt, earliest, stage0, stage1) -> None:
-        """Book what the coming launch will do; the launch itself is not touched."""
+        """Add the entries of a launch, which is about to happen with the same arguments and is not changed by this."""
         system, state = stepper.system, stepper.system.state
         rows = len(self._rows_of[name])
         if rows == 0 or state.count <= begin:
             return
         mutual = tuple(
-            one.conservative and one.source_system is None and not part
-            for one in system.interactions
-            for part in one.parts
+            interaction.conservative and interaction.source_system is None and not part
+            for interaction in system.interactions
+            for part in interaction.parts
         )
         kernel = make_ledger_kernel(
             system.composition, system.scheme.kind, system.scheme.rotation, mutual, stepper.coupled,
             state.attributes, self.sim.precision,
         )  # fmt: skip
         size = state.floats.shape[1] if system.composition.colliders else 1
-        kept = self._kept.get(name)
-        if kept is None or kept.shape[1] != size:
-            kept = self._kept[name] = np.zeros((3, size), state.floats.dtype)
-        blocks = -(-(state.count - begin) // 1024)
+        impact_state = self._impact_states.get(name)
+        if impact_state is None or impact_state.shape[1] != size:
+            impact_state = self._impact_states[name] = np.zeros((3, size), state.floats.dtype)
+        blocks = -(-(state.count - begin) // BLOCK)
         entries = np.zeros((blocks, rows * LEDGER_COLUMNS))
         kernel(
             state.floats, state.birth, state.key, stepper.pair, stepper.scratch, stepper.numbers, stepper.scheme_numbers,
-            begin, state.count, float(first), dt, earliest, stage0, stage1, entries, kept,
+            begin, state.count, float(first), dt, earliest, stage0, stage1, entries, impact_state,
         )  # fmt: skip
         self._rows_of[name] += entries.sum(axis=0).reshape(rows, LEDGER_COLUMNS)
 
-    def record_implicit(self, name: str, one, state, before: np.ndarray, turn) -> None:
-        """Book an implicit interaction's change of the velocities, which were `before`."""
+    def _implicit_row(self, key: str) -> np.ndarray:
+        return self._implicit_rows.setdefault(key, np.zeros(LEDGER_COLUMNS))
+
+    def record_implicit(self, name: str, interaction, state, before: np.ndarray, stage) -> None:
+        """Add the entries of an implicit interaction that changed the velocities.
+
+        before : (3, n) velocities before the change, m/s
+        stage : the ImplicitStage
+        """
         mass = state.floats[MASS, : state.count].astype(np.float64)
         now = state.floats[VELOCITY, : state.count].astype(np.float64)
         change = now - before
-        row = self._solved.setdefault(f"{name}.{one.name}", np.zeros(4))
-        row[:3] += change @ mass
-        if not one.moves_particles:
-            row[3] += one.dissipated(state, before, turn.dt)
+        row = self._implicit_row(f"{name}.{interaction.name}")
+        row[_IMPULSE] += change @ mass
+        if not interaction.moves_particles:
+            row[_DISSIPATED] += interaction.dissipated(state, before, stage.dt)
             return
-        taken = 0.5 * float(((before.astype(np.float64) ** 2 - now**2) @ mass).sum())
-        if turn.drift > 0:
-            taken += self._lifted(name, state, change * turn.kick + one.drift_displacement())
-        for label, (impulse, work) in one.collider_impulses().items():
-            other = self._solved.setdefault(f"{name}.{label}", np.zeros(4))
-            other[:3] += impulse
-            row[:3] -= impulse
-            self._worked[f"{name}.{label}"] = self._worked.get(f"{name}.{label}", 0.0) + work
-            taken += work
-        row[3] += taken
+        dissipated = 0.5 * float(((before.astype(np.float64) ** 2 - now**2) @ mass).sum())
+        if stage.drift > 0:
+            displacement = change * stage.kick + interaction.drift_displacement()
+            dissipated += self._conservative_work(name, state, displacement)
+        for label, (impulse, work) in interaction.collider_impulses().items():
+            self._implicit_row(f"{name}.{label}")[_IMPULSE] += impulse
+            row[_IMPULSE] -= impulse
+            self._collider_work[f"{name}.{label}"] = self._collider_work.get(f"{name}.{label}", 0.0) + work
+            dissipated += work
+        row[_DISSIPATED] += dissipated
 
-    def _lifted(self, name: str, state, way: np.ndarray) -> float:
-        """J that conservative forces give on half the way there and half the way back, `way` (3, n), m: their kick was for
-        velocities that the change has made others."""
+    def _conservative_work(self, name: str, state, displacement: np.ndarray) -> float:
+        """The work of conservative forces over a displacement (3, n), m, with its middle at the particles' positions, J.
+
+        It corrects the work of their kick, which was computed for the velocities before the interaction changed them.
+        """
         slots, energy = np.flatnonzero(state.alive(self.sim.time)), []
-        kept = state.floats[POSITION, : state.count].copy()
+        positions = state.floats[POSITION, : state.count].copy()
         for sign in (-0.5, 0.5):
-            state.floats[POSITION, : state.count] = kept + sign * way
-            energy.append(float(sums(self.sim, name, slots)[13:].sum()))
-        state.floats[POSITION, : state.count] = kept
+            state.floats[POSITION, : state.count] = positions + sign * displacement
+            energy.append(float(sums(self.sim, name, slots)[POTENTIALS].sum()))
+        state.floats[POSITION, : state.count] = positions
         return energy[0] - energy[1]
 
-    def record_broken_bonds(self, name: str, one, energy: float) -> None:
-        """Book the energy, J, of what an interaction let go of."""
-        self._solved.setdefault(f"{name}.{one.name}", np.zeros(4))[3] += energy
+    def record_broken_bonds(self, name: str, interaction, energy: float) -> None:
+        """Add the energy of broken bonds, J."""
+        self._implicit_row(f"{name}.{interaction.name}")[_DISSIPATED] += energy
 
     def record_births(self, name: str, new: slice) -> None:
-        """Book births, at their exact times and before they move."""
+        """Add the entries of births, at their exact times and before the particles move."""
         self._add_transfers(self._born, name, np.arange(new.start, new.stop))
 
     def record_deaths(self, t0: float, t1: float, unprocessed_ids: dict[str, tuple[int, int]]) -> None:
-        """Add the deaths of the step to the account; the dead stand where they died.
+        """Add the entries of the deaths from time t0 to t1, s; dead particles are still where they died.
 
-        unprocessed_ids : by system, ids from..to of the particles that were born at the end of the step before
+        unprocessed_ids : by system, ids from..to of the particles that were born at the end of the previous step
         """
         for name, system in self.sim.members.items():
             state = system.state
             death, ids = state.death(), state.id[: state.count]
             begin, end = unprocessed_ids[name]
-            unseen = (death > t0) | ((ids >= begin) & (ids < end))
-            self._add_transfers(self._died, name, np.flatnonzero((death <= t1) & unseen))
+            not_handled = (death > t0) | ((ids >= begin) & (ids < end))
+            self._add_transfers(self._died, name, np.flatnonzero((death <= t1) & not_handled))
 
-    def _add_transfers(self, account: Account, name: str, slots: np.ndarray) -> None:
+    def _add_transfers(self, entries: Entries, name: str, slots: np.ndarray) -> None:
+        """Add the particles in these slots to the entries of their emitters."""
         if not len(slots):
             return
         state = self.sim.members[name].state
         for source in np.unique(state.source[slots]):
-            of = slots[state.source[slots] == source]
-            part = sums(self.sim, name, of)
-            energy = float(part[12:].sum()) + self._mutual(name, of)
+            chosen = slots[state.source[slots] == source]
+            total = sums(self.sim, name, chosen)
+            energy = float(total[ENERGY].sum()) + self._mutual_energy(name, chosen)
             key = f"{name}.{state.sources[source].kind or state.sources[source].name}"
-            passage = Transfer(len(of), float(part[1]), float(part[2]), part[3:6].copy(), part[6:9].copy(), energy)
-            account[key] = account.get(key, Transfer()) + passage
+            transfer = Transfer(
+                len(chosen), float(total[TOTAL_MASS]), float(total[TOTAL_CHARGE]), total[MOMENTUM].copy(),
+                total[ANGULAR_MOMENTUM].copy(), energy,
+            )  # fmt: skip
+            entries[key] = entries.get(key, Transfer()) + transfer
 
-    def _mutual(self, name: str, slots: np.ndarray) -> float:
-        """The potential energy these particles share with each other and with the rest of the living."""
-        if not any(one.source_system is None for one in self.sim.members[name].interactions):
+    def _mutual_energy(self, name: str, slots: np.ndarray) -> float:
+        """The potential energy of these particles with each other and with the other living particles, J."""
+        interactions = self.sim.members[name].interactions
+        if not any(interaction.source_system is None for interaction in interactions):
             return 0.0
         others = np.setdiff1d(self.sim.living(name), slots)
         everyone = np.union1d(others, slots)
         return energy_of_pairs(self.sim, name, everyone) - energy_of_pairs(self.sim, name, others)
 
     def report(self) -> Ledger:
-        """The account so far."""
+        """The ledger so far."""
         died = _Transfers(self._died)
-        work, dissipated, impulse = Account(), Account(), _Vectors()
+        work, dissipated, impulse = Entries(), Entries(), _Vectors()
         for name, system in self.sim.members.items():
+            interactions = system.interactions
             labels = [(t.name, "") for t in system.composition.terms]
-            labels += [(one.name, part) for one in system.interactions for part in one.parts]
-            works = [not t.force.conservative for t in system.composition.terms]
-            works += [
-                not one.conservative or one.source_system is not None for one in system.interactions for _ in one.parts
+            labels += [(interaction.name, part) for interaction in interactions for part in interaction.parts]
+            does_work = [not t.force.conservative for t in system.composition.terms]
+            does_work += [
+                not interaction.conservative or interaction.source_system is not None
+                for interaction in interactions
+                for _ in interaction.parts
             ]
             labels += [(t.name, "") for t in system.composition.colliders]
-            works += [True] * len(system.composition.colliders)
-            for (label, part), does, row in zip(labels, works, self._rows_of[name]):
+            does_work += [True] * len(system.composition.colliders)
+            for (label, part), has_work, row in zip(labels, does_work, self._rows_of[name]):
                 key = f"{name}.{label}"
-                if part:  # what a dissipative part of an interaction works, it takes
-                    dissipated[key] = dissipated.get(key, 0.0) - float(row[0])
-                elif does:
-                    work[key] = work.get(key, 0.0) + float(row[0])
-                    dissipated[key] = dissipated.get(key, 0.0) + float(row[1])
-                impulse[key] = impulse.get(key, np.zeros(3)) + row[2:5]
-            for k, burner in enumerate(system.composition.mass_loss_terms):
-                taken, turn = self._rows_of[name][len(labels) + 2 * k :][:2]
-                died[f"{name}.{burner.name}"] = Transfer(
-                    0, taken[1], 0.0, taken[2:].copy(), turn[2:].copy(), float(taken[0])
-                )
-        for key, row in self._solved.items():
-            impulse[key] = impulse.get(key, np.zeros(3)) + row[:3]
-            dissipated[key] = dissipated.get(key, 0.0) + float(row[3])
-        for key, amount in self._worked.items():
+                if part:  # a part of an interaction that has a name is dissipative: minus its work is dissipated
+                    dissipated[key] = dissipated.get(key, 0.0) - float(row[_WORK])
+                elif has_work:
+                    work[key] = work.get(key, 0.0) + float(row[_WORK])
+                    dissipated[key] = dissipated.get(key, 0.0) + float(row[_DISSIPATED])
+                impulse[key] = impulse.get(key, np.zeros(3)) + row[_IMPULSE]
+            for k, engine in enumerate(system.composition.mass_loss_terms):
+                exhaust, angular = self._rows_of[name][len(labels) + 2 * k :][:2]
+                died[f"{name}.{engine.name}"] = Transfer(
+                    0, exhaust[_EXHAUST_MASS], 0.0, exhaust[_EXHAUST_VECTOR].copy(), angular[_EXHAUST_VECTOR].copy(),
+                    float(exhaust[_EXHAUST_ENERGY]),
+                )  # fmt: skip
+        for key, row in self._implicit_rows.items():
+            impulse[key] = impulse.get(key, np.zeros(3)) + row[_IMPULSE]
+            dissipated[key] = dissipated.get(key, 0.0) + float(row[_DISSIPATED])
+        for key, amount in self._collider_work.items():
             work[key] = work.get(key, 0.0) + amount
         now = diagnose(self.sim)
-        born, gone = self._born.total, died.total
-        expected = self._start.energy + work.total + born.energy - gone.energy - dissipated.total
-        momentum = self._start.momentum + impulse.total + born.momentum - gone.momentum
+        born, lost = self._born.total, died.total
+        expected = self._start.energy + work.total + born.energy - lost.energy - dissipated.total
+        momentum = self._start.momentum + impulse.total + born.momentum - lost.momentum
         scale = max(
             abs(self._start.kinetic_energy), now.kinetic_energy, abs(self._start.potential_energy), abs(work.total),
-            abs(dissipated.total), abs(born.energy), abs(gone.energy), 1e-300,
+            abs(dissipated.total), abs(born.energy), abs(lost.energy), 1e-300,
         )  # fmt: skip
         return Ledger(
             _Transfers(self._born), died, work, dissipated, impulse,

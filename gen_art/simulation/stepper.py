@@ -42,7 +42,7 @@ class Stepper:
     def run(self, first: int, steps: int, dt: float, begin: int = 0, earliest: float = 0.0) -> None:
         """Take whole steps in one launch, for slots from `begin` on.
 
-        earliest : s, simulated time before which nothing moves
+        earliest : lower bound of the start of a particle's step relative to the step, s; -inf for children born before it
         """
         if self.coupled:
             self.begin()

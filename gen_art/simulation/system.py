@@ -1,4 +1,4 @@
-"""A ParticleSystem: a named group of particles with its forces, and, once it is part of a simulation, their state."""
+"""A ParticleSystem: a named group of particles with its forces, and the particles' state once a simulation has it."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -26,21 +26,28 @@ __all__ = ["ParticleSystem"]
 
 
 class ParticleSystem:
-    """Particles given as arrays, or born of emitters, with the laws they follow.
+    """Particles, given as arrays or born from emitters, with the forces on them.
 
-    position, velocity : (n, 3), m and m/s     mass, charge, radius : (n,) or one number, kg, C, m (1, 0 and 0.01)
-    forces : a list of ga.forces     interactions : a list of ga.interactions     integrator : a name of ga.integrators
+    position : (n, 3), m
+    velocity : (n, 3), m/s; at rest when left out
+    mass : (n,) or one number, kg; 1 when left out
+    charge : (n,) or one number, C; 0 when left out
+    radius : (n,) or one number, m; 0.01 when left out
+    forces : a list of ga.forces
+    interactions : a list of ga.interactions
     colliders : a list of ga.colliders
-    medium : the ga.Medium that drag pulls towards     attributes : further (n,) numbers by name, seen by forces as p.name
-    fixed : which particles stay where they are whatever pulls at them: indices, or (n,) bool
+    integrator : a name of ga.integrators
+    speed_of_light : m/s, makes boris, vay and higuera_cary relativistic
+    exact_gyration : makes them turn by the exact angle in uniform fields, up to 3 rad a step
+    medium : the ga.Medium; drag acts towards its velocity
+    attributes : further (n,) numbers by name, which forces read as p.name
+    fixed : the particles that no force moves: indices, or (n,) bool
     emitters : ActiveEmitter objects (a preset makes them)
     look : how it is drawn: a ga.Look, or a mapping of its keys as in YAML; white points when left out
-    speed_of_light : m/s, makes boris, vay and higuera_cary relativistic     exact_gyration : they turn by the exact angle in
-    uniform fields, up to 3 rad a step
-    Raises UsageError for arrays of the wrong shape or with numbers that are not finite, and for unknown laws.
+    Raises UsageError for arrays of the wrong shape or with numbers that are not finite, and for unknown forces.
 
-    In a simulation: count, ids, keys, emitter, position, velocity, mass, charge, radius, age are read-only NumPy copies
-    of the living in order of id; any declared attribute by `system.attribute(name)`.
+    In a simulation: count, ids, keys, emitter, position, velocity, mass, charge, radius, age are read-only NumPy copies of
+    the living particles in the order of their ids; `system.attribute(name)` gives any declared attribute.
     """
 
     def __init__(
@@ -65,22 +72,25 @@ class ParticleSystem:
     ) -> None:
         self.colliders = list(colliders)
         self.forces, self.interactions = list(forces), list(interactions)
-        for one in self.interactions:
-            if not isinstance(one, Interaction):
-                raise UsageError(f"interactions must be such as ga.interactions.SelfGravity(...), not {one!r}")
+        for interaction in self.interactions:
+            if not isinstance(interaction, Interaction):
+                raise UsageError(
+                    f"interactions must be objects such as ga.interactions.SelfGravity(...), not {interaction!r}"
+                )
         self.medium = medium or Medium()
         self.scheme = charged(
             scheme(integrator), self.forces, speed_of_light, exact_gyration, self.interactions, self.colliders
         )
-        carriers = [one for one in self.interactions if one.moves_particles]
-        for one in carriers:
-            one.take_colliders(self.colliders)
+        movers = [interaction for interaction in self.interactions if interaction.moves_particles]
+        for mover in movers:
+            mover.take_colliders(self.colliders)
             for force in self.forces:
                 if loses_mass(force):
                     raise UsageError(
-                        f"{force.name} takes mass, which a body of {one.name} keeps: push it with `propeller` instead"
+                        f"{force.name} takes mass, but the mass of a body of {mover.name} cannot change: "
+                        "push it with `propeller` instead"
                     )
-        self.composition = KernelTerms(self.forces, self.medium, () if carriers else self.colliders)
+        self.composition = KernelTerms(self.forces, self.medium, () if movers else self.colliders)
         self.emitters: list[ActiveEmitter] = list(emitters)
         self.look = _checked_look(look)
         lightest = min(self._least_masses(mass), default=None)
@@ -88,15 +98,13 @@ class ParticleSystem:
             for force in self.forces:
                 force.check_mass(lightest)
         self.name = ""
-        self._initial = self._arrays(position, velocity, mass, charge, radius, dict(attributes or {}))
-        if (
-            self._initial
-            and speed_of_light
-            and (np.linalg.norm(self._initial["velocity"], axis=0) >= speed_of_light).any()
-        ):
-            raise UsageError(f"velocity must be below the speed of light, {speed_of_light:g} m/s")
+        self._initial = self._checked_arrays(position, velocity, mass, charge, radius, dict(attributes or {}))
+        if self._initial and speed_of_light:
+            speed = np.linalg.norm(self._initial["velocity"], axis=0)
+            if (speed >= speed_of_light).any():
+                raise UsageError(f"velocity must be below the speed of light, {speed_of_light:g} m/s")
         self._attributes = dict(attributes or {})
-        self._fixed = self._which(fixed)
+        self._fixed = self._fixed_indices(fixed)
         for force in self.forces:
             missing = [name for name in force.needs if name not in self.attribute_names]
             if missing:
@@ -107,13 +115,14 @@ class ParticleSystem:
         self._time = lambda: 0.0
 
     def _least_masses(self, mass) -> list[float]:
-        """The least mass of the initial particles and of each kind of birth, kg; kinds given by density have any."""
+        """The least mass of the initial particles and of each kind of birth, kg; without kinds that are given by density."""
         least = [] if mass is None or not np.size(mass) else [float(np.min(mass))]
         kinds = [kind for emission in self.emitters for kind in emission.kinds]
         return least + [kind.attributes["mass"][0] for kind in kinds if "density" not in kind.attributes]
 
     @staticmethod
-    def _arrays(position, velocity, mass, charge, radius, attributes) -> dict[str, np.ndarray]:
+    def _checked_arrays(position, velocity, mass, charge, radius, attributes) -> dict[str, np.ndarray]:
+        """The initial particles' arrays by name, vectors as (3, n); empty without `position`."""
         if position is None:
             return {}
         x = np.asarray(position, np.float64)
@@ -142,26 +151,26 @@ class ParticleSystem:
             raise UsageError("mass must not be negative")
         return arrays
 
-    def _which(self, fixed) -> np.ndarray:
-        """Indices of the fixed particles, which must be at rest."""
+    def _fixed_indices(self, fixed) -> np.ndarray:
+        """Indices of the fixed particles. Raises UsageError unless they are at rest."""
         n = len(self._initial["mass"]) if self._initial else 0
         chosen = np.asarray([] if fixed is None else fixed)
         chosen = np.flatnonzero(chosen) if chosen.dtype == bool and chosen.shape == (n,) else chosen.astype(int)
         if chosen.ndim != 1 or (len(chosen) and not 0 <= chosen.min() <= chosen.max() < n):
-            raise UsageError(f"fixed must be indices from 0 to {n - 1}, or {n} times true or false")
+            raise UsageError(f"fixed must be indices from 0 to {n - 1}, or {n} booleans")
         if len(chosen) and self._initial["velocity"][:, chosen].any():
             raise UsageError("fixed particles do not move: their velocity must be 0")
         return chosen
 
     @property
     def reports_impacts(self) -> bool:
-        """Whether impacts on one of its colliders feed births; `impact` is then the age at a particle's last one, s."""
-        return any(one.values["action"] == "emit" for one in self.colliders)
+        """Whether impacts on a collider feed births. Particles then have `impact`, the age at their last impact, s."""
+        return any(collider.values["action"] == "emit" for collider in self.colliders)
 
     @property
     def attribute_names(self) -> tuple[str, ...]:
-        """Declared attributes, in order of name: of the arrays, of the interactions and of every kind of birth."""
-        names = set(self._attributes).union(*(one.attributes for one in self.interactions))
+        """Declared attributes in the order of their names: of the arrays, the interactions and every kind of birth."""
+        names = set(self._attributes).union(*(interaction.attributes for interaction in self.interactions))
         for emission in self.emitters:
             for kind in emission.kinds:
                 names |= set(kind.attributes) - {"mass", "charge", "radius", "lifetime", "density"}
@@ -170,11 +179,11 @@ class ParticleSystem:
         return tuple(sorted(names))
 
     def allocate(self, name: str, dtype: type[np.floating], key: np.uint64, time: Callable[[], float]) -> None:
-        """Become part of a simulation: allocate the state and give the initial particles their keys."""
+        """Make the system part of a simulation: allocate the state and give the initial particles their keys."""
         from gen_art.maths.random import channel_of, derive
 
         if self._state is not None:
-            raise UsageError(f"system '{name}' is part of a simulation already: make another ParticleSystem")
+            raise UsageError(f"system '{name}' is already part of a simulation: make another ParticleSystem")
         self.name, self._time = name, time
         sources = []
         names = self.attribute_names
@@ -200,17 +209,17 @@ class ParticleSystem:
             for name in ("mass", "charge", "radius", *self._attributes):
                 state.floats[state.channels[name], new] = self._initial[name]
         self._initial = {}
-        state.may_die = state.may_die or any(one.values["action"] == "kill" for one in self.colliders)
+        state.may_die = state.may_die or any(collider.values["action"] == "kill" for collider in self.colliders)
 
     @property
     def state(self) -> Particles:
-        """The storage; UsageError until the system is part of a simulation."""
+        """The storage. Raises UsageError until the system is part of a simulation."""
         if self._state is None:
             raise UsageError("this ParticleSystem is not part of a simulation yet")
         return self._state
 
     def births_until(self, time: float) -> int:
-        """How many scheduled births lie between those made and `time`."""
+        """The number of scheduled births up to `time`, s, that have not been made yet."""
         return sum(e.schedule.until(time) - e.done for e in self.emitters if e.schedule is not None)
 
     def _living(self):
@@ -223,23 +232,23 @@ class ParticleSystem:
 
     @property
     def count(self) -> int:
-        """How many live now."""
+        """The number of living particles."""
         return len(self._living())
 
     @property
     def ids(self) -> np.ndarray:
-        """(n,) int64, in rising order; never reused."""
+        """(n,) int64, increasing; never reused."""
         return self._copy(self.state.id[self._living()])
 
     @property
     def keys(self) -> np.ndarray:
-        """(n,) uint64: each particle's random stream."""
+        """(n,) uint64, the keys of the particles' random streams."""
         words = self.state.key[:, self._living()].astype(np.uint64)
         return self._copy((words[0] << np.uint64(32)) | words[1])
 
     @property
     def emitter(self) -> np.ndarray:
-        """(n,) names of the emitters they came from ("initial" for particles given as arrays)."""
+        """(n,) names of the emitters of the particles ("initial" for particles given as arrays)."""
         names = np.array([s.name for s in self.state.sources] or [""])
         return self._copy(names[self.state.source[self._living()]])
 
@@ -254,7 +263,7 @@ class ParticleSystem:
         return self._copy(self.state.floats[VELOCITY, self._living()].T)
 
     def attribute(self, name: str) -> np.ndarray:
-        """(n,) mass, charge, radius, lifetime or a declared attribute."""
+        """(n,) the particles' mass, charge, radius, lifetime or a declared attribute."""
         from gen_art.registry import suggest
 
         if name not in self.state.channels:
@@ -297,12 +306,12 @@ def _checked_look(look) -> "Look | None":
     try:
         return Look.model_validate(dict(look))
     except ValidationError as error:
-        problems = [f"{dotted(('look', *one['loc']))}: {friendly(one)}" for one in error.errors()]
+        problems = [f"{dotted(('look', *problem['loc']))}: {friendly(problem)}" for problem in error.errors()]
         raise UsageError("; ".join(problems)) from None
 
 
 class ParticleOrigin:
-    """Where particles came from: the emitter's name, the kind's name and tag."""
+    """Where particles come from: the name of the emitter, and the name and tag of the kind of birth."""
 
     def __init__(self, name: str, tag: str | None = None, kind: str = ""):
         self.name, self.tag, self.kind = name, tag, kind

@@ -48,7 +48,7 @@ def test_the_launcher_and_the_module_are_the_command_line():
         ["rendr", "fire"],
         ["render"],
         ["render", "fire"],
-        ["still", "fire", "-o", "a.png"],
+        ["still", "fire"],
         ["render", "fire", "-o", "a.mp4", "--sped", "1"],
     ],
 )

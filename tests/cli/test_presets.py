@@ -139,7 +139,7 @@ def test_validate_reads_standard_input(gen_art, monkeypatch):
     monkeypatch.setattr("sys.stdin", Stdin)
     result = gen_art("validate", "-")
     assert result.status == 3
-    assert "<stdin>:1:10: version: this preset is written for version 3" in result.err
+    assert "<stdin>:1:10: version: the preset has version 3" in result.err
 
 
 def test_inspect(gen_art, piece):
@@ -169,7 +169,7 @@ def test_inspect_says_what_holds(gen_art, piece):
         ("knobs.psh=5", 2, "did you mean 'push'?"),
         ("systems.drops.emitters.nozzle.velocity.speed.x=5", 2, "is the knob $push"),
         ("clock.fps", 2, "an equals sign"),
-        ("clock..fps=3", 2, "is no path"),
+        ("clock..fps=3", 2, "is not a path"),
         ("clock.fps=[1", 3, "--set clock.fps:1:"),
         ("clock.fps=fast", 3, "--set: clock.fps: must be a number, not 'fast'"),
     ],

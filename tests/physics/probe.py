@@ -11,7 +11,7 @@ from gen_art.backend.runtime import ti
 from gen_art.forces.base import term_acceleration
 from gen_art.forces.medium import Medium
 from gen_art.integrators.kernel_terms import KernelTerms
-from gen_art.integrators.tile import TileTerms, view
+from gen_art.integrators.particle_tile import TileTerms, view
 
 FLOW = (0.3, -0.2, 0.1)  # the velocity of the medium, for forces that look at it
 

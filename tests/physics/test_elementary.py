@@ -58,14 +58,14 @@ def test_streams_are_the_same_in_kernels_and_numpy():
     keys = rng.derive(np.uint64(7), np.arange(n))
     words = np.stack([(keys >> np.uint64(32)).astype(np.uint32), (keys & np.uint64(0xFFFFFFFF)).astype(np.uint32)])
 
-    from gen_art.emitters.birth_kernel import stream
+    from gen_art.emitters.birth_kernel import make_stream
 
     @ti.kernel
     def run(K: ti.types.ndarray(ti.u32, 2), out: ti.types.ndarray(ti.f64, 1)):
         ti.loop_config(block_dim=1)
         for b in range(1):
             for i in range(out.shape[0]):
-                r = stream(K[1, i], K[0, i])
+                r = make_stream(K[1, i], K[0, i])
                 out[i] = r.uniform(17)
 
     out = np.zeros(n)

@@ -130,10 +130,10 @@ def _uses_hidden(x: F1):
         x[i] = hidden(x[i])
 
 
-def test_no_tree_stays_lent_after_an_error():
+def test_no_tree_stays_in_use_after_an_error():
     with pytest.raises(ti.TaichiNameError):
         runtime.kernel(_wrong)(np.ones(1, np.float32))
-    assert not lean_tracing._lent
+    assert not lean_tracing._in_use
 
 
 @pytest.mark.parametrize("lean", [True, False])

@@ -103,7 +103,7 @@ def test_one_says_what_is_wrong_and_where():
     assert set(problems(one.validate, {"turn": {"angle": 999}})) == {"turn.angle"}
     assert "did you mean 'turn'" in problems(one.validate, {"trun": 1})["trun"]
     for bad in ({}, 5, "left", {"push": 1, "turn": 1}):
-        with pytest.raises(ValueError, match=r"must be a vector|two of a kind"):
+        with pytest.raises(ValueError, match=r"must be a vector|has both"):
             one.validate(bad)
 
 

@@ -106,7 +106,7 @@ WRONG = [
     (
         "systems.splash.emitters.burst.rate",
         3,
-        "takes a count, not a rate|alternatives",
+        "needs a count, not a rate|alternatives",
         "systems.splash.emitters.burst",
     ),
     ("systems.splash.emitters.burst.start", 1, "start and from are alternatives", "systems.splash.emitters.burst"),

@@ -135,7 +135,7 @@ systems:
 
 
 def test_a_picture_goes_with_its_draw(folder):
-    with pytest.raises(ValidationError, match="go together"):
+    with pytest.raises(ValidationError, match="need each other"):
         Look(draw="disc", picture="arrow.png")
-    with pytest.raises(ValidationError, match="go together"):
+    with pytest.raises(ValidationError, match="need each other"):
         Look(draw="picture")

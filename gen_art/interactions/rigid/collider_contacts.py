@@ -14,7 +14,7 @@ from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.colliders.surface import count
 from gen_art.integrators.kernel_terms import KernelTerms
-from gen_art.integrators.tile import TileTerms
+from gen_art.integrators.particle_tile import TileTerms
 from gen_art.interactions.rigid.shapes import BALL, BOX, CAPSULE, Part
 
 __all__ = ["RigidColliders", "probe_points"]

@@ -9,7 +9,7 @@ restitution gives can gain energy: the impulses are then scaled back towards the
 import numpy as np
 
 from gen_art.interactions.rigid import contact_columns as col
-from gen_art.interactions.rigid.kernels import contact_kernel
+from gen_art.interactions.rigid.body_kernels import contact_kernel
 from gen_art.interactions.rigid.quaternions import cross
 
 __all__ = ["ContactSolver"]

@@ -4,9 +4,9 @@ import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.interactions.rigid.body import AXLED, FREE, STATIC, Body
+from gen_art.interactions.rigid.body_kernels import particle_kernels
 from gen_art.interactions.rigid.contact_set import ContactSet
 from gen_art.interactions.rigid.free_motion import MAX_ANGLE, inverse_inertia, rotation_kernel, splitting_table
-from gen_art.interactions.rigid.kernels import particle_kernels
 from gen_art.interactions.rigid.quaternions import cross, matrices, product, rotation
 from gen_art.particles.fixed import fixed_lifetimes
 from gen_art.particles.rows import LIFETIME
