@@ -72,5 +72,5 @@ main()
         assert done.returncode == 0, done.stderr
     else:
         assert done.returncode == 2
-        assert done.stderr.startswith("gen-art: gen-art needs taichi 1.7.4, and 9.9.9 is installed")
+        assert done.stderr.startswith("gen-art: this version needs taichi 1.7.4, but 9.9.9 is installed")
         assert len(done.stderr.splitlines()) == 1

@@ -103,7 +103,7 @@ def test_an_exposed_picture_has_its_key():
     picture = develop(linear, spec, bits=16, exposure=stops) / 65535
     assert to_linear(picture).mean() == pytest.approx(0.3, rel=1e-3)
     assert DevelopSpec(auto_exposure={"key": 0.3}).auto_exposure == spec.auto_exposure
-    with pytest.raises(ValueError, match="range lies within"):
+    with pytest.raises(ValueError, match="range of an exposure must lie within"):
         AutoExposure(range="-100..0")
 
 
