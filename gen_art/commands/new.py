@@ -24,10 +24,10 @@ def command(name, source, overwrite):
     from gen_art.preset.shipped import find, starter
 
     target = Path(name)
+    if not target.name or target.name.startswith(".") or "\0" in name or source == "-":
+        raise UsageError("give the new preset a name, and --from the name or path of a preset")
     if target.suffix.lower() not in (".yaml", ".yml"):
         target = target.with_name(f"{target.name}.yaml")
-    if target.name.startswith(".") or str(source) == "-":
-        raise UsageError("give the new preset a name, and --from the name or path of a preset")
     origin = find(source) if source else starter()
     text, _ = open_source(origin)
     preset = load_preset(origin)

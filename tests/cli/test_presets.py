@@ -53,6 +53,8 @@ def test_new_starts_from_a_commented_preset_and_overwrites_nothing(gen_art, tmp_
     assert again.status == 5 and "--overwrite replaces it" in again.err
     assert gen_art("new", tmp_path / "mine", "--overwrite").status == 0
     assert gen_art("new", tmp_path / "other", "--from", "piza").status == 2
+    assert all(gen_art("new", name).status == 2 for name in ("", ".", "..", ".hidden"))
+    assert gen_art("new", "mine/", "--from", "-").status == 2
     (tmp_path / "ball.png").write_bytes(b"mine")
     other = gen_art("new", tmp_path / "pour", "--from", "course/pour")
     assert other.status == 5 and "ball.png exists already" in other.err and not (tmp_path / "pour.yaml").exists()
