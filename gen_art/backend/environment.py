@@ -14,7 +14,8 @@ STOCK_TAICHI = os.environ.get("GEN_ART_STOCK_TAICHI", "") not in ("", "0")
 def _check_version(installed: str) -> None:
     if installed != TAICHI_VERSION and not STOCK_TAICHI:
         raise InstallationError(
-            f"this version needs taichi {TAICHI_VERSION}, but {installed} is installed: run pip install 'taichi=={TAICHI_VERSION}', "
+            f"this version needs taichi {TAICHI_VERSION}, but {installed} is installed: "
+            f"run pip install 'taichi=={TAICHI_VERSION}', "
             "or set GEN_ART_STOCK_TAICHI=1 to try the installed version without gen-art's patches"
         )
 
