@@ -7,8 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from gen_art.backend import runtime
-from gen_art.backend import tracing_patch as lean_tracing
+from gen_art.backend import runtime, tracing_patch
 from gen_art.backend.runtime import ti
 
 F1 = ti.types.ndarray(ti.f32, 1)
@@ -133,7 +132,7 @@ def _uses_hidden(x: F1):
 def test_no_tree_stays_in_use_after_an_error():
     with pytest.raises(ti.TaichiNameError):
         runtime.kernel(_wrong)(np.ones(1, np.float32))
-    assert not lean_tracing._in_use
+    assert not tracing_patch._in_use
 
 
 @pytest.mark.parametrize("lean", [True, False])
@@ -141,9 +140,9 @@ def test_the_cache_serves_both_ways_of_tracing(lean, tmp_path):
     """One process fills the cache, another finds every kernel in it, whichever of the two traces leanly."""
     code = """
 import sys
-from gen_art.backend import tracing_patch as lean_tracing
+from gen_art.backend import tracing_patch
 if sys.argv[1] == "plain":
-    lean_tracing.install = lambda: None
+    tracing_patch.install = lambda: None
 import gen_art as ga
 from gen_art.backend import runtime
 sim = ga.Simulation(ga.load_preset("charged", overrides={"seed": 1}), threads=1)

@@ -23,7 +23,7 @@ HAS_PACK = HAS_PREFETCH and {"avx512f", "avx512dq", "avx512bw", "avx512vl", "pop
 
 @traced
 def prefetch(address):
-    """Ask for the 64 bytes around an address, a 64-bit whole number, if PREFETCHES. No address is wrong."""
+    """Ask for the 64 bytes around an address, a 64-bit whole number, if HAS_PREFETCH. Any address is allowed."""
     if HAS_PREFETCH:
         call_bitcode(_FOLDER / "prefetch.bc", "gen_art_prefetch", [address])
 
@@ -36,6 +36,6 @@ def pack(marks, words, to, count):
     to           : address of the list. Up to sixteen words behind the last may be written over
     count        : a variable of 32 bits. Read it after the loop that packs, not within
 
-    Only if PACKS.
+    Only where HAS_PACK.
     """
     call_bitcode(_FOLDER / "pack.bc", "gen_art_pack", [marks, words, to], [count])
