@@ -59,7 +59,8 @@ def _file_entries(files) -> list[dict]:
     for file in files:
         entry = {"path": str(file), "sha256": sha256(file.place)}
         size = file.place.stat().st_size
-        if size <= min(LARGEST_FILE, room) and entry not in entries:
+        is_new = all(other["path"] != entry["path"] for other in entries)
+        if is_new and size <= min(LARGEST_FILE, room):
             room -= size
             entry = {**entry, "data": base64.b64encode(zlib.compress(file.place.read_bytes(), 9)).decode("ascii")}
         entries.append(entry)
