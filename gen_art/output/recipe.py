@@ -55,7 +55,8 @@ def make_recipe(preset, *, plugins=(), **job) -> dict:
 
 def _file_entries(files) -> list[dict]:
     """Path and sha256 of each file, and its bytes (zlib, base64) if it is small."""
-    entries, room = [], LARGEST_FILES
+    entries: list[dict] = []
+    room = LARGEST_FILES
     for file in files:
         entry = {"path": str(file), "sha256": sha256(file.place)}
         size = file.place.stat().st_size
