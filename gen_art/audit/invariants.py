@@ -35,7 +35,7 @@ def invariants(preset, system) -> tuple[list[str], dict[str, str]]:
         if not interaction.conservative
         or interaction.source_system
         or interaction.implicit
-        or len(interaction.parts) > 1
+        or any(part.dissipates for part in interaction.parts)
     ]
     external = [force.name for force in forces]
     external += [

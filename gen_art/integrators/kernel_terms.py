@@ -12,9 +12,22 @@ from gen_art.errors import UsageError
 from gen_art.forces.base import Force, has_acceleration, loses_mass
 from gen_art.forces.medium import Medium
 
-__all__ = ["KernelTerms", "Term"]
+__all__ = ["KernelTerms", "Term", "collider_names"]
 
 _MAX_SURFACES = 31  # bits of the mask of surfaces that a particle rests on
+
+
+def collider_names(colliders) -> dict[int, str]:
+    """The name of each collider in the ledger, by id(): plane, plane_2, box ... Raises UsageError for what is no collider."""
+    names: dict[int, str] = {}
+    counts: dict[str, int] = {}
+    for one in colliders:
+        if not isinstance(one, Collider):
+            raise UsageError(f"colliders must be such as ga.colliders.Plane(...), not {one!r}")
+        if id(one) not in names:
+            counts[one.name] = counts.get(one.name, 0) + 1
+            names[id(one)] = one.name if counts[one.name] == 1 else f"{one.name}_{counts[one.name]}"
+    return names
 
 
 class Term:
@@ -36,9 +49,12 @@ class Term:
 
 
 class KernelTerms:
-    """Forces, media and colliders with their offsets in one run-time parameter array."""
+    """Forces, media and colliders with their offsets in one run-time parameter array.
 
-    def __init__(self, forces=(), medium: Medium | None = None, colliders=()):
+    labels : by id(), the names of the colliders where they are some of a system's; see collider_names
+    """
+
+    def __init__(self, forces=(), medium: Medium | None = None, colliders=(), labels: dict[int, str] | None = None):
         default = medium or Medium()
         self._numbers: list[float] = []
         self._tables: list[tuple[int, np.ndarray]] = []
@@ -61,7 +77,8 @@ class KernelTerms:
             name = base if names[base] == 1 else f"{base}_{names[base]}"
             used = force.values.get("medium") or default
             self.terms.append(self._place(force, used, name, index, len(self.terms)))
-        self.colliders = [self._place_collider(one, default, colliders) for one in colliders]
+        labels = labels or collider_names(colliders)
+        self.colliders = [self._place(one, default, labels[id(one)]) for one in colliders]
         if sum(t.force.sides for t in self.colliders) > _MAX_SURFACES:
             raise UsageError(
                 f"a system can have {_MAX_SURFACES} surfaces to collide with (a box counts six): describe more as one sdf"
@@ -80,13 +97,6 @@ class KernelTerms:
             self._tables.append((len(self._numbers), force.table()))
             self._numbers += [0.0, 0.0]  # the table's start; tables come last, so that no kernel depends on their sizes
         return term
-
-    def _place_collider(self, one, medium: Medium, colliders) -> Term:
-        if not isinstance(one, Collider):
-            raise UsageError(f"colliders must be such as ga.colliders.Plane(...), not {one!r}")
-        same = [other for other in colliders if isinstance(other, Collider) and other.name == one.name]
-        which = next(k for k, other in enumerate(same) if other is one)
-        return self._place(one, medium, one.name if which == 0 else f"{one.name}_{which + 1}")
 
     def numbers(self, dtype) -> np.ndarray:
         """The parameter array: all numbers in the order of the terms' offsets, then the tables."""

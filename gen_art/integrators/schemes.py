@@ -33,6 +33,7 @@ class Scheme:
     exact : whether the rotation in a magnetic field has the exact phase
     stability_limit : the largest w dt at which the energy of an oscillator stays bounded; 0 if it grows at any step. rk2's
         growth, (w dt)^4 / 8 a step, counts as bounded up to 0.5
+    energy_error : (k, c), the relative change c (w dt)^k of an oscillator's energy in a step; (0, 0) if it stays bounded
     """
 
     name: str
@@ -45,6 +46,7 @@ class Scheme:
     exact: bool = False
     doc: str = ""
     stability_limit: float = 2.0
+    energy_error: tuple[int, float] = (0, 0.0)
 
     @property
     def rotation(self) -> tuple[str, bool, bool]:
@@ -72,10 +74,17 @@ INTEGRATORS = {
             ((1.0, 0.0, 0.0),),
             doc="explicit; gains energy, for comparison",
             stability_limit=0.0,
+            energy_error=(2, 1.0),
         ),
         Scheme("semi_implicit_euler", 1, "splitting", ((1.0, 0.0, 1.0),), doc="kick, then drift; symplectic"),
         Scheme(
-            "rk2", 2, "runge_kutta", ((0.0, 0.0, 0.5), (1.0, 0.5, 0.0)), doc="explicit midpoint", stability_limit=0.5
+            "rk2",
+            2,
+            "runge_kutta",
+            ((0.0, 0.0, 0.5), (1.0, 0.5, 0.0)),
+            doc="explicit midpoint",
+            stability_limit=0.5,
+            energy_error=(4, 1 / 4),
         ),
         Scheme(
             "rk4",
@@ -84,6 +93,7 @@ INTEGRATORS = {
             ((1 / 6, 0.0, 0.5), (1 / 3, 0.5, 0.5), (1 / 3, 0.5, 1.0), (1 / 6, 1.0, 0.0)),
             doc="classical; drag is inside its stages",
             stability_limit=2.8284,
+            energy_error=(6, -1 / 72),
         ),
         Scheme(
             "position_verlet", 2, "splitting", ((1.0, 0.5, 0.5),), 0.5, doc="drift-kick-drift; one evaluation a step"
@@ -151,7 +161,7 @@ def charged(used: Scheme, forces, light: float | None, exact: bool, interactions
                     f"{one.name} takes mass, which a relativistic particle keeps: leave out speed_of_light"
                 )
         for one in interactions:
-            if one.implicit or len(one.parts) > 1:
+            if one.implicit or any(part.dissipates for part in one.parts):
                 raise UsageError(
                     f"the losses of {one.name} are not relativistic: leave out speed_of_light, or the losses"
                 )

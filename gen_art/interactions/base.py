@@ -8,10 +8,22 @@ import numpy as np
 from gen_art.particles.storage import Particles
 from gen_art.registry import Parametric, Registry
 
-__all__ = ["INTERACTIONS", "Interaction", "ForceRequest", "ImplicitStage", "interaction"]
+__all__ = ["INTERACTIONS", "ForcePart", "ForceRequest", "ImplicitStage", "Interaction", "interaction"]
 
 INTERACTIONS = Registry("interaction")
 interaction = INTERACTIONS
+
+
+@dataclass(frozen=True)
+class ForcePart:
+    """Accelerations of an interaction that the ledger records separately.
+
+    label : their name in the ledger; "" for that of the interaction
+    dissipates : whether the ledger counts minus their work as dissipated; else the interaction's flags decide
+    """
+
+    label: str = ""
+    dissipates: bool = False
 
 
 @dataclass
@@ -61,17 +73,18 @@ class Interaction(Parametric):
     """Forces between particles.
 
     `accelerate(request, out)` writes accelerations, m/s^2, of the first request.n particles into out, (3 len(parts), capacity):
-    three rows for each of `parts`, which the ledger records separately: "" by the class's flags, any other name as dissipated.
+    three rows for each of `parts`, which the ledger records separately.
     `energy(state, slots, precision)` returns the potential energy, J, of the particles in these slots together.
     If `implicit`, `solve(state, stage)` changes velocities instead, between each kick of a step and the drift after it.
-    If `moves_particles`, `drift(state, stage)` moves the particles too, in place of the kernel's drift. It then handles the
-    system's colliders (`take_colliders`), and the ledger reads `collider_impulses` and `drift_displacement`.
+    `take_colliders(colliders, names)` takes over those of a system's colliders that it handles itself, and returns the others.
+    If `moves_particles`, `drift(state, stage)` moves the particles too, in place of the kernel's drift. It then handles all
+    colliders, and the ledger reads `collider_impulses` and `drift_displacement`.
     If `breaks`, `break_bonds(state, precision)` is called at the end of each step.
     `saved_arrays` are the arrays by name that a snapshot stores beside the particles and the parameters;
     `restore_arrays(saved_arrays, time)` restores them.
     """
 
-    parts: ClassVar[tuple[str, ...]] = ("",)
+    parts: tuple[ForcePart, ...] = (ForcePart(),)
     attributes: tuple[str, ...] = ()  # declared attributes that its particles need
     conservative: ClassVar[bool] = True
     reciprocal: ClassVar[bool] = True
@@ -96,8 +109,9 @@ class Interaction(Parametric):
     def drift(self, state: Particles, stage: ImplicitStage) -> None:
         raise NotImplementedError
 
-    def take_colliders(self, colliders) -> None:
-        raise NotImplementedError
+    def take_colliders(self, colliders: list, names: dict) -> list:
+        """Take over colliders; returns those that stay. `names` gives the name of each in the ledger, by id()."""
+        return colliders
 
     def collider_impulses(self) -> dict[str, tuple[np.ndarray, float]]:
         """The impulse (3,), N s, and the work, J, of each collider in the last solve, by name."""

@@ -6,9 +6,10 @@ import warnings
 import numpy as np
 
 from gen_art.errors import UsageError
-from gen_art.interactions.base import ForceRequest, Interaction, interaction
+from gen_art.interactions.base import ForcePart, ForceRequest, Interaction, interaction
 from gen_art.interactions.neighbour_grid import Grid, sort_into_grid
 from gen_art.interactions.sphere_contact_kernels import BLOCK, RESULT, contact_kernels, overlap_kernel
+from gen_art.interactions.sphere_walls import SphereWalls, is_wall
 from gen_art.particles.rows import MASS, RADIUS
 from gen_art.registry import param
 
@@ -16,6 +17,7 @@ __all__ = ["Contacts"]
 
 _DEFAULT_STEPS = 20  # the duration of a contact when it is not given
 _MIN_STEPS = 8
+_ENERGY_ERROR = 0.01 / 300  # of a collision: 1 % in 300
 _DEEP = 0.02  # relative to a sphere's radius: deeper overlaps at the start give a warning
 _MIN_RESTITUTION = 1e-3  # used for 0
 
@@ -34,6 +36,8 @@ class Contacts(Interaction):
     spin : spheres rotate (moment of inertia 2/5 m r^2): friction acts where they touch, and its torque changes the attributes
         spin_x, spin_y, spin_z, 1/s, which particles may be born with and which are 0 otherwise
     duration : s, of a collision; 20 steps when left out. Spheres overlap by speed T / pi at most: shorter is harder
+    Colliders at rest that bounce press spheres by the same law, with m the sphere's mass and with their own restitution and
+    kinetic friction, so that a sphere between a wall and another keeps its energy. Others strike spheres at an instant.
     Diagnostics and the ledger do not include spin: energy that friction turns into rotation counts as dissipated.
     Reciprocal to round-off; conservative except for restitution and friction, which the ledger records as dissipated.
     Neighbours come from a sorted uniform grid with cells as wide as the largest sphere. Source: Cundall & Strack (1979).
@@ -45,10 +49,18 @@ class Contacts(Interaction):
     spin: bool = param(False, doc="spheres rotate; always on where rolling is above 0")
     duration: float = param(None, unit="s", min=1e-300, doc="of a collision; 20 steps when left out")
 
+    def prepare(self):
+        self._walls: SphereWalls | None = None
+
     @property
     def parts(self):
+        return self._own_parts + (self._walls.parts if self._walls else ())
+
+    @property
+    def _own_parts(self) -> tuple[ForcePart, ...]:
+        """The parts of the forces between spheres."""
         lossless = self.values["restitution"] == 1 and self.values["friction"] == 0 and not self.spins
-        return ("",) if lossless else ("", "loss")
+        return (ForcePart(),) if lossless else (ForcePart(), ForcePart(dissipates=True))
 
     @property
     def spins(self) -> bool:
@@ -58,6 +70,11 @@ class Contacts(Interaction):
     def attributes(self):
         return ("spin_x", "spin_y", "spin_z") if self.spins else ()
 
+    def take_colliders(self, colliders, names):
+        walls = [one for one in colliders if is_wall(one)]
+        self._walls = SphereWalls(walls, [names[id(one)] for one in walls]) if walls else None
+        return [one for one in colliders if not is_wall(one)]
+
     def attach(self, system, dt):
         if self.spins and system.scheme.name not in ("semi_implicit_euler", "position_verlet"):
             raise UsageError(
@@ -65,10 +82,11 @@ class Contacts(Interaction):
                 f"not {system.scheme.name}"
             )
         self._duration = self.values["duration"] or _DEFAULT_STEPS * dt
-        if self._duration < _MIN_STEPS * dt:
+        least = _least_steps(system)
+        if self._duration < least * dt:
             warnings.warn(
                 f"system '{system.name}': contacts of {self._duration:g} s last {self._duration / dt:.3g} steps; "
-                f"they need {_MIN_STEPS}: a step of at most {self._duration / _MIN_STEPS:.3g} s",
+                f"{system.scheme.name} needs {least}: a step of at most {self._duration / least:.3g} s",
                 stacklevel=2,
             )
         self._warn_of_overlaps(system)
@@ -101,10 +119,15 @@ class Contacts(Interaction):
 
     def _numbers(self, span: float, dt: float, dtype) -> np.ndarray:
         """The kernels' parameters; the damping is averaged over the kick, so that its decay is exact."""
-        decay = -math.log(max(self.values["restitution"], _MIN_RESTITUTION)) / self._duration
-        rate = -math.expm1(-2 * decay * span) / span if span > 0 else 2 * decay
-        square = (math.pi / self._duration) ** 2 + decay**2
-        return np.array([square, rate, self.values["friction"], 0.5 / (span or dt), self.values["rolling"]], dtype)
+        stiffness, damping = self._response(self.values["restitution"], span)
+        rate = _sliding_rate(span, dt)
+        return np.array([stiffness, damping, self.values["friction"], rate, self.values["rolling"]], dtype)
+
+    def _response(self, restitution: float, span: float) -> tuple[float, float]:
+        """Stiffness, 1/s^2, and damping, 1/s, over the reduced mass, for a kick of `span`, s."""
+        decay = -math.log(max(restitution, _MIN_RESTITUTION)) / self._duration
+        damping = -math.expm1(-2 * decay * span) / span if span > 0 else 2 * decay
+        return (math.pi / self._duration) ** 2 + decay**2, damping
 
     def _grid(self, rows, floats, n, precision) -> Grid | None:
         radius = float(floats[RADIUS, :n].max())
@@ -125,11 +148,17 @@ class Contacts(Interaction):
         first = state.channels["spin_x"] if self.spins else 0
         accelerate, unsort, _ = contact_kernels(request.precision, self.spins)
         result = np.empty(RESULT * n, out.dtype)
+        parts = len(self._own_parts)
         accelerate(
             grid.sorted, grid.slots, grid.first, grid.low, grid.shape, numbers, grid.size, state.floats, first, result, angular,
-            len(self.parts),
+            parts,
         )  # fmt: skip
-        unsort(result, grid.rank, out, 3 * len(self.parts))
+        unsort(result, grid.rank, out, 3 * parts)
+        if self._walls:
+            self._walls.accelerate(
+                request, lambda e: self._response(e, request.span), _sliding_rate(request.span, request.dt),
+                self.values["rolling"], self.spins, first, out[3 * parts :], angular,
+            )  # fmt: skip
         if self.spins:
             state.floats[first : first + 3, :n] += request.span * angular
 
@@ -143,4 +172,24 @@ class Contacts(Interaction):
         out, numbers = np.zeros((-(-len(slots) // BLOCK), 1)), self._numbers(0.0, 1.0, rows.dtype)
         _, _, potential = contact_kernels(precision, False)
         potential(grid.sorted, grid.first, grid.low, grid.shape, numbers, grid.size, out)
-        return float(out.sum())
+        walls = self._walls.energy(rows, lambda e: self._response(e, 0.0), precision) if self._walls else 0.0
+        return float(out.sum()) + walls
+
+
+def _least_steps(system) -> int:
+    """The steps of a collision that a system's scheme needs. Raises UsageError for a scheme that gains energy in each."""
+    power, coefficient = system.scheme.energy_error
+    if coefficient > 0:
+        raise UsageError(
+            f"contacts: {system.scheme.name} gains energy in every collision; give '{system.name}' leapfrog or "
+            "semi_implicit_euler"
+        )
+    if not power:
+        return _MIN_STEPS
+    # a collision of n steps is half an oscillation, w dt = pi / n: it loses n c (pi / n)^k
+    return max(_MIN_STEPS, math.ceil((-coefficient * math.pi**power / _ENERGY_ERROR) ** (1 / (power - 1))))
+
+
+def _sliding_rate(span: float, dt: float) -> float:
+    """The largest rate, 1/s, at which friction may stop a slide in a kick of `span`, s: half of it, as others act too."""
+    return 0.5 / (span or dt)

@@ -7,7 +7,7 @@ import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.interactions.adjacency import Adjacency
-from gen_art.interactions.base import ForceRequest, Interaction, interaction
+from gen_art.interactions.base import ForcePart, ForceRequest, Interaction, interaction
 from gen_art.interactions.implicit_springs import solve_implicit
 from gen_art.interactions.spring_kernels import spring_kernels
 from gen_art.particles.fixed import fixed_lifetimes
@@ -98,7 +98,8 @@ class Springs(Interaction):
 
     @property
     def parts(self):
-        return () if self.implicit else ("", "damping") if self.values["damping"] > 0 else ("",)
+        damped = (ForcePart(dissipates=True),) if self.values["damping"] > 0 else ()
+        return () if self.implicit else (ForcePart(), *damped)
 
     def attach(self, system, dt):
         state = system.state

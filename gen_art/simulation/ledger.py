@@ -137,7 +137,7 @@ class LedgerKeeper:
         if rows == 0 or state.count <= begin:
             return
         mutual = tuple(
-            interaction.conservative and interaction.source_system is None and not part
+            interaction.conservative and interaction.source_system is None and not part.dissipates
             for interaction in system.interactions
             for part in interaction.parts
         )
@@ -249,19 +249,23 @@ class LedgerKeeper:
         work, dissipated, impulse = Entries(), Entries(), _Vectors()
         for name, system in self.sim.members.items():
             interactions = system.interactions
-            labels = [(t.name, "") for t in system.composition.terms]
-            labels += [(interaction.name, part) for interaction in interactions for part in interaction.parts]
+            labels = [(t.name, False) for t in system.composition.terms]
+            labels += [
+                (part.label or interaction.name, part.dissipates)
+                for interaction in interactions
+                for part in interaction.parts
+            ]
             does_work = [not t.force.conservative for t in system.composition.terms]
             does_work += [
                 not interaction.conservative or interaction.source_system is not None
                 for interaction in interactions
                 for _ in interaction.parts
             ]
-            labels += [(t.name, "") for t in system.composition.colliders]
+            labels += [(t.name, False) for t in system.composition.colliders]
             does_work += [True] * len(system.composition.colliders)
-            for (label, part), has_work, row in zip(labels, does_work, self._rows_of[name]):
+            for (label, dissipates), has_work, row in zip(labels, does_work, self._rows_of[name]):
                 key = f"{name}.{label}"
-                if part:  # a part of an interaction that has a name is dissipative: minus its work is dissipated
+                if dissipates:
                     dissipated[key] = dissipated.get(key, 0.0) - float(row[_WORK])
                 elif has_work:
                     work[key] = work.get(key, 0.0) + float(row[_WORK])

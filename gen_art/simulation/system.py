@@ -12,7 +12,7 @@ from gen_art.errors import UsageError
 from gen_art.forces.base import Force, loses_mass
 from gen_art.forces.medium import Medium
 from gen_art.integrators import scheme
-from gen_art.integrators.kernel_terms import KernelTerms
+from gen_art.integrators.kernel_terms import KernelTerms, collider_names
 from gen_art.integrators.schemes import charged
 from gen_art.interactions import Interaction
 from gen_art.particles.fixed import FIXED
@@ -81,16 +81,17 @@ class ParticleSystem:
         self.scheme = charged(
             scheme(integrator), self.forces, speed_of_light, exact_gyration, self.interactions, self.colliders
         )
-        movers = [interaction for interaction in self.interactions if interaction.moves_particles]
-        for mover in movers:
-            mover.take_colliders(self.colliders)
+        by_kernel, names = self.colliders, collider_names(self.colliders)
+        for interaction in self.interactions:
+            by_kernel = interaction.take_colliders(by_kernel, names)
+        for mover in (interaction for interaction in self.interactions if interaction.moves_particles):
             for force in self.forces:
                 if loses_mass(force):
                     raise UsageError(
                         f"{force.name} takes mass, but the mass of a body of {mover.name} cannot change: "
                         "push it with `propeller` instead"
                     )
-        self.composition = KernelTerms(self.forces, self.medium, () if movers else self.colliders)
+        self.composition = KernelTerms(self.forces, self.medium, by_kernel, names)
         self.emitters: list[ActiveEmitter] = list(emitters)
         self.look = _checked_look(look)
         lightest = min(self._least_masses(mass), default=None)

@@ -49,7 +49,7 @@ class Rigid(Interaction):
         self._colliders: list = []
         self._world = None
 
-    def take_colliders(self, colliders) -> None:
+    def take_colliders(self, colliders: list, names: dict) -> list:
         """Take over the system's colliders, which act on the bodies instead of their particles."""
         for one in colliders:
             if one.values["action"] != "bounce":
@@ -59,6 +59,7 @@ class Rigid(Interaction):
                     f"rigid bodies need colliders that do not rotate: leave out the angular_velocity of the {one.name}"
                 )
         self._colliders = list(colliders)
+        return []
 
     def attach(self, system, dt):
         from gen_art.interactions.rigid.world import World
