@@ -20,6 +20,8 @@ if (
     from gen_art.emitters.base import emitter as emitter
     from gen_art.emitters.base import shape as shape
     from gen_art.emitters.base import velocity as velocity
+    from gen_art.errors import AdviceWarning as AdviceWarning
+    from gen_art.errors import DivergedError as DivergedError
     from gen_art.errors import GenArtError as GenArtError
     from gen_art.errors import PresetError as PresetError
     from gen_art.errors import UsageError as UsageError
@@ -50,8 +52,10 @@ if (
 # public name -> module that holds it; "" : the name is a subpackage. Importing on first use keeps `gen-art --help` from
 # waiting for the compiler. A test holds this table and the imports above together.
 _NAMES = {
+    "AdviceWarning": "gen_art.errors",
     "Camera": "gen_art.renderer.camera",
     "Diagnostics": "gen_art.simulation.diagnostics",
+    "DivergedError": "gen_art.errors",
     "Emitter": "gen_art.emitters.base",
     "Force": "gen_art.forces.base",
     "GenArtError": "gen_art.errors",
@@ -91,10 +95,11 @@ _NAMES = {
 }
 
 __all__ = [
-    "Camera", "Diagnostics", "Emitter", "Force", "GenArtError", "Look", "Medium", "ParticleSystem", "PresetError", "Shape",
-    "Simulation", "UsageError", "Velocity", "__version__", "adaptive", "bodies", "body", "chain", "cloth", "colliders", "cos",
-    "emitter", "emitters", "exp", "force", "forces", "integrators", "interactions", "load_preset", "log", "param", "power",
-    "render", "render_frame", "rope", "shape", "sin", "ti", "velocity",
+    "AdviceWarning", "Camera", "Diagnostics", "DivergedError", "Emitter", "Force", "GenArtError", "Look", "Medium",
+    "ParticleSystem", "PresetError", "Shape", "Simulation", "UsageError", "Velocity", "__version__", "adaptive", "bodies",
+    "body", "chain", "cloth", "colliders", "cos", "emitter", "emitters", "exp", "force", "forces", "integrators",
+    "interactions", "load_preset", "log", "param", "power", "render", "render_frame", "rope", "shape", "sin", "ti",
+    "velocity",
 ]  # fmt: skip
 
 

@@ -8,6 +8,8 @@ __all__ = [
     "OutputError",
     "EncoderError",
     "InstallationError",
+    "DivergedError",
+    "AdviceWarning",
 ]
 
 
@@ -51,3 +53,13 @@ class InstallationError(GenArtError):
     """A package that gen-art needs is installed in a version it cannot work with; the message names the one it needs."""
 
     exit_code = 2
+
+
+class DivergedError(GenArtError):
+    """A particle's position or velocity is no finite number any more; the message names the particle and the likely cause."""
+
+    exit_code = 3
+
+
+class AdviceWarning(UserWarning):
+    """A simulation that runs, but cannot be right; the sentence says what to change."""

@@ -1,20 +1,16 @@
-"""Warnings about integrators or time steps that do not suit a preset's forces, each with a better choice."""
+"""What inspect and audit advise for a preset: what cannot be right (simulation/advice.py), and what could be better."""
 
 import math
 import warnings
 
 from gen_art.audit.invariants import colliders_of, expected_order, forces_of
+from gen_art.errors import AdviceWarning
 from gen_art.integrators import scheme
 from gen_art.interactions import Interaction
+from gen_art.simulation.advice import fastest_oscillation, system_advice
 from gen_art.simulation.from_preset import systems_of
 
-__all__ = ["KNOWN_MAGNETIC_FIELDS", "advice", "gyration_advice", "step_advice"]
-
-_LARGEST_GYRATION = 0.1  # rad a step: the phase lags by its square / 12, a thousandth of a turn each turn
-_EXACT_UP_TO = 3.0  # rad a step: the limit of exact_gyration
-_LARGEST_TURN = 1.0  # rad a step of a driver or a collider
-_STEEPEST = 1.05  # m a metre: the most that interpolating a true distance between grid points gives
-KNOWN_MAGNETIC_FIELDS = ("magnetic_field", "magnetic_mirror")  # their strength is known before a run
+__all__ = ["advice", "advice_texts", "step_advice"]
 
 
 def advice(preset) -> list[str]:
@@ -23,18 +19,18 @@ def advice(preset) -> list[str]:
     built = systems_of(preset)
     for name, system in preset.systems.items():
         used = scheme(system.integrator)
-        for check in (_velocity_dependent_forces, _explicit_euler, _lost_order, _colliders, _unused_options):
-            sentences += [f"{name}: {sentence}" for sentence in check(preset, name, system, used)]
-        masses, charge = _masses_and_largest_charge(built[name])
-        sentences += [f"{name}: {s}" for s in _gyration(preset, system, used, min(masses, default=1.0), charge)]
-        sentences += [f"{name}: {s}" for s in _oscillations(preset, system, used, min(masses, default=1.0))]
+        found = system_advice(built[name], preset.clock.step)
+        for check in (_velocity_dependent_forces, _explicit_euler, _lost_order, _unused_options):
+            found += check(preset, name, system, used)
+        found += _growing_oscillations(built[name], preset.clock.step)
+        sentences += [f"system '{name}': {sentence}" for sentence in found]
     return sentences
 
 
 def step_advice(preset) -> list[str]:
-    """Warnings of springs and contacts about the time step.
+    """What springs and contacts say of the time step and of their particles at the start.
 
-    They need the particles, so the simulation is built if the preset has such interactions.
+    The simulation is built if the preset has such interactions.
     """
     interactions = [i for system in preset.systems.values() for i in system.interactions]
     if not any(type(interaction).attach is not Interaction.attach for interaction in interactions):
@@ -44,23 +40,20 @@ def step_advice(preset) -> list[str]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         Simulation(preset, precision="f64")
-    return [str(warning.message) for warning in caught if issubclass(warning.category, UserWarning)]
+    known = advice(preset)
+    return [text for text in advice_texts(caught) if text not in known]
+
+
+def advice_texts(caught) -> list[str]:
+    """The texts of the AdviceWarnings among recorded warnings."""
+    return [str(warning.message) for warning in caught if issubclass(warning.category, AdviceWarning)]
 
 
 def _velocity_dependent_forces(preset, name, system, used):
     """Schemes that treat velocity-dependent forces as plain kicks; relativistic pushers without a speed of light."""
-    forces = forces_of(preset, system)
-    turning = ", ".join(dict.fromkeys(f.name for f in forces if f.provides("magnetic")))
     velocity_dependent = ", ".join(
-        dict.fromkeys(f.name for f in forces if f.depends_on_velocity and not f.provides("magnetic"))
+        dict.fromkeys(f.name for f in forces_of(preset, system) if f.depends_on_velocity and not f.provides("magnetic"))
     )
-    if turning and not used.pusher:
-        problem = (
-            f"does not keep the speed under {turning}"
-            if used.kind == "runge_kutta"
-            else f"takes {turning}, which depends on the velocity, as a plain kick: order 1, and the speed grows"
-        )
-        yield f"{used.name} {problem}; boris turns the velocity exactly"
     if velocity_dependent and used.kind == "splitting":
         yield (
             f"{used.name} takes {velocity_dependent}, which depends on the velocity, as a plain kick: order 1; "
@@ -94,24 +87,6 @@ def _lost_order(preset, name, system, used):
         yield f"{used.name} has order {order} with quadratic drag; rk4 keeps order 4"
 
 
-def _colliders(preset, name, system, used):
-    """Grids that are not signed distances, and surfaces that turn too far in a step."""
-    dt = preset.clock.step
-    for collider in colliders_of(preset, system):
-        steepness = collider.steepness if collider.name == "sdf" else 0.0
-        if steepness > _STEEPEST:
-            yield (
-                f"sdf: the grid grows by up to {steepness:.3g} m a metre, where a distance grows by 1: fast particles may "
-                f"pass through its surface; divide it by {steepness:.3g}, or check `min` and `max`"
-            )
-        turn = math.hypot(*collider.values["angular_velocity"]) * dt
-        if turn > _LARGEST_TURN:
-            yield (
-                f"{collider.name} turns by {turn:.3g} rad a step, so particles are struck at the wrong place; "
-                f"use a step of at most {dt * _LARGEST_TURN / turn:.3g} s"
-            )
-
-
 def _unused_options(preset, name, system, used):
     """Options that have no effect, with the reason."""
     for interaction in system.interactions:
@@ -124,63 +99,9 @@ def _unused_options(preset, name, system, used):
             )
 
 
-def _gyration(preset, system, used, lightest, charge):
-    """The gyration angle a step in uniform fields and at the middle of mirrors; an audit measures that of other fields."""
-    fields = [f for f in forces_of(preset, system) if f.name in KNOWN_MAGNETIC_FIELDS]
-    if used.pusher and charge and lightest > 0:
-        strengths = [f.values["field"] if f.name == "magnetic_field" else (f.values["strength"],) for f in fields]
-        w = charge * sum(math.hypot(*strength) for strength in strengths) / lightest
-        yield from gyration_advice(w, preset.clock.step, system.exact_gyration)
-
-
-def gyration_advice(w: float, dt: float, exact: bool):
-    """A warning if charges turn by more than 0.1 rad a step, so that their phase lags by more than about a thousandth.
-
-    w : angular frequency of the gyration, 1/s
-    exact : whether exact_gyration is on
-    """
-    if w * dt > _LARGEST_GYRATION and not (exact and w * dt < _EXACT_UP_TO):
-        better = f"use a step of at most {_LARGEST_GYRATION / w:.3g} s"
-        if w * dt < _EXACT_UP_TO:
-            better += ", or exact_gyration: true where the field varies little"
-        lag = 1 - math.atan(w * dt / 2) / (w * dt / 2)
-        yield f"charges turn by w dt = {w * dt:.3g} rad a step, and lag by {lag:.2%} of it; {better}"
-
-
-def _oscillations(preset, system, used, lightest):
-    """Springs to a point, linear central forces and drivers that oscillate too fast for the step."""
-    dt, forces = preset.clock.step, forces_of(preset, system)
-    springs = [f for f in forces if f.name == "spring"]
-    linear = [
-        f for f in forces if f.name == "central_force" and f.values["exponent"] == 1 and not f.values.get("per_charge")
-    ]
-    w_squared = sum(f.values["strength"] for f in linear)
-    w_squared += sum(f.values["stiffness"] for f in springs) / lightest if lightest > 0 else 0.0
-    if w_squared > 0:
-        w, limit = math.sqrt(w_squared), used.stability_limit
-        names = ", ".join(dict.fromkeys(f.name for f in (*springs, *linear)))
-        if limit == 0 and w * dt > 0.01:
-            growth = math.hypot(1, w * dt) ** (6.283 / (w * dt)) - 1
-            yield f"{used.name} lets an oscillation under {names} grow by {growth:.1%} a period; leapfrog keeps it"
-        elif w * dt > limit > 0:
-            yield (
-                f"w dt = {w * dt:.3g} of the lightest particle under {names} is above the stability limit of {used.name}; "
-                f"use a step of at most {limit / w:.3g} s"
-            )
-    for force in forces:
-        if force.name == "driver":
-            driven = 2 * math.pi * abs(force.values["frequency"])  # rad/s
-            if driven * dt > _LARGEST_TURN:
-                yield (
-                    f"driver turns by {driven * dt:.3g} rad a step, too much to follow; "
-                    f"use a step of at most {0.3 / driven:.3g} s"
-                )
-
-
-def _masses_and_largest_charge(system) -> tuple[list[float], float]:
-    """The least mass of each kind of birth, kg, and the largest absolute charge, C."""
-    kinds = [kind.attributes for emission in system.emitters for kind in emission.kinds]
-    masses = [
-        k["density"][0] * 4 / 3 * math.pi * k["radius"][0] ** 3 if "density" in k else k["mass"][0] for k in kinds
-    ]
-    return masses, max((max(map(abs, k["charge"])) for k in kinds), default=0.0)
+def _growing_oscillations(system, dt):
+    """How fast explicit Euler lets an oscillation grow."""
+    w, names = fastest_oscillation(system)
+    if system.scheme.stability_limit == 0 and w * dt > 0.01:
+        growth = math.hypot(1, w * dt) ** (6.283 / (w * dt)) - 1
+        yield f"{system.scheme.name} lets an oscillation under {names} grow by {growth:.1%} a period; leapfrog keeps it"

@@ -7,13 +7,14 @@ import math
 import warnings
 from dataclasses import dataclass, replace
 
-from gen_art.audit.advice import KNOWN_MAGNETIC_FIELDS, advice, gyration_advice
+from gen_art.audit.advice import advice, advice_texts
 from gen_art.audit.invariants import expected_order, forces_of, has_kinks, has_stiff_springs, invariants
 from gen_art.audit.measure import MOMENTS, ROUND_OFF, AuditRun, Trend, kink_scatter, positions, run
 from gen_art.audit.thinning import thinned
 from gen_art.errors import UsageError
 from gen_art.integrators import scheme
 from gen_art.preset.estimate import refuse_if_too_large
+from gen_art.simulation.advice import KNOWN_MAGNETIC_FIELDS, gyration_advice
 from gen_art.simulation.diagnostics import Diagnostics
 from gen_art.simulation.ledger import Ledger
 
@@ -127,7 +128,7 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES,
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         runs = [run(few, steps, clock.step, "f64", threads, DIVISIONS[0], moments)]
-    run_warnings = [str(warning.message) for warning in caught if issubclass(warning.category, UserWarning)]
+    run_warnings = advice_texts(caught)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         runs += [run(few, steps, clock.step, "f64", threads, n, moments) for n in DIVISIONS[1:]]
@@ -151,7 +152,8 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES,
         quantities, reasons = invariants(few, system)
         conserved |= {(name, q): _trend([r.drifts[name, q] for r in runs], orders[name]) for q in quantities}
         booked |= {(name, quantity): reason for quantity, reason in reasons.items()}
-    sentences = [*advice(few), *_gyration_warnings(few, runs[0].turns), *run_warnings]
+    # the run repeats what follows from the numbers of the systems
+    sentences = list(dict.fromkeys([*advice(few), *_gyration_warnings(few, runs[0].turns), *run_warnings]))
     first = runs[0]
     unborn = [
         n for n in few.systems if not any(k.startswith(n + ".") for k in first.ledger.born) and n not in distances
@@ -172,7 +174,7 @@ def _gyration_warnings(preset, turns: dict[str, float]) -> list[str]:
         forces, used = forces_of(preset, system), scheme(system.integrator)
         if used.pusher and any(f.provides("magnetic") and f.name not in KNOWN_MAGNETIC_FIELDS for f in forces):
             advised = gyration_advice(turns[name], preset.clock.step, system.exact_gyration)
-            sentences += [f"{name}: {sentence}" for sentence in advised]
+            sentences += [f"system '{name}': {sentence}" for sentence in advised]
     return sentences
 
 

@@ -1,7 +1,7 @@
 """`gen-art`: runs a command, and turns every error into a message and an exit status.
 
-0 success, 1 a bug, 2 wrong usage, 3 a wrong preset, 4 not enough memory, 5 input or output failed, 6 the encoder failed,
-130 and 143 stopped by a signal.
+0 success, 1 a bug, 2 wrong usage, 3 a wrong preset or numbers that are no longer finite, 4 not enough memory, 5 input or
+output failed, 6 the encoder failed, 130 and 143 stopped by a signal.
 """
 
 import difflib
@@ -12,6 +12,7 @@ import os
 import signal
 import sys
 import traceback
+import warnings
 
 import click
 
@@ -102,7 +103,10 @@ def run(arguments: list[str]) -> int:
     """Run one command and return its exit status."""
     restore = _on_sigterm()
     try:
-        status = cli.main(arguments, prog_name="gen-art", standalone_mode=False)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", UserWarning)
+            warnings.showwarning = _print_warning
+            status = cli.main(arguments, prog_name="gen-art", standalone_mode=False)
         return status if isinstance(status, int) else 0
     except BaseException as error:
         status = _status(error)
@@ -127,6 +131,11 @@ def _on_sigterm():
     except ValueError:  # not the main thread
         return lambda: None
     return lambda: signal.signal(signal.SIGTERM, before)
+
+
+def _print_warning(message, category, filename, lineno, file=None, line=None) -> None:
+    if issubclass(category, UserWarning):
+        _print_error(f"gen-art: warning: {message}")
 
 
 def _print_error(text: str) -> None:

@@ -1,10 +1,12 @@
 """Progress on standard error: a bar for people, JSON lines for programs, or nothing.
 
 A reporter is called with events: {"event": "frame", "frame": k, "frames": n, "particles": count, "fps": ..., "eta": s}.
+Among JSON lines a warning is one too: {"event": "warning", "text": ...}.
 """
 
 import json
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -17,7 +19,9 @@ def reporter(mode: str) -> Iterator[Callable[[dict], None] | None]:
     if mode == "auto":
         mode = "rich" if sys.stderr.isatty() else "none"
     if mode == "json":
-        yield _json
+        with warnings.catch_warnings():
+            warnings.showwarning = _json_warning
+            yield _json
     elif mode == "rich":
         with _bar() as show:
             yield show
@@ -27,6 +31,10 @@ def reporter(mode: str) -> Iterator[Callable[[dict], None] | None]:
 
 def _json(event: dict) -> None:
     print(json.dumps(event, allow_nan=False, default=float), file=sys.stderr, flush=True)
+
+
+def _json_warning(message, category, filename, lineno, file=None, line=None) -> None:
+    _json({"event": "warning", "text": str(message)})
 
 
 @contextmanager

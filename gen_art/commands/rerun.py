@@ -24,19 +24,15 @@ def command(picture, out, overwrite, plugins, folder, other_version, threads, pr
     that its preset names: the recipe contains the small ones; others are looked for in the current folder and beside
     PICTURE, or in --folder.
     """
-    import warnings
-
     from gen_art.commands.progress import reporter
     from gen_art.output import job
     from gen_art.plugins import load_plugin
 
     loaded = tuple(load_plugin(path) for path in plugins)
-    with reporter(progress) as report, warnings.catch_warnings(record=True) as caught:
+    with reporter(progress) as report:
         paths = job.rerun(
             picture, out, threads=threads, overwrite=overwrite, progress=report, plugins=loaded, folder=folder,
             other_version=other_version,
         )  # fmt: skip
-    for warning in caught:
-        click.echo(f"gen-art: warning: {warning.message}", err=True)
     for path in paths:
         click.echo(path)

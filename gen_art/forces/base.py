@@ -1,5 +1,6 @@
 """The contract of a force: what a class may declare, and what the kernels use of it."""
 
+import math
 from typing import ClassVar, Protocol
 
 from gen_art.backend.runtime import ti
@@ -56,6 +57,7 @@ class Force(Parametric):
     reads_medium : gives `p.flow` (3,) m/s, the velocity of the system's medium at the particle
     drags_on_mass : the rates of `damping` are divided by the mass
     needs : attributes that particles must have
+    random : its acceleration is noise, so that velocities do not change smoothly
     quadratic_damping : False if the second number of `damping` is always 0
     """
 
@@ -69,6 +71,7 @@ class Force(Parametric):
     reads_medium: ClassVar[bool] = False
     drags_on_mass: ClassVar[bool] = False
     needs: ClassVar[tuple[str, ...]] = ()
+    random: ClassVar[bool] = False
     quadratic_damping: ClassVar[bool] = True
 
     def __init_subclass__(cls, **kwargs):
@@ -88,6 +91,11 @@ class Force(Parametric):
         """What the kernel is compiled for: the class and its choices and flags. Numbers are never part of it."""
         values = tuple((k, self.values[k]) for k, p in self.parameters.items() if p.kind in ("bool", "choice", "text"))
         return (type(self), values)
+
+    @property
+    def feature_size(self) -> float:
+        """m, the distance over which the force changes entirely; no particle may pass it in a step. inf if it has none."""
+        return math.inf
 
     def check_mass(self, lightest: float) -> None:
         """Raises UsageError if the lightest particle of a system, in kg, is too light for this force."""

@@ -31,6 +31,10 @@ class CurlNoise(Force):
     seed: int = param(0, min=0, max=2**24)
     repeat = "octaves"
 
+    @property
+    def feature_size(self):
+        return self.values["scale"]
+
     @ti.func
     def acceleration(self, p, t, q):
         frequency = 1.0 / q.scale

@@ -91,14 +91,20 @@ class Interaction(Parametric):
     implicit: bool = False
     breaks: bool = False
     moves_particles: ClassVar[bool] = False
+    smooth: ClassVar[bool] = False  # whether forces vary with the distances as smoothly as the motion does
 
     @property
     def source_system(self) -> str | None:
         """The other system whose particles exert the forces; None if the system's particles act on each other."""
         return self.values.get("sources")
 
-    def attach(self, system, dt: float) -> None:
-        """Called once the particles of the start exist: prepare for them, raise UsageError, or warn."""
+    def attach(self, system, dt: float) -> list[str]:
+        """Called once the particles of the start exist. Returns sentences about a start or a step that cannot be right."""
+        return []
+
+    def advice(self, state: Particles) -> list[str]:
+        """Called now and then during a run. Returns sentences about a state that cannot be right."""
+        return []
 
     def accelerate(self, request: ForceRequest, out: np.ndarray) -> None:
         raise NotImplementedError

@@ -34,6 +34,7 @@ class DirectSum(Interaction):
     """
 
     weight: ClassVar[str] = "mass"
+    smooth = True
 
     @property
     def law(self) -> tuple[float, float, float]:

@@ -1,7 +1,6 @@
 """Contacts between spheres; the kernels are in sphere_contact_kernels.py."""
 
 import math
-import warnings
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from gen_art.interactions.base import ForcePart, ForceRequest, Interaction, inte
 from gen_art.interactions.neighbour_grid import Grid, sort_into_grid
 from gen_art.interactions.sphere_contact_kernels import BLOCK, RESULT, contact_kernels, overlap_kernel
 from gen_art.interactions.sphere_walls import SphereWalls, is_wall
-from gen_art.particles.rows import MASS, RADIUS
+from gen_art.particles.rows import MASS, RADIUS, VELOCITY
 from gen_art.registry import param
 
 __all__ = ["Contacts"]
@@ -19,6 +18,7 @@ _DEFAULT_STEPS = 20  # the duration of a contact when it is not given
 _MIN_STEPS = 8
 _ENERGY_ERROR = 0.01 / 300  # of a collision: 1 % in 300
 _DEEP = 0.02  # relative to a sphere's radius: deeper overlaps at the start give a warning
+_DEEPEST = 0.75  # overlap by the fastest over the smallest radius: two that meet head-on overlap by twice as much
 _MIN_RESTITUTION = 1e-3  # used for 0
 
 
@@ -82,14 +82,14 @@ class Contacts(Interaction):
                 f"not {system.scheme.name}"
             )
         self._duration = self.values["duration"] or _DEFAULT_STEPS * dt
-        least = _least_steps(system)
-        if self._duration < least * dt:
-            warnings.warn(
-                f"system '{system.name}': contacts of {self._duration:g} s last {self._duration / dt:.3g} steps; "
-                f"{system.scheme.name} needs {least}: a step of at most {self._duration / least:.3g} s",
-                stacklevel=2,
+        self._steps = _least_steps(system)
+        sentences = []
+        if self._duration < self._steps * dt:
+            sentences.append(
+                f"contacts of {self._duration:g} s last {self._duration / dt:.3g} steps; {system.scheme.name} needs "
+                f"{self._steps}: use a step of at most {self._duration / self._steps:.3g} s"
             )
-        self._warn_of_overlaps(system)
+        return [*sentences, *self._overlap_advice(system.state)]
 
     def overlaps(self, state, precision: str) -> tuple[np.ndarray, np.ndarray]:
         """The deepest overlap of each sphere, (n,) m, and the slot (n,) of the other; its own slot if there is none."""
@@ -102,20 +102,38 @@ class Contacts(Interaction):
             )
         return depth, other
 
-    def _warn_of_overlaps(self, system) -> None:
-        """Warn of spheres that overlap at the start, because they are thrown apart; the message names the deepest pair."""
-        state = system.state
+    def advice(self, state):
+        """Spheres that are too fast for the duration: they overlap by up to v T / pi, and pass through each other."""
+        n = state.count
+        if not n:
+            return []
+        velocity = state.floats[VELOCITY, :n].astype(np.float64)
+        if not self._walls:  # spheres that fly together do not meet
+            velocity = velocity - velocity.mean(axis=1, keepdims=True)
+        speeds, smallest = np.sqrt((velocity**2).sum(0)), float(state.floats[RADIUS, :n].min())
+        fastest = int(np.argmax(speeds))
+        longest = _DEEPEST * smallest * math.pi / max(float(speeds[fastest]), 1e-300)
+        if self._duration <= longest or smallest <= 0:
+            return []
+        return [
+            f"contacts of {self._duration:g} s are too soft for particle {state.id[fastest]}, which has {speeds[fastest]:.3g} "
+            f"m/s: spheres may pass through each other; use a duration of at most {longest:.2g} s, and a step of at most "
+            f"{longest / self._steps:.2g} s"
+        ]
+
+    def _overlap_advice(self, state) -> list[str]:
+        """Spheres that overlap at the start, because they are thrown apart; the sentence names the deepest pair."""
         if not state.count:
-            return
+            return []
         depth, other = self.overlaps(state, "f64" if state.floats.dtype == np.float64 else "f32")
         i = int(np.argmax(depth))
-        if depth[i] > _DEEP * float(state.floats[RADIUS, i]):
-            a, b = sorted((int(state.id[i]), int(state.id[other[i]])))
-            warnings.warn(
-                f"system '{system.name}': {(depth > 0).sum()} spheres overlap at the start, particles {a} and {b} the most, by "
-                f"{depth[i]:.3g} m: they will be thrown apart at up to {depth[i] * math.pi / self._duration:.3g} m/s",
-                stacklevel=3,
-            )
+        if depth[i] <= _DEEP * float(state.floats[RADIUS, i]):
+            return []
+        a, b = sorted((int(state.id[i]), int(state.id[other[i]])))
+        return [
+            f"{(depth > 0).sum()} spheres overlap at the start, particles {a} and {b} the most, by {depth[i]:.3g} m: they will "
+            f"be thrown apart at up to {depth[i] * math.pi / self._duration:.3g} m/s"
+        ]
 
     def _numbers(self, span: float, dt: float, dtype) -> np.ndarray:
         """The kernels' parameters; the damping is averaged over the kick, so that its decay is exact."""

@@ -1,7 +1,6 @@
 """Springs between given particles."""
 
 import math
-import warnings
 
 import numpy as np
 
@@ -121,7 +120,7 @@ class Springs(Interaction):
         self._ids, self._spring_numbers, self._key = pairs, np.stack([k, rest, c], 1), (-1, -1)
         self._broken = np.zeros(len(pairs) if self.breaks else 0, bool)
         if n == 0:  # a snapshot is being restored: the particles come later
-            return
+            return []
         mass = state.floats[MASS, :n].astype(np.float64)
         massless = np.unique(pairs)[mass[np.unique(pairs)] <= 0]
         if len(massless):
@@ -132,14 +131,14 @@ class Springs(Interaction):
                     f"springs: method '{self.values['method']}' is a backward Euler step beside the kick of semi_implicit_euler; "
                     f"give '{system.name}' that integrator, or method 'explicit' with {system.scheme.name}"
                 )
-            return
+            return []
         longest = self._longest_step(system, mass, fixed_lifetimes(state.floats[LIFETIME, :n]))
-        if dt > longest:
-            warnings.warn(
-                f"system '{system.name}': a step of {dt:g} s is too long for springs of {self.values['stiffness']:g} N/m; "
-                f"the longest that is surely stable is {longest:.3g} s (or method 'implicit' with semi_implicit_euler)",
-                stacklevel=2,
-            )
+        if dt <= longest:
+            return []
+        return [
+            f"a step of {dt:g} s is too long for springs of {self.values['stiffness']:g} N/m; the longest that is surely "
+            f"stable is {longest:.3g} s (or method 'implicit' with semi_implicit_euler)"
+        ]
 
     def _longest_step(self, system, mass, fixed) -> float:
         """The largest surely stable step, s: w^2 <= k_i / m_i + k_j / m_j, with k_i the sum of the stiffness at one end."""

@@ -19,6 +19,7 @@ from gen_art.registry import suggest
 from gen_art.simulation.coupled_systems import CoupledSystems
 from gen_art.simulation.stepper import Stepper
 from gen_art.simulation.system import ParticleSystem
+from gen_art.simulation.watch import Watch
 
 if TYPE_CHECKING:
     from gen_art.preset.schema import Preset
@@ -41,7 +42,10 @@ class Simulation:
     arch : "cpu"
     threads : None for all; fixed by the first Simulation of the process
     ledger : keep a ledger of work, dissipation, births and deaths; the state's bits are the same with and without it
-    Raises UsageError for anything that cannot be simulated.
+    advice : what happens when a step, a scheme or a precision cannot carry the motion, at the start and during the run: "warn"
+        gives an AdviceWarning, once a cause; "error" raises UsageError; "none" says nothing. See docs/when_physics_says_no.md
+    Raises UsageError for anything that cannot be simulated, and DivergedError, from a step on, where numbers leave the
+    finite ones.
 
     `sim["name"]` is a ParticleSystem, `sim.members` are all of them, `sim.systems` their storage. All three are read-only;
     only `step`, `advance` and `advance_to_frame` change a simulation.
@@ -57,6 +61,7 @@ class Simulation:
         arch: str = "cpu",
         threads: int | None = None,
         ledger: bool = False,
+        advice: str = "warn",
     ) -> None:
         if precision not in _DTYPES:
             raise UsageError(f"precision must be f32 or f64, not {precision!r}{suggest(precision, _DTYPES)}")
@@ -90,9 +95,13 @@ class Simulation:
             give_birth(system.state, [b for e in system.emitters for b in scheduled_births(e, 0.0)], precision)
         # by system, the ids from..to of particles born at the end of the last step: no emitter has handled their births yet
         self._unprocessed_ids = {name: (0, system.state.next_id) for name, system in members.items()}
-        for system in members.values():
+        self._watch = Watch(self, advice)
+        self._watch.start()
+        for name, system in members.items():
             for interaction in system.interactions:
-                interaction.attach(system, self.dt)
+                for k, sentence in enumerate(interaction.attach(system, self.dt)):
+                    self._watch.say(name, f"{interaction.name} {k}", sentence)
+        self._watch.look()
         self._ledger: LedgerKeeper | None = None
         if ledger:
             self.keep_ledger()
@@ -183,13 +192,14 @@ class Simulation:
         if target < self.steps_done:
             raise UsageError(f"frame {frame} is in the past: the simulation is at step {self.steps_done}")
         self.step(target - self.steps_done)
+        self._watch.check_finite()
 
     def step(self, count: int = 1) -> None:
         """Advance by `count` steps of dt."""
         if count < 0 or int(count) != count:
             raise UsageError(f"steps must be a whole number of at least 0, not {count}")
         while count > 0:
-            count -= self._advance(min(int(count), _BATCH))
+            count -= self._advance(min(int(count), _BATCH, self._watch.most_steps()))
 
     def step_with(self, move: Callable[[int], None]) -> None:
         """Take one step in which `move(number of the step)` moves the particles instead of their integrators."""
@@ -232,6 +242,7 @@ class Simulation:
             self._unprocessed_ids = {name: (s.state.next_id, s.state.next_id) for name, s in self.members.items()}
         if self._ledger:
             self._ledger.record_deaths(t0, t1, unprocessed)
+        self._watch.look()
         return steps
 
     def _batch(self, most: int) -> int:
@@ -261,7 +272,11 @@ class Simulation:
                 self._steppers[name].run(first, 1, self.dt, new.start, -math.inf)
 
     def diagnostics(self) -> "Diagnostics":
-        """The sums over all living particles now, in float64: see ga.Diagnostics."""
+        """The sums over all living particles now, in float64: see ga.Diagnostics.
+
+        Raises DivergedError if a position or a velocity is not finite.
+        """
+        self._watch.check_finite()
         from gen_art.simulation.diagnostics import diagnose
 
         return diagnose(self)
@@ -273,7 +288,11 @@ class Simulation:
         return self._ledger.report()
 
     def digest(self) -> str:
-        """SHA-256 of the state: the clock, and every living particle of every system, by name."""
+        """SHA-256 of the state: the clock, and every living particle of every system, by name.
+
+        Raises DivergedError if a position or a velocity is not finite.
+        """
+        self._watch.check_finite()
         h = hashlib.sha256(f"{self.precision} {self.steps_done} {self.dt!r} {self.seed}".encode())
         for name in sorted(self.members):
             state, living = self.members[name].state, self.living(name)
@@ -286,7 +305,11 @@ class Simulation:
         return h.hexdigest()
 
     def save(self, path: str | os.PathLike) -> None:
-        """Write the whole state, bit for bit, to a snapshot (.gas). Raises OutputError when the file cannot be written."""
+        """Write the whole state, bit for bit, to a snapshot (.gas).
+
+        Raises OutputError when the file cannot be written, DivergedError if a position or a velocity is not finite.
+        """
+        self._watch.check_finite()
         from gen_art.simulation.snapshot import write
 
         write(self, path, self._unprocessed_ids)

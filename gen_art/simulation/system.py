@@ -104,6 +104,7 @@ class ParticleSystem:
             speed = np.linalg.norm(self._initial["velocity"], axis=0)
             if (speed >= speed_of_light).any():
                 raise UsageError(f"velocity must be below the speed of light, {speed_of_light:g} m/s")
+        self.least_mass, self.largest_charge = self._extremes()
         self._attributes = dict(attributes or {})
         self._fixed = self._fixed_indices(fixed)
         for force in self.forces:
@@ -120,6 +121,18 @@ class ParticleSystem:
         least = [] if mass is None or not np.size(mass) else [float(np.min(mass))]
         kinds = [kind for emission in self.emitters for kind in emission.kinds]
         return least + [kind.attributes["mass"][0] for kind in kinds if "density" not in kind.attributes]
+
+    def _extremes(self) -> tuple[float, float]:
+        """(least mass, kg, inf without particles; largest absolute charge, C) of the particles of the start and of births."""
+        kinds = [kind.attributes for emission in self.emitters for kind in emission.kinds]
+        masses = [
+            k["density"][0] * 4 / 3 * np.pi * k["radius"][0] ** 3 if "density" in k else k["mass"][0] for k in kinds
+        ]
+        charges = [abs(c) for k in kinds for c in k["charge"]]
+        if self._initial:
+            masses.append(self._initial["mass"].min(initial=np.inf))
+            charges.append(np.abs(self._initial["charge"]).max(initial=0.0))
+        return float(min(masses, default=np.inf)), float(max(charges, default=0.0))
 
     @staticmethod
     def _checked_arrays(position, velocity, mass, charge, radius, attributes) -> dict[str, np.ndarray]:

@@ -210,7 +210,7 @@ def test_the_same_bits_again_and_a_yaml_key():
 
 
 def test_contacts_that_cannot_be():
-    with pytest.warns(UserWarning, match="last 5 steps; they need 8: a step of at most 0.000625 s"):
+    with pytest.warns(UserWarning, match="last 5 steps; leapfrog needs 8: use a step of at most 0.000625 s"):
         simulated(np.eye(3), np.zeros((3, 3)), 1e-3, duration=5e-3)
     with pytest.raises(ga.UsageError, match="contacts: a particle has no mass"):
         simulated(np.eye(3), np.zeros((3, 3)), 1e-3, mass=0.0).step(1)

@@ -245,11 +245,15 @@ def test_a_spring_that_is_too_stiff_for_the_step_is_a_warning():
         )  # fmt: skip
         sim = ga.Simulation({"s": system}, dt=dt, precision="f64")
         sim.step(400)
-        return np.abs(sim["s"].position - net.position).max()
+        return np.abs(sim["s"].position - net.position).max()  # not reached if the positions leave the finite numbers
 
     limit = 2 / np.sqrt(4 * 50 / 0.5)  # w_max = 2 sqrt(k / m)
-    with pytest.warns(UserWarning, match=f"longest that is surely stable is {limit:.3g} s"):
-        assert not run(limit * 1.2) < 1
+    said = f"longest that is surely stable is {limit:.3g} s"
+    with (
+        pytest.warns(ga.AdviceWarning, match=said),
+        pytest.raises(ga.DivergedError, match=f"most likely because .*{said}"),
+    ):
+        run(limit * 1.2)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert run(limit * 0.95) < 1e-4

@@ -74,6 +74,7 @@ class Rigid(Interaction):
                 f"not {scheme.name}"
             )
         self._world = World(self._members(system), self._colliders, self.values, system, dt)
+        return []
 
     def _members(self, system) -> list:
         """The bodies in the order of their particles. Raises UsageError for particles that belong to no body."""
