@@ -136,7 +136,9 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES,
     energy, momentum = (
         {n: _trend([r.residuals[n, q] for r in runs], orders[n]) for n in few.systems} for q in ("energy", "momentum")
     )
-    distances = {n: distance for n in few.systems if (distance := positions(runs, n, orders[n]))}
+    # thermal noise is drawn once a step: other steps, other paths
+    steady = [n for n, s in few.systems.items() if not any(f.provides("noise") for f in forces_of(few, s))]
+    distances = {n: distance for n in steady if (distance := positions(runs, n, orders[n]))}
     scattered = [name for name, (trend, _) in distances.items() if not trend.good and has_kinks(few, name)]
     if scattered:
         others = {

@@ -11,6 +11,7 @@ from gen_art.forces.electric_sources import ElectricDipole, ElectricGrid, Electr
 from gen_art.forces.electromagnetic import ElectricField, MagneticField, MagneticMirror
 from gen_art.forces.flows import Aperture, Vortex
 from gen_art.forces.gravity import Gravity, HeightGravity
+from gen_art.forces.langevin import Langevin
 from gen_art.forces.lift import Lift
 from gen_art.forces.magnetic_sources import MagneticDipole, MagneticGrid, MagneticLoop, MagneticWire
 from gen_art.forces.panel import Panel
@@ -42,6 +43,7 @@ __all__ = [
     "Hand",
     "HeightGravity",
     "Hernquist",
+    "Langevin",
     "Lift",
     "MagneticDipole",
     "MagneticField",

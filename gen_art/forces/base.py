@@ -43,6 +43,7 @@ class Force(Parametric):
     electric      (3,) V/m
     magnetic      (3,) T
     damping       (2,) rate in 1/s and quadratic rate in 1/m, which the integrator solves exactly
+    noise         m^2/s^3, the strength of a white noise: a free velocity's variance grows by it each second; beside `damping`
     potential     J, time-independent; -gradient is the force
     mass_rate     kg/s by which the particle's mass falls, constant over a step; p.since is the age at the step's start, p.step
                   its length, s (`mass_loss` is the same under another name, for classes with a parameter mass_rate)

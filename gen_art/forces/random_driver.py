@@ -38,8 +38,9 @@ class RandomDriver(Force):
     seed : selects another force
     harmonics : 1 to 64; with many, each component is normally distributed
     It is a smooth function of time and the particle's key alone, without state, so every integrator keeps its order. Does work.
-    If the correlation time is short compared with the step, it acts on a free particle as white noise of
-    <v^2> = 2 strength^2 correlation_time t / m^2.
+    Over times much longer than its correlation time a free particle gains <v^2> = 2 strength^2 correlation_time t / m^2. It is
+    no heat bath: with few harmonics the velocities that it and a damping bring about are not normally distributed (a
+    kurtosis far above 3), because each particle keeps its own few frequencies for ever. Use `langevin`.
     Source: Rice (1944), Mathematical analysis of random noise, Bell System Tech. J. 23, 282.
     """
 

@@ -119,6 +119,10 @@ class KernelTerms:
         return [t for t in self.terms if t.force.provides("damping")]
 
     @property
+    def noises(self) -> list[Term]:
+        return [t for t in self.terms if t.force.provides("noise")]
+
+    @property
     def mass_loss_terms(self) -> list[Term]:
         return [t for t in self.terms if loses_mass(t.force)]
 

@@ -83,6 +83,10 @@ def _add_kick_entries(
                     add_entry(B, b, term.ledger_row, impulse.dot(mean), 0.0, impulse)
                     if ti.static(len(terms.colliders) > 0 and term.force.conservative):
                         C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
+            if ti.static(len(terms.noises) > 0 and kicked):
+                impulse = ti.Vector([L.n0[j], L.n1[j], L.n2[j]]) * m
+                rest -= impulse
+                add_entry(B, b, terms.noises[0].ledger_row, impulse.dot(mean), 0.0, impulse)
             for term in ti.static(terms.magnetics):
                 for repeat in range(repeats(Q, term.count_offset)):
                     field = term.force.magnetic(p, t, parameters(Q, term.force, term.offset, repeat))
@@ -183,7 +187,7 @@ def make_ledger_kernel(
                                 Y.v0[j], Y.v1[j], Y.v2[j] = X.v0[j], X.v1[j], X.v2[j]
                             time, length, light = P[TIME + STAGE * g], P[KICK + STAGE * g], P[P.shape[0] - 1]
                             accumulate(terms, L, X, S, K, A, Q, i, time)
-                            kick(terms, L, X, S, i, length, light)
+                            kick(terms, L, X, S, K, i, length, light, first, time)
                             _add_kick_entries(terms, B, b, L, X, Y, S, K, A, Q, i, n, time, length, True, C, light)
                             drift_with_exhaust(terms, B, b, L, X, S, K, Q, i, n, time, P[DRIFT + STAGE * g])
                     else:

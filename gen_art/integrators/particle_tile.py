@@ -14,6 +14,7 @@ from gen_art.colliders.surface import make_surface
 from gen_art.forces.base import is_steady, term_acceleration
 from gen_art.integrators.kernel_terms import KernelTerms
 from gen_art.integrators.pushers import phase_corrected, relativistic
+from gen_art.integrators.thermal_noise import add_noise
 from gen_art.maths.elementary import phi
 from gen_art.particles.fixed import is_fixed
 from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, PX, PY, PZ, RADIUS, VX, VY, VZ
@@ -60,7 +61,7 @@ class CollisionTerm:
 class TileTerms:
     """A composition as kernels use it.
 
-    accelerations, magnetics, dampings, mass_loss_terms, potentials : the Terms of each kind
+    accelerations, magnetics, dampings, noises, mass_loss_terms, potentials : the Terms of each kind
     media : the Terms of each medium
     colliders : CollisionTerms
     pairs : number of arrays of pair accelerations
@@ -80,7 +81,7 @@ class TileTerms:
     ):
         self.pusher, self.relativistic, self.exact = rotation
         self.accelerations, self.magnetics = composition.accelerations, composition.magnetics
-        self.dampings = composition.dampings
+        self.dampings, self.noises = composition.dampings, composition.noises
         self.mass_loss_terms, self.potentials = composition.mass_loss_terms, composition.potentials
         self.media = composition.media
         self.rows = {name: FIRST_ATTRIBUTE + k for k, name in enumerate(channels)}
@@ -106,6 +107,8 @@ class TileTerms:
         names += [f"u{m}0 u{m}1 u{m}2" for m in range(len(self.media))]
         if self.mass_loss_terms:
             names.append("m w")  # mass at the stage, and its loss in kg/s
+        if self.noises:
+            names.append("s n0 n1 n2")  # strength of the thermal noise, m^2/s^3, and the velocity that it has added
         if self.magnetics:
             names.append("b0 b1 b2")
         self.vectors = " ".join(names)
@@ -261,6 +264,15 @@ def accumulate(
             q = parameters(Q, term.force, term.offset)
             rates = term.force.damping(p, L.t[j] + tau * L.h[j], q)
             L.at("k", d)[j], L.at("q", d)[j] = rates[0], rates[1]
+    if ti.static(len(terms.noises) > 0):
+        for j in range(WIDTH):
+            L.s[j] = 0.0
+        for term in ti.static(terms.noises):
+            for j in range(WIDTH):
+                x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
+                v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
+                p = stage_view(terms, S, K, L, i, j, x, v, L.age[j] + tau * L.h[j])
+                L.s[j] += term.force.noise(p, L.t[j] + tau * L.h[j], parameters(Q, term.force, term.offset))
     if ti.static(len(terms.magnetics) > 0):
         for j in range(WIDTH):
             L.b0[j], L.b1[j], L.b2[j] = 0.0, 0.0, 0.0
@@ -312,10 +324,13 @@ def rotated(v, omega, h):
 
 
 @ti.func
-def kick(terms: ti.template(), L: ti.template(), X: ti.template(), S: ti.template(), i, fraction, light):
+def kick(
+    terms: ti.template(), L: ti.template(), X: ti.template(), S: ti.template(), K: ti.template(), i, fraction, light, step, tau
+):  # fmt: skip
     """Advance the tile's velocities by a fraction of each lane's step, with the sums of `accumulate` in L.
 
     light : speed of light, m/s
+    step, tau : number of the step, and the time of the kick in it, in steps
     """
     for j in range(WIDTH):
         v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
@@ -344,3 +359,5 @@ def kick(terms: ti.template(), L: ti.template(), X: ti.template(), S: ti.templat
                 L.a2[j] += lorentz[2]
                 v = accelerated(terms, L, j, v, h)
         X.v0[j], X.v1[j], X.v2[j] = v[0], v[1], v[2]
+    if ti.static(len(terms.noises) > 0):
+        add_noise(terms, L, X, K, i, fraction, ti.cast(step, ti.u32), tau, WIDTH)

@@ -152,6 +152,12 @@ def charged(used: Scheme, forces, light: float | None, exact: bool, interactions
         raise UsageError(f"{what} needs an integrator for charges ({pushers}), not {used.name}")
     if light is not None and not (math.isfinite(light) and light > 0):
         raise UsageError(f"speed_of_light must be above 0 m/s, not {light}")
+    for one in forces:
+        if one.provides("noise") and (used.kind != "splitting" or any(kick < 0 for kick, _, _ in used.stages)):
+            raise UsageError(
+                f"{one.name} adds noise in kicks that go forwards in time: use leapfrog, position_verlet, semi_implicit_euler or "
+                f"boris, not {used.name}"
+            )
     if light is not None:
         for one in forces:
             if one.provides("damping"):

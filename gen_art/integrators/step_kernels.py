@@ -123,7 +123,19 @@ def _splitting(terms: TileTerms, staged: bool, real):
                                         accumulate(terms, L, X, S, K, A, Q, i, P[TIME + STAGE * g])
                                 else:
                                     accumulate(terms, L, X, S, K, A, Q, i, P[TIME + STAGE * g])
-                                kick(terms, L, X, S, i, P[KICK + STAGE * g], P[P.shape[0] - 1])
+                                number = first + ti.cast(step, ti.f64)
+                                kick(
+                                    terms,
+                                    L,
+                                    X,
+                                    S,
+                                    K,
+                                    i,
+                                    P[KICK + STAGE * g],
+                                    P[P.shape[0] - 1],
+                                    number,
+                                    P[TIME + STAGE * g],
+                                )
                             drift(L, X, P[DRIFT + STAGE * g])
                         if ti.static(len(terms.colliders) > 0):
                             if stage1 == (P.shape[0] - 1) // STAGE:

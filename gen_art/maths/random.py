@@ -12,7 +12,7 @@ import numpy as np
 from gen_art.backend.runtime import real, ti
 from gen_art.maths.elementary import cos, log, sin
 
-__all__ = ["channel_of", "derive", "philox_numpy", "uniform", "Stream"]
+__all__ = ["channel_of", "derive", "philox", "philox_numpy", "uniform", "Stream"]
 
 _MULTIPLIER = 0xD256D193
 _WEYL = 0x9E3779B9
@@ -59,6 +59,18 @@ def uniform(key, channel: int) -> np.ndarray:
     key = np.asarray(key, np.uint64)
     a, b = philox_numpy(key & np.uint64(0xFFFFFFFF), channel, key >> np.uint64(32))
     return (a.astype(np.float64) * 2.0**-32) + (b >> np.uint32(12)).astype(np.float64) * 2.0**-52 + 2.0**-53
+
+
+@ti.func
+def philox(c0, c1, key):
+    """Two words (u32) from counter words c0, c1 and a key word, all u32: the same as philox_numpy. It vectorises."""
+    x, y, k = c0, c1, key
+    for _ in ti.static(range(10)):
+        product = ti.cast(x, ti.u64) * ti.u64(_MULTIPLIER)
+        x = ti.cast(product >> ti.u64(32), ti.u32) ^ k ^ y
+        y = ti.cast(product & ti.u64(0xFFFFFFFF), ti.u32)
+        k += ti.u32(_WEYL)
+    return x, y
 
 
 # a real function is compiled once and called, instead of inlined at every draw: this halves the time to trace and compile a

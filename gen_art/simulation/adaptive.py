@@ -71,6 +71,8 @@ def _check(sim) -> None:
         obstacle = None
         if system.composition.colliders:
             obstacle = "colliders, whose impacts are of order 2"
+        elif system.composition.noises:
+            obstacle = f"{system.composition.noises[0].name}, whose noise is drawn once a step of the clock"
         elif system.scheme.light:
             obstacle = "speed_of_light, which needs a pusher"
         elif any(interaction.implicit for interaction in system.interactions):
