@@ -27,6 +27,7 @@ from taichi.lang import impl
 from taichi.lang.expr import make_expr_group
 from taichi.lang.matrix import make_matrix
 
+from gen_art.backend.compile_errors import as_sentences
 from gen_art.errors import UsageError
 
 if not STOCK_TAICHI:
@@ -171,7 +172,8 @@ def _compiling(dtype, vectors: bool):
     old = runtime.default_fp, config.default_fp, config.real_matrix_scalarize
     runtime.default_fp, config.default_fp, config.real_matrix_scalarize = dtype, dtype, not vectors
     try:
-        yield
+        with as_sentences():
+            yield
     finally:
         runtime.default_fp, config.default_fp, config.real_matrix_scalarize = old
 

@@ -4,6 +4,7 @@ from typing import ClassVar
 
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
+from gen_art.kernel_methods import check_kernel_methods
 from gen_art.registry import Parameter, Parametric, Registry, param
 
 __all__ = ["ACTIONS", "COLLIDERS", "Collider", "collider"]
@@ -46,6 +47,7 @@ class Collider(Parametric):
         common = [key for key in Collider.parameters if key in cls.parameters]
         specific: dict[str, Parameter] = {key: p for key, p in cls.parameters.items() if key not in common}
         cls.parameters = specific | {key: cls.parameters[key] for key in common}
+        check_kernel_methods(cls, ("distance", "gradient", "nearest"))
 
     def prepare(self):
         pair = tuple(float(c) for c in self.values["friction"])

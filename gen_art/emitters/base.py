@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import ClassVar
 
+from gen_art.kernel_methods import check_kernel_methods
 from gen_art.registry import Parametric, Registry
 
 __all__ = ["EMITTERS", "SHAPES", "VELOCITIES", "Emitter", "Shape", "Velocity", "emitter", "shape", "velocity"]
@@ -14,6 +15,12 @@ shape, velocity, emitter = SHAPES, VELOCITIES, EMITTERS
 
 
 class _Birth(Parametric):
+    kernel_methods: ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls, **kwargs):
+        super().__init_subclass__(**kwargs)
+        check_kernel_methods(cls, cls.kernel_methods)
+
     @property
     def fixed(self) -> tuple:
         """What the birth kernel is compiled for: the class and its choices. Numbers are never part of it."""
@@ -27,6 +34,8 @@ class Shape(_Birth):
     `place(self, r, t, q)` is a @ti.func that returns (3,) m.
     """
 
+    kernel_methods = ("place",)
+
 
 class Velocity(_Birth):
     """The velocity at birth, relative to the emitter's.
@@ -36,6 +45,8 @@ class Velocity(_Birth):
     r.ordinal : the number of the particle in its burst
     r.burst : the random stream of the burst
     """
+
+    kernel_methods = ("velocity",)
 
 
 class Emitter(_Birth):
@@ -48,5 +59,6 @@ class Emitter(_Birth):
     declares : attributes that its particles have without the preset naming them
     """
 
+    kernel_methods = ("birth",)
     sample: ClassVar[Callable | None] = None
     declares: ClassVar[tuple[str, ...]] = ()

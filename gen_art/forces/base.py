@@ -5,6 +5,7 @@ from typing import ClassVar, Protocol
 
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
+from gen_art.kernel_methods import check_kernel_methods
 from gen_art.registry import Parametric, Registry
 
 __all__ = [
@@ -75,8 +76,13 @@ class Force(Parametric):
     random: ClassVar[bool] = False
     quadratic_damping: ClassVar[bool] = True
 
+    kernel_methods: ClassVar[tuple[str, ...]] = (
+        "acceleration", "force", "electric", "magnetic", "damping", "noise", "potential", "mass_rate", "mass_loss",
+    )  # fmt: skip
+
     def __init_subclass__(cls, **kwargs):
         super().__init_subclass__(**kwargs)
+        check_kernel_methods(cls, cls.kernel_methods)
         if cls.repeat is not None and cls.repeat not in cls.parameters:
             raise UsageError(f"{cls.__name__}.repeat names '{cls.repeat}', which is no parameter of it")
         if cls.conservative and not cls.provides("potential"):

@@ -17,6 +17,7 @@ from gen_art.maths.random import channel_of, derive
 from gen_art.particles.storage import Particles
 from gen_art.registry import suggest
 from gen_art.simulation.coupled_systems import CoupledSystems
+from gen_art.simulation.potential_check import check_potentials
 from gen_art.simulation.stepper import Stepper
 from gen_art.simulation.system import ParticleSystem
 from gen_art.simulation.watch import Watch
@@ -101,6 +102,7 @@ class Simulation:
             for interaction in system.interactions:
                 for k, sentence in enumerate(interaction.attach(system, self.dt)):
                     self._watch.say(name, f"{interaction.name} {k}", sentence)
+        check_potentials(self)
         self._watch.look()
         self._ledger: LedgerKeeper | None = None
         if ledger:

@@ -15,9 +15,11 @@ from gen_art.integrators import scheme
 from gen_art.integrators.kernel_terms import KernelTerms, collider_names
 from gen_art.integrators.schemes import charged
 from gen_art.interactions import Interaction
+from gen_art.kernel_methods import PARTICLE, attributes_read, is_own
 from gen_art.particles.fixed import FIXED
 from gen_art.particles.rows import FIRST_ATTRIBUTE, LIFETIME, POSITION, VELOCITY
 from gen_art.particles.storage import Particles
+from gen_art.registry import suggest
 
 if TYPE_CHECKING:
     from gen_art.preset.look import Look
@@ -113,6 +115,14 @@ class ParticleSystem:
                 raise UsageError(
                     f"{force.name} needs particles with the attribute {missing[0]}: declare it, or use rigid bodies"
                 )
+            for read, method in attributes_read(
+                type(force), () if is_own(type(force)) else force.kernel_methods
+            ).items():
+                if read not in self.attribute_names:
+                    raise UsageError(
+                        f"{type(force).__name__}.{method} reads p.{read}, which the particles do not have"
+                        f"{suggest(read, (*PARTICLE, *self.attribute_names)) or ': declare it as an attribute'}"
+                    )
         self._state: Particles | None = None
         self._time = lambda: 0.0
 
@@ -278,8 +288,6 @@ class ParticleSystem:
 
     def attribute(self, name: str) -> np.ndarray:
         """(n,) the particles' mass, charge, radius, lifetime or a declared attribute."""
-        from gen_art.registry import suggest
-
         if name not in self.state.channels:
             raise UsageError(f"system '{self.name}' has no attribute '{name}'{suggest(name, self.state.channels)}")
         return self._copy(self.state.floats[self.state.channels[name], self._living()])
