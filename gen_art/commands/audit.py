@@ -33,7 +33,8 @@ def command(
     path = Path(output) if output else None
     if path is not None:
         from gen_art.audit.plots import MOMENTS, check_plots
-        from gen_art.output.target import beside, check_writable
+        from gen_art.files import beside
+        from gen_art.output.target import check_writable
 
         check_plots(path)
         check_writable([path], overwrite)
@@ -47,6 +48,6 @@ def command(
     if path is not None:
         from gen_art.audit.plots import draw
 
-        with beside(path) as temporary:
+        with beside(path, overwrite) as temporary:
             draw(report, temporary)
     click.echo(json.dumps(report.as_dict(), indent=2) if as_json else report.text())

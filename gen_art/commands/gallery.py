@@ -23,6 +23,7 @@ def command(names, folder, threads, progress):
     Stills are 1280x720, loops 640x360; of the presets NAMES, or of all. index.html shows them.
     """
     from gen_art.commands.progress import reporter
+    from gen_art.files import beside
     from gen_art.output import job
     from gen_art.preset.load import load_preset
     from gen_art.preset.shipped import preset_names
@@ -42,7 +43,8 @@ def command(names, folder, threads, progress):
             )  # fmt: skip
         for path in paths:
             click.echo(f"{path} {path.stat().st_size / 1000:.0f} KB")
-    (out / "index.html").write_text(page(preset_names()), encoding="utf-8")
+    with beside(out / "index.html") as temporary:
+        temporary.write_text(page(preset_names()), encoding="utf-8")
     click.echo(out / "index.html")
 
 

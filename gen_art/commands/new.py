@@ -1,11 +1,13 @@
 """`gen-art new`: writes a new preset with the files that it needs."""
 
+import os
 import shutil
 from pathlib import Path
 
 import click
 
-from gen_art.errors import OutputError, UsageError
+from gen_art.errors import UsageError
+from gen_art.files import beside, replaces
 
 __all__ = ["command"]
 
@@ -32,18 +34,14 @@ def command(name, source, overwrite):
     text, _ = open_source(origin)
     preset = load_preset(origin)
     copies = {target.parent / str(file): file.place for file in preset.files}
+    same = {path for path, place in copies.items() if path.is_file() and path.read_bytes() == place.read_bytes()}
     for path in (target, *copies):
-        same = path in copies and path.is_file() and path.read_bytes() == copies[path].read_bytes()
-        if path.exists() and not overwrite and not same:
-            raise OutputError(f"{path} exists already; --overwrite replaces it")
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        for path, place in copies.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            if not (path.exists() and path.samefile(place)):
-                shutil.copyfile(place, path)
-        target.write_text("\n".join(text.lines), encoding="utf-8")
-    except OSError as error:
-        raise OutputError(f"cannot write {target}: {error.strerror or error}") from None
+        if os.path.lexists(path) and not overwrite and path not in same:
+            raise replaces(path)
+    for path in copies.keys() - same:
+        with beside(path, overwrite) as temporary:
+            shutil.copyfile(copies[path], temporary)
+    with beside(target, overwrite) as temporary:
+        temporary.write_text("\n".join(text.lines), encoding="utf-8")
     for path in (target, *copies):
         click.echo(path)

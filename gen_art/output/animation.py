@@ -8,22 +8,24 @@ import struct
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import av
 from av.filter import Graph
 
+from gen_art.output.containers import open_film, read_film
 from gen_art.output.recipe import encode
 from gen_art.output.stills import exif
 
 __all__ = ["write_gif", "write_webp"]
 
 _WEBP = {"preview": ("70", "1"), "web": ("80", "4"), "master": ("95", "6")}  # quality, effort
+_PARTIAL = ".mkv"  # the film that they are made from
 _CENTISECONDS, _MILLISECONDS = 100, 1000
 
 
-def _frames(film: Path, pixels: str) -> Iterator[av.VideoFrame]:
-    with av.open(str(film)) as source:
+def _frames(film: BinaryIO, pixels: str) -> Iterator[av.VideoFrame]:
+    with read_film(film, _PARTIAL) as source:
         for frame in source.decode(video=0):
             yield frame.reformat(format=pixels)
 
@@ -34,7 +36,7 @@ def _input(graph: Graph, frame: av.VideoFrame, name: str):
     )
 
 
-def _palette(film: Path) -> av.VideoFrame:
+def _palette(film: BinaryIO) -> av.VideoFrame:
     """The palette of the whole film, as 16 x 16 pixels."""
     graph: Any = None
     source: Any = None
@@ -51,7 +53,7 @@ def _palette(film: Path) -> av.VideoFrame:
     return graph.pull()
 
 
-def _reduced(film: Path, palette: av.VideoFrame) -> Iterator[av.VideoFrame]:
+def _reduced(film: BinaryIO, palette: av.VideoFrame) -> Iterator[av.VideoFrame]:
     """The film's frames in the palette's colours."""
     graph: Any = None
     source: Any = None
@@ -84,7 +86,7 @@ def _encode(path: Path, muxer: str, codec: str, frames, pixels: str, fps: float,
     """Encode frames whose times are multiples of 1/unit s; each time is rounded by itself, so errors do not add up."""
     stream: Any = None
     durations: dict[int, int] = {}  # by presentation time, in units
-    with av.open(str(path), "w", format=muxer, options={"loop": "0", "fflags": "+bitexact"}) as container:
+    with open_film(path, muxer, None, {"loop": "0"}) as container:
         for k, frame in enumerate(frames):
             if stream is None:
                 stream = container.add_stream(codec, rate=unit, options=options)
@@ -98,7 +100,7 @@ def _encode(path: Path, muxer: str, codec: str, frames, pixels: str, fps: float,
         container.mux(stream.encode(None))
 
 
-def write_gif(film: Path, path: Path, fps: float, recipe: dict | None) -> None:
+def write_gif(film: BinaryIO, path: Path, fps: float, recipe: dict | None) -> None:
     """Write the film as a GIF that repeats for ever, with the recipe as its comment."""
     _encode(path, "gif", "gif", _reduced(film, _palette(film)), "pal8", fps, _CENTISECONDS, {})
     if recipe is not None:
@@ -110,7 +112,7 @@ def write_gif(film: Path, path: Path, fps: float, recipe: dict | None) -> None:
         path.write_bytes(data[:at] + b"\x21\xfe" + blocks + b"\0" + data[at:])
 
 
-def write_webp(film: Path, path: Path, fps: float, recipe: dict | None, profile: str) -> None:
+def write_webp(film: BinaryIO, path: Path, fps: float, recipe: dict | None, profile: str) -> None:
     """Write the film as an animated WebP that repeats for ever, with the recipe as its EXIF description."""
     quality, effort = _WEBP[profile]
     options = {"quality": quality, "compression_level": effort}

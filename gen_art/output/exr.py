@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from gen_art.errors import OutputError, UsageError
+from gen_art.files import beside
 from gen_art.output.recipe import KEY, encode
-from gen_art.output.target import beside
 
 __all__ = ["read_text", "write_exr"]
 
@@ -31,7 +31,7 @@ def check_exr() -> None:
 
 def write_exr(
     path, linear: np.ndarray, aovs: dict[str, np.ndarray] | None = None, bits: int = 16, recipe: dict | None = None,
-    exposure: float = 0.0,
+    exposure: float = 0.0, overwrite: bool = True,
 ) -> Path:  # fmt: skip
     """Write (height, width, 4) float32, linear Rec.709 and premultiplied, as R G B A with lossless ZIP compression.
 
@@ -39,7 +39,7 @@ def write_exr(
     bits : 16 (half floats, clipped to +-65504) or 32; Z always has 32
     exposure : stops that `develop` would apply; written to the header, not applied
     The file appears under its final name only when it is complete. Raises UsageError when OpenEXR is not installed,
-    OutputError when the operating system refuses.
+    OutputError when the operating system refuses, and for a file that exists by then (unless overwrite).
     """
     library, path = _library(), Path(path)
     kind = np.float16 if bits == 16 else np.float32
@@ -54,7 +54,7 @@ def write_exr(
     }
     if recipe is not None:
         header[KEY] = encode(recipe)
-    with beside(path) as temporary:
+    with beside(path, overwrite) as temporary:
         try:
             with library.File(header, channels) as file:
                 file.write(str(temporary))

@@ -4,7 +4,7 @@ MP4 and MOV: `moof` and `mdat` boxes follow each other after one `ftyp` and an e
 fragments). Matroska and WebM: clusters follow each other in a segment of unknown size (RFC 8794, RFC 9559).
 """
 
-__all__ = ["split"]
+__all__ = ["skipping_header", "split"]
 
 _EBML, _SEGMENT, _INFO, _TRACKS, _TAGS, _CLUSTER = (
     bytes.fromhex(name) for name in ("1A45DFA3", "18538067", "1549A966", "1654AE6B", "1254C367", "1F43B675")
@@ -16,6 +16,16 @@ _DURATION, _VOID = bytes.fromhex("448988"), bytes.fromhex("EC89") + bytes(9)
 def split(data: bytes, muxer: str) -> tuple[bytes, bytes]:
     """(head, body) of a film's bytes. A file is the head of the first film, then the bodies of all."""
     return _split_boxes(data) if muxer in ("mp4", "mov") else _split_elements(data)
+
+
+def skipping_header(size: int, muxer: str) -> bytes:
+    """The first bytes of a body of `size` bytes while it is being written: they make readers skip all of it.
+
+    A `free` box, whose size 0 means up to the end of the file, or a Void element.
+    """
+    if muxer in ("mp4", "mov"):
+        return (size if size < 2**32 else 0).to_bytes(4, "big") + b"free"
+    return b"\xec\x01" + (size - 9).to_bytes(7, "big")
 
 
 def _split_boxes(data: bytes) -> tuple[bytes, bytes]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from gen_art.errors import EncoderError, OutputError, UsageError
 from gen_art.output.background import background
+from gen_art.output.partial_film import check_partial, partial_path
 from gen_art.output.playback import Playback
 from gen_art.output.progress import Report
 from gen_art.output.read_recipe import read_recipe
@@ -88,6 +89,8 @@ def check_target(
             f"{target.path.stem}_####{target.path.suffix}"
         )
     check_writable([target.frame(k) for k in numbers] if target.pattern else [target.path], overwrite)
+    if target.film is not None:
+        check_partial(partial_path(target.path), overwrite)
     return target, size
 
 
@@ -97,18 +100,19 @@ def _step_of_frame(playback: Playback, k: int) -> int:
 
 
 def _write_picture(
-    submit, playback: Playback, linear: np.ndarray, exposure: float, k: int, target: Target, path: Path, recipe: dict
-) -> None:
+    submit, playback: Playback, linear: np.ndarray, exposure: float, k: int, target: Target, path: Path, recipe: dict,
+    overwrite: bool,
+) -> None:  # fmt: skip
     """Write the linear picture of frame k through `submit`: developed, or unchanged to EXR."""
     spec = playback.preset.develop
     if target.extension == ".exr":
         from gen_art.output.exr import write_exr
 
         aovs = {name: np.array(values) for name, values in playback.aovs().items()}
-        submit(write_exr, path, np.array(linear), aovs, target.bits, recipe, spec.exposure + exposure)
+        submit(write_exr, path, np.array(linear), aovs, target.bits, recipe, spec.exposure + exposure, overwrite)
     else:
         picture = develop(linear, spec, frame=k, transparent=recipe["transparent"], bits=target.bits, exposure=exposure)
-        submit(write_still, path, picture, recipe)
+        submit(write_still, path, picture, recipe, overwrite)
 
 
 def _load_plugins(plugins):
@@ -184,7 +188,7 @@ def render(
             spec, plugins=loaded_plugins, kind="film", frames=_first_last_step(numbers), ending=target.extension,
             codec=film.codec.name, profile=film.profile, max_rate=max_rate, **job,
         )  # fmt: skip
-        _render_film(target, size, spec, recipe, precision, threads, numbers, report)
+        _render_film(target, size, spec, recipe, precision, threads, numbers, report, overwrite)
         return [target.path]
     playback = Playback(spec, size, precision, threads)
     paths = [target.frame(k) if target.pattern else target.path for k in numbers]
@@ -192,17 +196,19 @@ def render(
     with background() as submit:
         pictures = playback.pictures([_step_of_frame(playback, k) for k in numbers])
         for k, path, recipe, (linear, exposure) in zip(numbers, paths, recipes, pictures):
-            _write_picture(submit, playback, linear, exposure, k, target, path, recipe)
+            _write_picture(submit, playback, linear, exposure, k, target, path, recipe, overwrite)
             report(k, playback.particles)
     return paths
 
 
-def _render_film(target: Target, size, preset, recipe: dict, precision: str, threads, frames, report: Report) -> None:
+def _render_film(
+    target: Target, size, preset, recipe: dict, precision: str, threads, frames, report: Report, overwrite: bool
+) -> None:
     from gen_art.output.video import film_writer  # imported here because a still does not need the encoders
 
     film = target.film
     assert film is not None
-    writer = film_writer(target.path, size, preset.clock.fps, recipe, film, recipe["max_rate"])
+    writer = film_writer(target.path, size, preset.clock.fps, recipe, film, recipe["max_rate"], overwrite)
     try:
         playback = Playback(preset, size, precision, threads)
         for k, (linear, exposure) in zip(frames, playback.pictures([_step_of_frame(playback, k) for k in frames])):
@@ -247,7 +253,7 @@ def still(
         spec, plugins=loaded_plugins, kind="still", time=float(time), bits=target.bits, size=list(size),
         fps=spec.clock.fps, quality=quality, precision=precision, transparent=transparent,
     )  # fmt: skip
-    _write_picture(_call, playback, linear, exposure, frame, target, target.path, recipe)
+    _write_picture(_call, playback, linear, exposure, frame, target, target.path, recipe, overwrite)
     Report(progress, 1)(0, playback.particles)
     return [target.path]
 

@@ -2,23 +2,22 @@
 
 from fractions import Fraction
 from pathlib import Path
+from typing import BinaryIO
 
-import av
-
+from gen_art.output.containers import open_film, read_film
 from gen_art.output.formats import MUXERS
-from gen_art.output.segments import open_film
 
 __all__ = ["join"]
 
 _FINAL = {"movflags": "+faststart+use_metadata_tags"}
 
 
-def join(partial: Path, path: Path, extension: str, recipe: str | None, fps: Fraction) -> None:
-    """Copy the film at `partial` to `path`, starting at time 0; MP4 and MOV get their index in front."""
+def join(partial: BinaryIO, path: Path, extension: str, recipe: str | None, fps: Fraction) -> None:
+    """Copy the film in the open file `partial` to `path`, starting at time 0; MP4 and MOV get their index in front."""
     muxer = MUXERS[extension]
-    with av.open(str(partial)) as source:
+    with read_film(partial, extension) as source:
         stream = source.streams.video[0]
-        target = open_film(str(path), muxer, recipe, _FINAL if muxer in ("mp4", "mov") else {})
+        target = open_film(path, muxer, recipe, _FINAL if muxer in ("mp4", "mov") else {})
         try:
             copy = target.add_stream_from_template(stream, opaque=True)
             copy.time_base = stream.time_base

@@ -1,8 +1,11 @@
 """Reads the properties of a film file by decoding it."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import av
+
+from gen_art.output.containers import read_film
 
 __all__ = ["Probe", "probe"]
 
@@ -33,7 +36,7 @@ class Probe:
 
 def probe(path) -> Probe:
     """Decode a film and return its properties."""
-    with av.open(str(path)) as container:
+    with read_film(Path(path)) as container:
         stream = container.streams.video[0]
         context = stream.codec_context
         keys = [frame.key_frame for frame in container.decode(stream)]

@@ -1,31 +1,28 @@
-"""The partial film: closed segments appended to one file, which plays up to its last whole segment when writing stops.
+"""A film as closed segments appended to one file, which plays up to its last whole segment when writing stops.
 
 Each segment has its own encoder with a fixed number of threads, so its bytes do not depend on the segments before it. Two
 segments are encoded at a time on other threads: one encoder is flushed while the next one receives frames.
 """
 
-import contextlib
 import io
 import queue
+import threading
 from concurrent.futures import Future, ThreadPoolExecutor
 from fractions import Fraction
-from pathlib import Path
-from types import ModuleType
+from typing import BinaryIO
 
 import av
 
-from gen_art.errors import OutputError
+from gen_art.output.containers import open_film
 from gen_art.output.formats import MUXERS, Format
-from gen_art.output.fragments import split
+from gen_art.output.fragments import skipping_header, split
 from gen_art.output.yuv import tag
 
-fcntl: ModuleType | None = None
-with contextlib.suppress(ImportError):  # Windows has no fcntl: the file is then not locked
-    import fcntl
-
-__all__ = ["Segments", "as_fraction", "encoder_stream", "open_film"]
+__all__ = ["Segments", "as_fraction", "encoder_stream"]
 
 WAITING = 2  # frames that may wait for an encoder
+_FIRST_SECONDS = 0.5  # of film: a film that is stopped early plays up to here
+_LEAST = 4  # frames of the first segment: more than an encoder reorders, so that it reports its delay
 ENCODERS = 2  # at a time
 _MAX_DELAY = 16  # the most frames that an encoder holds back to reorder them
 _FRAGMENTED = {  # fragmented MP4 that keeps the packets' timestamps
@@ -38,14 +35,6 @@ _FRAGMENTED = {  # fragmented MP4 that keeps the packets' timestamps
 def as_fraction(fps: float) -> Fraction:
     """A frame rate as a fraction: 29.97 is 2997/100, 1/3 stays 1/3."""
     return Fraction(fps).limit_denominator(100_000)
-
-
-def open_film(target, muxer: str, recipe: str | None, options: dict[str, str]):
-    """A container to write to, with the recipe as its comment. Bit-exact: it stores no dates or library versions."""
-    container = av.open(target, "w", format=muxer, options={"fflags": "+bitexact", **options})
-    if recipe is not None:
-        container.metadata["comment"] = recipe
-    return container
 
 
 def encoder_stream(container, film: Format, size, fps: float, options: dict[str, str]):
@@ -62,56 +51,44 @@ def encoder_stream(container, film: Format, size, fps: float, options: dict[str,
     return stream
 
 
-def open_locked(path: Path):
-    """Open an empty file at `path` for writing and lock it. Raises OutputError while another process holds the lock."""
-    file = open(path, "ab", buffering=0)  # noqa: SIM115  # the caller closes it
-    if fcntl is not None:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            file.close()
-            raise OutputError(f"{path} is being written by another render") from None
-    file.truncate(0)
-    return file
-
-
 class Segments:
-    """Writes frames to the partial film at `path`, segment by segment.
+    """Writes frames to the partial film, segment by segment.
 
-    path : the partial film
     extension : its file type, .mp4 .mov .webm .mkv
     options : further encoder options
-    length : frames of a segment
+    length : frames of a segment; the first of this length is written as two, the shorter one first
     frames : number of frames in the whole segments on disk
+
+    `add` and `stop` may be interrupted by a signal's exception at any point: they only pass frames on to a thread, which no
+    signal interrupts, and wait for it. `stop` can be called again.
     """
 
-    def __init__(
-        self, path: Path, extension: str, film: Format, size, fps: float, recipe: str | None, options: dict[str, str]
-    ):
-        self.path, self.frames, self._film, self._size, self._fps = path, 0, film, size, fps
+    def __init__(self, extension: str, film: Format, size, fps: float, recipe: str | None, options: dict[str, str]):
+        self.frames, self._film, self._size, self._fps = 0, film, size, fps
         self.length = max(1, round(fps * film.codec.seconds))
+        self._first_end = min(self.length, max(_LEAST, round(fps * _FIRST_SECONDS)))
         self._muxer, self._recipe = MUXERS[extension], recipe
         self._options = {"g": str(self.length), **film.options(size), **options}
-        self._delay, self._bytes, self._count = 0, 0, 0  # delay: frames between first decoding and first display
+        self._delay, self._bytes = 0, 0  # delay: frames between first decoding and first display
         self._failure: BaseException | None = None
         _, container, _ = self._new()
         container.start_encoding()  # options that the encoder refuses fail here, before anything is computed
         container.close()
-        self._file = open_locked(path)
-        self._pool = ThreadPoolExecutor(ENCODERS, thread_name_prefix="gen-art-encoder")
-        self._frames: queue.Queue | None = None  # of the segment in progress; None ends it
-        self._last: Future | None = None
+        self._waiting: queue.SimpleQueue = queue.SimpleQueue()  # frames; None ends the film
+        self._room = threading.Semaphore(WAITING)
+        self._stopped = threading.Event()
+
+    def start(self, file: BinaryIO) -> None:
+        """Begin to write to an empty file."""
+        self._file = file
+        threading.Thread(target=self._run, name="gen-art-film").start()
 
     def add(self, frame: av.VideoFrame) -> None:
         """Encode the next frame; waits while the encoders are busy. Raises the error of an earlier frame."""
         if self._failure is not None:
             raise self._failure
-        if self._count % self.length == 0:
-            self._end_segment()
-            self._frames = queue.Queue(WAITING)
-            self._last = self._pool.submit(self._segment, self._count, self._frames, self._last)
-        self._frames.put(frame)  # type: ignore[union-attr]  # a segment has begun
-        self._count += 1
+        self._room.acquire()
+        self._waiting.put(frame)
 
     def finish(self) -> None:
         """Write the remaining frames as a shorter segment. Raises the error of an earlier frame."""
@@ -121,15 +98,49 @@ class Segments:
 
     def stop(self) -> int:
         """End the partial film, also after an error, and return the number of frames in it."""
-        self._end_segment()
-        self._pool.shutdown()
-        self._file.close()
+        self._waiting.put(None)
+        self._stopped.wait()
         return self.frames
 
-    def _end_segment(self) -> None:
-        if self._frames is not None:
-            self._frames.put(None)
-            self._frames = None
+    def _run(self) -> None:
+        """Pass the frames on to the encoders until the film ends."""
+        try:
+            with ThreadPoolExecutor(ENCODERS, thread_name_prefix="gen-art-encoder") as pool:
+                self._distribute(pool)
+        except BaseException as error:
+            self._failure = self._failure or error
+            while self._next() is not None:  # the caller, who sees the error at its next frame, must not block
+                self._room.release()
+        finally:
+            self._stopped.set()
+
+    def _distribute(self, pool: ThreadPoolExecutor) -> None:
+        frames: queue.Queue | None = None  # of the segment in progress; None ends it
+        last: Future | None = None
+        count = 0
+        try:
+            while (frame := self._next()) is not None:
+                if frames is None:
+                    frames = queue.Queue(1)
+                    last = pool.submit(self._segment, count, frames, last)
+                frames.put(frame)
+                self._room.release()
+                count += 1
+                if count == self._first_end or count % self.length == 0:
+                    frames.put(None)
+                    frames = None
+        finally:
+            if frames is not None:
+                frames.put(None)
+
+    def _next(self) -> av.VideoFrame | None:
+        """The next frame; None at the end, and where the program ends without `stop`."""
+        while True:
+            try:
+                return self._waiting.get(timeout=1.0)
+            except queue.Empty:
+                if not threading.main_thread().is_alive():
+                    return None
 
     def _new(self):
         options = _FRAGMENTED if self._muxer in ("mp4", "mov") else {}
@@ -184,11 +195,27 @@ class Segments:
         container.mux(packets)
         container.close()
         head, body = split(buffer.getvalue(), self._muxer)
-        data = memoryview(head + body if first == 0 else body)
         try:
-            while data:
-                data = data[self._file.write(data) :]
+            self._append(head if first == 0 else b"", body)
         except OSError:
             self._file.truncate(self._bytes)
             raise
         self._bytes = self._file.tell()
+
+    def _append(self, head: bytes, body: bytes) -> None:
+        """Append bytes so that readers skip the body until all of it is there: the process may be killed at any time."""
+        header = skipping_header(len(body), self._muxer)
+        self._write_all(head)
+        start = self._file.tell()
+        self._file.truncate(start + len(body))  # a reader looks for more in what it can only skip a part of
+        self._write_all(header)
+        self._write_all(body[len(header) :])
+        end = self._file.tell()
+        self._file.seek(start)
+        self._write_all(body[: len(header)])
+        self._file.seek(end)
+
+    def _write_all(self, data: bytes) -> None:
+        rest = memoryview(data)
+        while rest:
+            rest = rest[self._file.write(rest) :]

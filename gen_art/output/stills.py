@@ -8,8 +8,8 @@ import numpy as np
 from PIL import Image, PngImagePlugin
 
 from gen_art.errors import UsageError
+from gen_art.files import beside
 from gen_art.output.recipe import KEY, encode
-from gen_art.output.target import beside
 
 __all__ = ["EXIF_DESCRIPTION", "write_still"]
 
@@ -19,11 +19,11 @@ _FILTER_UP = 2  # PNG's filter that stores the difference from the row above
 _RGB, _RGBA = 2, 6  # PNG's colour types
 
 
-def write_still(path, picture: np.ndarray, recipe: dict | None = None) -> Path:
+def write_still(path, picture: np.ndarray, recipe: dict | None = None, overwrite: bool = True) -> Path:
     """Write (height, width, 3 or 4) uint8, or uint16 for PNG, in the format of the path's extension.
 
     The file appears under its final name only when it is complete. JPEG has quality 95 without chroma subsampling, WebP
-    quality 96. Raises OutputError when the operating system refuses.
+    quality 96. Raises OutputError when the operating system refuses, and for a file that exists by then (unless overwrite).
     """
     from imageio.v3 import imwrite
 
@@ -36,7 +36,7 @@ def write_still(path, picture: np.ndarray, recipe: dict | None = None) -> Path:
         options = {"quality": 95, "subsampling": 0, "exif": exif(text), "optimize": True}
     else:
         options = {"quality": 96, "method": 6, "exif": exif(text)}
-    with beside(path) as temporary:
+    with beside(path, overwrite) as temporary:
         if picture.dtype == np.uint16:
             temporary.write_bytes(_png16(picture, text))
         else:

@@ -1,17 +1,17 @@
-"""The output path: its format by file extension, whether it may be written, and writing to a temporary file first."""
+"""The output path: its format by file extension, and whether it may be written."""
 
-import contextlib
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from gen_art.errors import OutputError, UsageError
+from gen_art.files import replaces
 from gen_art.output.formats import EXTENSIONS, Format, check_film_size, find_format
 from gen_art.registry import suggest
 
-__all__ = ["FILMS", "STILLS", "Target", "beside", "check_size_of", "check_writable", "find_target"]
+__all__ = ["FILMS", "STILLS", "Target", "check_size_of", "check_writable", "find_target"]
 
 FILMS = EXTENSIONS
 STILLS: Mapping[str, tuple[int, ...]] = {  # extension -> bits a channel, the default first
@@ -109,8 +109,8 @@ def check_writable(paths, overwrite: bool) -> None:
     for path in paths:
         if path.is_dir():
             raise OutputError(f"{path} is a directory")
-        if path.exists() and not overwrite:
-            raise OutputError(f"{path} exists already; --overwrite replaces it")
+        if os.path.lexists(path) and not overwrite:
+            raise replaces(path)
     for folder in {path.parent for path in paths}:
         first = folder
         while not first.exists() and first != first.parent:
@@ -119,23 +119,3 @@ def check_writable(paths, overwrite: bool) -> None:
             raise OutputError(f"{first} is not a folder")
         if not os.access(first, os.W_OK | os.X_OK):
             raise OutputError(f"no permission to write in {first}")
-
-
-@contextlib.contextmanager
-def beside(path: Path) -> Iterator[Path]:
-    """Yield a temporary path in the folder of `path`; it is renamed to `path` at the end, or removed after an error.
-
-    Raises OutputError when the operating system refuses (disk full, no permission).
-    """
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        yield temporary
-        os.replace(temporary, path)
-    except OSError as error:
-        if isinstance(error, OutputError):
-            raise
-        raise OutputError(f"cannot write {path}: {error.strerror or error}") from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)

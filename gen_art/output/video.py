@@ -1,8 +1,7 @@
 """Writes pictures to a film file; when it is stopped early, the finished part stays as the partial film.
 
-The partial film `NAME.partial.EXT` lies beside the final name and plays up to its last whole segment. GIF and WebP are
-made from all frames at once, so their partial film is a lossless `NAME.partial.mkv`. Closing the writer makes the final
-film from the partial film and deletes it.
+The partial film (partial_film.py) plays up to its last whole segment. Closing the writer makes the final film from it and
+deletes it.
 """
 
 import os
@@ -15,19 +14,14 @@ import av
 import numpy as np
 
 from gen_art.errors import EncoderError, OutputError
+from gen_art.files import beside
 from gen_art.output.formats import Format, check_film_size, find_format
+from gen_art.output.partial_film import PartialFilm, partial_path
 from gen_art.output.recipe import encode
 from gen_art.output.segments import Segments, as_fraction
-from gen_art.output.target import beside
 from gen_art.output.yuv import film_frame
 
 __all__ = ["FilmWriter", "Kept", "film_writer", "partial_path"]
-
-
-def partial_path(path: Path) -> Path:
-    """The path of the partial film of the film at `path`."""
-    extension = ".mkv" if path.suffix.lower() in (".gif", ".webp") else path.suffix
-    return path.with_name(f"{path.stem}.partial{extension}")
 
 
 @dataclass(frozen=True)
@@ -47,17 +41,20 @@ class FilmWriter:
     Raises EncoderError when the encoder fails, OutputError when the operating system refuses (disk full, no permission).
     """
 
-    def __init__(self, path: Path, film: Format, size, fps: float, recipe: dict | None, max_rate: int = 0):
+    def __init__(
+        self, path: Path, film: Format, size, fps: float, recipe: dict | None, max_rate: int = 0, overwrite: bool = True
+    ):  # fmt: skip
         check_film_size(film, size)
-        self.path, self._film, self._fps, self._recipe = path, film, fps, recipe
+        self.path, self._film, self._fps, self._recipe, self._overwrite = path, film, fps, recipe, overwrite
         self._text = encode(recipe) if recipe is not None else None
-        self.partial = partial_path(path)
+        self._whole = False
         limit = {"maxrate": str(max_rate), "bufsize": str(max_rate)} if max_rate else {}
+        partial = partial_path(path)
         with _encoding(path):
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._segments = Segments(
-                self.partial, self.partial.suffix.lower(), film, size, fps, self._text, limit
-            )  # fmt: skip
+            self._segments = Segments(partial.suffix.lower(), film, size, fps, self._text, limit)
+            self._partial = PartialFilm(partial, overwrite)
+            self._segments.start(self._partial.file)
 
     def add(self, picture: np.ndarray) -> None:
         """Add a picture: (height, width, 3), or 4 channels in a transparent film; uint8, or uint16 for more than 8 bits."""
@@ -65,35 +62,42 @@ class FilmWriter:
             self._segments.add(film_frame(picture, self._film.pixels, self._film.bits))
 
     def close(self) -> None:
-        """Write the final film and delete the partial one."""
+        """Write the final film and delete the partial one, which stays locked until then."""
         with _encoding(self.path):
             self._segments.finish()
-            with beside(self.path) as temporary:
+            with beside(self.path, self._overwrite) as temporary:
                 self._finish(temporary)
-            self.partial.unlink(missing_ok=True)
+            self._whole = True
+        self._drop()
+
+    def _drop(self) -> None:
+        with _encoding(self._partial.path):
+            self._partial.remove()
+        self._partial.close()
 
     def _finish(self, temporary: Path) -> None:
         name = self._film.codec.name
         if name == "gif":
             from gen_art.output.animation import write_gif
 
-            write_gif(self.partial, temporary, self._fps, self._recipe)
+            write_gif(self._partial.file, temporary, self._fps, self._recipe)
         elif name == "webp":
             from gen_art.output.animation import write_webp
 
-            write_webp(self.partial, temporary, self._fps, self._recipe, self._film.profile)
+            write_webp(self._partial.file, temporary, self._fps, self._recipe, self._film.profile)
         else:
             from gen_art.output.join_segments import join
 
-            join(self.partial, temporary, self._film.extension, self._text, as_fraction(self._fps))
+            join(self._partial.file, temporary, self._film.extension, self._text, as_fraction(self._fps))
 
     def abort(self) -> Kept | None:
         """Stop early. Returns the partial film, which stays and plays, or None when no segment was finished."""
         frames = self._segments.stop()
-        if frames:
-            return Kept(self.partial, frames)
-        self.partial.unlink(missing_ok=True)
-        return None
+        if self._whole or not frames:
+            self._drop()
+            return None
+        self._partial.close()
+        return Kept(self._partial.path, frames)
 
 
 class _encoding:
@@ -114,11 +118,13 @@ class _encoding:
 
 
 def film_writer(
-    path: Path, size, fps: float, recipe: dict | None = None, film: Format | None = None, max_rate: int = 0
-) -> FilmWriter:
+    path: Path, size, fps: float, recipe: dict | None = None, film: Format | None = None, max_rate: int = 0,
+    overwrite: bool = True,
+) -> FilmWriter:  # fmt: skip
     """A writer for a film of `size` (width, height).
 
     film : its format; the default of the file extension when None
     max_rate : the most bits a second of H.264 and H.265; 0 for no limit beyond the profile
+    overwrite : replace a film or partial film that exists
     """
-    return FilmWriter(path, film or find_format(path), size, fps, recipe, max_rate)
+    return FilmWriter(path, film or find_format(path), size, fps, recipe, max_rate, overwrite)

@@ -1,7 +1,6 @@
 """Snapshots: the whole state of a simulation in a file, bit for bit, with the forces that it needs to continue."""
 
 import json
-import os
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ import numpy as np
 
 from gen_art.colliders import COLLIDERS
 from gen_art.errors import OutputError, UsageError
+from gen_art.files import beside
 from gen_art.forces.base import FORCES
 from gen_art.forces.medium import Medium
 from gen_art.interactions import INTERACTIONS
@@ -101,22 +101,15 @@ def write(sim, path, unprocessed_ids: dict[str, tuple[int, int]]) -> None:
             _SAVED: [list(interaction.saved_arrays) for interaction in system.interactions],
             "definition": None if sim.preset is not None else _definition(system),
         }  # fmt: skip
-    path = Path(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with zipfile.ZipFile(temporary, "w") as archive:
-            archive.writestr("head.json", json.dumps(head))
-            for name, system in sim.members.items():
-                for column in _COLUMNS:
-                    array = getattr(system.state, column)[..., : system.state.count]
-                    _write_array(archive, f"{name}/{column}.npy", array)
-                for k, interaction in enumerate(system.interactions):
-                    for key, array in interaction.saved_arrays.items():
-                        _write_array(archive, f"{name}/{k}.{key}.npy", array)
-        os.replace(temporary, path)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise OutputError(f"cannot write {path}: {error.strerror or error}") from None
+    with beside(Path(path)) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+        archive.writestr("head.json", json.dumps(head))
+        for name, system in sim.members.items():
+            for column in _COLUMNS:
+                array = getattr(system.state, column)[..., : system.state.count]
+                _write_array(archive, f"{name}/{column}.npy", array)
+            for k, interaction in enumerate(system.interactions):
+                for key, array in interaction.saved_arrays.items():
+                    _write_array(archive, f"{name}/{k}.{key}.npy", array)
 
 
 def _write_array(archive, name: str, array: np.ndarray) -> None:

@@ -5,9 +5,9 @@ import pytest
 from PIL import Image
 
 from gen_art.errors import OutputError, UsageError
+from gen_art.files import beside
 from gen_art.output.read_recipe import read_recipe
 from gen_art.output.stills import write_still
-from gen_art.output.target import beside
 
 RECIPE = {"format": 1, "preset": {"name": "ä"}, "numbers": [1.5, 2]}
 
@@ -58,3 +58,45 @@ def test_recipes_too_long_for_exif_are_refused(tmp_path):
     with pytest.raises(UsageError, match=r"write a \.png"):
         write_still(tmp_path / "a.jpg", np.zeros((2, 2, 3), np.uint8), long)
     assert read_recipe(write_still(tmp_path / "a.png", np.zeros((2, 2, 3), np.uint8), long)) == long
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.jpg", "a.exr", "a.gas"])
+def test_a_temporary_file_follows_no_link_that_waits_for_it(tmp_path, picture, name):
+    """Links of any name that this process could have used before it chose a random one."""
+    import os
+
+    from gen_art.output.exr import write_exr
+    from gen_art.simulation import Simulation
+    from tests.output.piece import piece
+
+    victim = tmp_path / "victim"
+    victim.write_text("precious")
+    for part in (f".a.{os.getpid()}.part{name[1:]}", f".{name}.{os.getpid()}.part"):
+        (tmp_path / part).symlink_to(victim)
+    if name == "a.gas":
+        Simulation(piece()).save(tmp_path / name)
+    elif name == "a.exr":
+        pytest.importorskip("OpenEXR")
+        write_exr(tmp_path / name, np.zeros((4, 4, 4), np.float32))
+    else:
+        write_still(tmp_path / name, picture)
+    assert victim.read_text() == "precious" and (tmp_path / name).is_file()
+
+
+def test_a_file_that_appears_meanwhile_is_kept_without_overwrite(tmp_path):
+    path = tmp_path / "a.png"
+    with pytest.raises(OutputError, match="exists already"), beside(path, overwrite=False) as temporary:
+        temporary.write_text("new")
+        path.write_text("precious")
+    assert path.read_text() == "precious" and list(tmp_path.iterdir()) == [path]
+
+
+def test_a_link_is_replaced_and_not_followed(tmp_path):
+    from gen_art.output.target import check_writable
+
+    (tmp_path / "a.png").symlink_to(tmp_path / "nowhere")
+    with pytest.raises(OutputError, match="exists already"):
+        check_writable([tmp_path / "a.png"], overwrite=False)
+    with beside(tmp_path / "a.png") as temporary:
+        temporary.write_text("new")
+    assert (tmp_path / "a.png").read_text() == "new" and not (tmp_path / "nowhere").exists()
