@@ -1,18 +1,60 @@
-"""Files: output that appears whole under its name or not at all, never through a link that waits there."""
+"""Files: output that appears whole under its name or not at all, and reading files that are regular and not too large."""
 
 import contextlib
+import hashlib
 import os
 import secrets
+import stat
 from collections.abc import Iterator
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
-from gen_art.errors import OutputError
+from gen_art.errors import OutputError, UsageError
 
-__all__ = ["beside", "create", "replaces"]
+__all__ = ["LARGEST_INPUT", "beside", "below", "check_input", "create", "replaces", "sha256"]
 
 # O_NOFOLLOW and O_NONBLOCK do not exist on Windows, which has neither such links nor pipes in folders
 _CREATE = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+
+
+LARGEST_INPUT = 2**30  # bytes of a file that is read; a grid of the most vectors has 0.4 GB
+
+
+def below(folder: Path, name: str) -> Path:
+    """The path of the file `name` in `folder` or below it. Raises UsageError for a name that leads elsewhere, also by a link."""
+    parts = PurePosixPath(name.replace("\\", "/"))
+    if not parts.parts or parts.is_absolute() or ".." in parts.parts or ":" in name or "\0" in name:
+        raise UsageError(f"{name!r}: a preset's files must be in its own folder or below")
+    place = folder / parts
+    try:
+        inside = place.resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError):  # links in a circle
+        inside = False
+    if not inside:
+        raise UsageError(f"{name!r}: leads out of the preset's folder")
+    return place
+
+
+def check_input(path: Path) -> None:
+    """Raise OutputError unless `path` is a regular file of at most LARGEST_INPUT bytes that exists."""
+    try:
+        found = os.stat(path)
+    except (OSError, ValueError) as error:
+        raise OutputError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
+    if not stat.S_ISREG(found.st_mode):
+        raise OutputError(f"cannot read {path}: it is not a regular file")
+    if found.st_size > LARGEST_INPUT:
+        raise OutputError(f"cannot read {path}: it has {found.st_size:,} bytes; at most {LARGEST_INPUT:,} are read")
+
+
+def sha256(path: Path) -> str:
+    """Hex digest of a file. Raises OutputError when it cannot be read."""
+    check_input(path)
+    try:
+        with open(path, "rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise OutputError(f"cannot read {path}: {error.strerror or error}") from error
 
 
 def create(path: Path) -> BinaryIO:

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from gen_art.commands import options
+from gen_art.commands.terminal import echo
 
 __all__ = ["command"]
 
@@ -50,4 +51,4 @@ def command(
 
         with beside(path, overwrite) as temporary:
             draw(report, temporary)
-    click.echo(json.dumps(report.as_dict(), indent=2) if as_json else report.text())
+    echo(json.dumps(report.as_dict(), indent=2) if as_json else report.text())

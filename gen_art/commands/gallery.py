@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from gen_art.commands import options
+from gen_art.commands.terminal import echo
 
 __all__ = ["command"]
 
@@ -42,10 +43,10 @@ def command(names, folder, threads, progress):
                 max_rate=rate,
             )  # fmt: skip
         for path in paths:
-            click.echo(f"{path} {path.stat().st_size / 1000:.0f} KB")
+            echo(f"{path} {path.stat().st_size / 1000:.0f} KB")
     with beside(out / "index.html") as temporary:
         temporary.write_text(page(preset_names()), encoding="utf-8")
-    click.echo(out / "index.html")
+    echo(out / "index.html")
 
 
 def moments(preset) -> tuple[float, range]:

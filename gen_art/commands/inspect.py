@@ -3,6 +3,7 @@
 import click
 
 from gen_art.commands import options
+from gen_art.commands.terminal import echo
 
 __all__ = ["command"]
 
@@ -26,30 +27,28 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
     if as_json:
         import json
 
-        click.echo(json.dumps({**facts, "resolved": preset.resolved()}, indent=2, ensure_ascii=False))
+        echo(json.dumps({**facts, "resolved": preset.resolved()}, indent=2, ensure_ascii=False))
         return
     clock, memory = facts["clock"], facts["memory"]
-    click.echo(
+    echo(
         f"{preset.name}: {clock['frames']} frames at {clock['fps']:g} a second, {clock['steps_per_frame']} steps of "
         f"{clock['step']:.6g} a frame, {clock['preroll_steps']} before the first; seed {preset.seed}"
     )
     for name, system in facts["systems"].items():
-        click.echo(
-            f"\n{name}: {system['integrator']}, {system['born']:,} born, at most about {system['peak']:,} at once"
-        )
+        echo(f"\n{name}: {system['integrator']}, {system['born']:,} born, at most about {system['peak']:,} at once")
         for label in ("forces", "interactions", "colliders", "medium", "emitters"):
             if system[label]:
-                click.echo(f"  {label:13} {', '.join(system[label])}")
-        click.echo(f"  {'conserved':13} {', '.join(system['should_hold']) or 'nothing by itself'}")
+                echo(f"  {label:13} {', '.join(system[label])}")
+        echo(f"  {'conserved':13} {', '.join(system['should_hold']) or 'nothing by itself'}")
         for quantity, reason in system["booked"].items():
-            click.echo(f"  {'in the ledger':13} {quantity}: {reason}")
+            echo(f"  {'in the ledger':13} {quantity}: {reason}")
     for sentence in facts["advice"]:
-        click.echo(f"\nwarning: {sentence}")
+        echo(f"\nwarning: {sentence}")
     from gen_art.preset.estimate import megabytes
 
     state, still, film = (megabytes(memory[key]) for key in ("state", "still", "film"))
     width, height = facts["size"]
-    click.echo(f"\nmemory: {state} of state; about {still} for a still and {film} for a film of {width}x{height}")
+    echo(f"\nmemory: {state} of state; about {still} for a still and {film} for a film of {width}x{height}")
 
 
 def _facts(preset, size, precision) -> dict:

@@ -2,6 +2,8 @@
 
 import click
 
+from gen_art.commands.terminal import echo
+
 __all__ = ["command"]
 
 _REGISTRIES = ("forces", "shapes", "velocities", "emitters", "interactions", "colliders")
@@ -26,7 +28,7 @@ def command(what, plugins):
     rows = _rows(what)
     width = max(12, *(len(name) for name, _ in rows))
     for name, description in rows:
-        click.echo(f"{name:{width}} {description}")
+        echo(f"{name:{width}} {description}")
 
 
 def _rows(what: str) -> list[tuple[str, str]]:

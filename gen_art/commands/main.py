@@ -1,13 +1,15 @@
 """`gen-art`: runs a command, and turns every error into a message and an exit status.
 
 0 success, 1 a bug, 2 wrong usage, 3 a wrong preset or numbers that are no longer finite, 4 not enough memory, 5 input or
-output failed, 6 the encoder failed, 130 and 143 stopped by a signal.
+output failed, 6 the encoder failed; stopped by a signal: 130 (Ctrl+C), 143 (SIGTERM), 129 (SIGHUP).
 """
 
+import contextlib
 import difflib
 import errno
 import gc
 import importlib
+import io
 import os
 import signal
 import sys
@@ -16,6 +18,7 @@ import warnings
 
 import click
 
+from gen_art.commands.terminal import echo
 from gen_art.errors import GenArtError, PresetError
 
 __all__ = ["cli", "main", "run"]
@@ -38,7 +41,7 @@ _MAX_PROBLEMS = 8  # problems of a preset that commands other than validate prin
 
 
 class _Terminated(BaseException):
-    """The process received SIGTERM."""
+    """The process received SIGTERM or SIGHUP, whose number is the argument."""
 
 
 class _Commands(click.Group):
@@ -64,7 +67,7 @@ def _version(context, parameter, value):
     if value and not context.resilient_parsing:
         from gen_art import __version__
 
-        click.echo(f"gen-art {__version__}")
+        echo(f"gen-art {__version__}")
         context.exit()
 
 
@@ -81,16 +84,29 @@ def cli():
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and end the process with its exit status."""
+    _open_standard_files()
     # imports and tracing create many objects that live on, so frequent garbage collections would only cost time
     gc.set_threshold(50_000, 20, 20)
     leave(run(sys.argv[1:] if arguments is None else arguments))
 
 
+def _open_standard_files() -> None:
+    """Put the null device where standard input, output or error is closed; a file would otherwise get its number."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115  (for the life of the process)
+
+
 def leave(status: int) -> None:
     """End the process with this exit status."""
     try:
-        sys.stdout.flush()
-        sys.stderr.flush()
+        for stream in (sys.stdout, sys.stderr):
+            if stream is not None:
+                stream.flush()
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     if "gen_art.backend.runtime" in sys.modules:
@@ -101,7 +117,7 @@ def leave(status: int) -> None:
 
 def run(arguments: list[str]) -> int:
     """Run one command and return its exit status."""
-    restore = _on_sigterm()
+    restore = _on_signals()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("always", UserWarning)
@@ -114,23 +130,27 @@ def run(arguments: list[str]) -> int:
             error.__cause__ if isinstance(error, click.Abort) else error
         )  # click turns KeyboardInterrupt into Abort
         for note in getattr(original, "__notes__", ()):
-            _print_error(f"gen-art: {note}")
+            echo(f"gen-art: {note}", err=True)
         return status
     finally:
         restore()
 
 
-def _on_sigterm():
-    """Make SIGTERM raise an exception, so that incomplete files are removed; returns a function that undoes this."""
+def _on_signals():
+    """Make SIGTERM, and the SIGHUP of a terminal that closes, raise an exception, so that incomplete files are removed.
+
+    Returns a function that undoes this.
+    """
 
     def stop(number, frame):
-        raise _Terminated
+        raise _Terminated(number)
 
-    try:
-        before = signal.signal(signal.SIGTERM, stop)
-    except ValueError:  # not the main thread
-        return lambda: None
-    return lambda: signal.signal(signal.SIGTERM, before)
+    before = {}
+    with contextlib.suppress(ValueError):  # not the main thread
+        for number in {signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}:
+            if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup sets it
+                before[number] = signal.signal(number, stop)
+    return lambda: [signal.signal(number, handler) for number, handler in before.items()]
 
 
 def _print_warning(message, category, filename, lineno, file=None, line=None) -> None:
@@ -138,45 +158,44 @@ def _print_warning(message, category, filename, lineno, file=None, line=None) ->
         _print_error(f"gen-art: warning: {message}")
 
 
-def _print_error(text: str) -> None:
-    click.echo(text, err=True)
-
-
 def _status(error: BaseException) -> int:
     """Print an error and return its exit status."""
     if isinstance(error, click.exceptions.Exit):
         return error.exit_code
     if isinstance(error, (KeyboardInterrupt, click.Abort)):
-        _print_error("gen-art: stopped")
+        echo("gen-art: stopped", err=True)
         return 130
     if isinstance(error, _Terminated):
-        _print_error("gen-art: terminated")
-        return 143
+        echo("gen-art: terminated", err=True)
+        return 128 + error.args[0]
     if isinstance(error, click.ClickException):
-        error.show()
+        message = io.StringIO()
+        error.show(message)
+        echo(message.getvalue(), err=True, nl=False)
         return 2
     if os.environ.get("GEN_ART_DEBUG"):
-        traceback.print_exception(error)
+        echo("".join(traceback.format_exception(error)), err=True)
     if isinstance(error, PresetError):
         return _print_problems(error)
     if isinstance(error, GenArtError):
-        _print_error(f"gen-art: {error}")
+        echo(f"gen-art: {error}", err=True)
         return error.exit_code
     if isinstance(error, BrokenPipeError):
         return 0
     if isinstance(error, MemoryError):
-        _print_error("gen-art: out of memory. Try fewer particles, a smaller --size or --quality draft")
+        echo("gen-art: out of memory. Try fewer particles, a smaller --size or --quality draft", err=True)
         return 4
     if isinstance(error, OSError):
         where = f" ({error.filename})" if error.filename else ""
-        _print_error(f"gen-art: {error.strerror or error}{where}")
+        echo(f"gen-art: {error.strerror or error}{where}", err=True)
         return 4 if error.errno == errno.ENOMEM else 5
     if isinstance(error, SystemExit):
         return error.code if isinstance(error.code, int) else 1
     words = " ".join(str(error).split())[:300]
-    _print_error(
+    echo(
         f"gen-art: this is a bug: {type(error).__name__}: {words}\n"
-        "GEN_ART_DEBUG=1 before the command shows the traceback"
+        "GEN_ART_DEBUG=1 before the command shows the traceback",
+        err=True,
     )
     return 1
 
@@ -186,5 +205,5 @@ def _print_problems(error: PresetError) -> int:
     from gen_art.preset.problems import report
 
     problems = getattr(error, "problems", None)
-    _print_error(report(problems, _MAX_PROBLEMS) if problems else str(error))
+    echo(report(problems, _MAX_PROBLEMS) if problems else str(error), err=True)
     return error.exit_code

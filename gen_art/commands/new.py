@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from gen_art.commands.terminal import echo
 from gen_art.errors import UsageError
 from gen_art.files import beside, replaces
 
@@ -44,4 +45,4 @@ def command(name, source, overwrite):
     with beside(target, overwrite) as temporary:
         temporary.write_text("\n".join(text.lines), encoding="utf-8")
     for path in (target, *copies):
-        click.echo(path)
+        echo(path)

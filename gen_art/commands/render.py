@@ -3,6 +3,7 @@
 import click
 
 from gen_art.commands import options
+from gen_art.commands.terminal import echo
 
 __all__ = ["command"]
 
@@ -44,9 +45,9 @@ def command(
         preset, precision, pixel_size, until, coded=target.film.codec.memory if target.film else 0.0
     )
     if dry_run:
-        click.echo(f"{out}: {len(frames)} frames of {pixel_size[0]}x{pixel_size[1]}, {expected}")
+        echo(f"{out}: {len(frames)} frames of {pixel_size[0]}x{pixel_size[1]}, {expected}")
         return
     with reporter(progress) as report:
         paths = job.render(preset, out, precision=precision, threads=threads, progress=report, plugins=loaded, **output)
     for path in paths:
-        click.echo(path)
+        echo(path)

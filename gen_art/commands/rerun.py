@@ -3,6 +3,7 @@
 import click
 
 from gen_art.commands import options
+from gen_art.commands.terminal import echo
 
 __all__ = ["command"]
 
@@ -35,4 +36,4 @@ def command(picture, out, overwrite, plugins, folder, other_version, threads, pr
             other_version=other_version,
         )  # fmt: skip
     for path in paths:
-        click.echo(path)
+        echo(path)

@@ -2,6 +2,8 @@
 
 import click
 
+from gen_art.commands.terminal import echo
+
 __all__ = ["command"]
 
 
@@ -19,4 +21,4 @@ def command(plugins):
 
     for path in plugins:
         load_plugin(path)
-    click.echo(json.dumps(json_schema(), indent=2, ensure_ascii=False))
+    echo(json.dumps(json_schema(), indent=2, ensure_ascii=False))

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from gen_art.commands import options
+from gen_art.commands.terminal import echo
 
 __all__ = ["command"]
 
@@ -23,13 +24,17 @@ def command(preset, resolved, seed, settings, fps, duration, plugins):
     """
     if Path(preset).suffix.lower() in _PICTURES:
         from gen_art.output.read_recipe import read_recipe
+        from gen_art.output.recipe import check_complete
+        from gen_art.preset.overrides import plain
         from gen_art.preset.writing import yaml_text
 
         recipe = read_recipe(preset)
-        click.echo(f"# {recipe['name']}, from {Path(preset).name}, made by gen-art {recipe['gen_art']}")
+        check_complete(recipe)
+        made = f"{recipe['name']}, from {Path(preset).name}, made by gen-art {recipe['gen_art']}"
+        echo(f"# {' '.join(made.split())}")
         preset = recipe["preset"] | {"name": recipe["name"]}
         if not (resolved or seed is not None or settings or fps or duration):
-            click.echo(yaml_text(recipe["preset"]), nl=False)
+            echo(yaml_text(plain(recipe["preset"])), nl=False)
             return
     overrides = options.overrides(settings, fps, duration)
     if not resolved and not isinstance(preset, dict):
@@ -43,14 +48,14 @@ def command(preset, resolved, seed, settings, fps, duration, plugins):
             if seed is not None:
                 overrides |= {"seed": changed.seed}
             text = changed_text(text, overrides).rstrip("\n") + "\n"
-        click.echo(text, nl=bool(source.lines[-1]) and not text.endswith("\n"))
+        echo(text, nl=bool(source.lines[-1]) and not text.endswith("\n"))
         return
     preset, _ = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     if resolved:
         import json
 
-        click.echo(json.dumps(preset.resolved(), indent=2, ensure_ascii=False))
+        echo(json.dumps(preset.resolved(), indent=2, ensure_ascii=False))
     else:
         from gen_art.preset.writing import yaml_text
 
-        click.echo(yaml_text(preset.resolved()), nl=False)
+        echo(yaml_text(preset.resolved()), nl=False)

@@ -3,6 +3,7 @@
 import click
 
 from gen_art.commands import options
+from gen_art.commands.terminal import echo
 
 __all__ = ["command"]
 
@@ -41,11 +42,11 @@ def command(
     _, pixel_size = job.check_target(preset, out, moving=False, **output)
     expected = refuse_if_too_large(preset, precision, pixel_size, preset.clock.preroll + time * preset.clock.speed)
     if dry_run:
-        click.echo(f"{out}: {pixel_size[0]}x{pixel_size[1]} at {time:g} s, {expected}")
+        echo(f"{out}: {pixel_size[0]}x{pixel_size[1]} at {time:g} s, {expected}")
         return
     with reporter(progress) as report:
         paths = job.still(
             preset, out, time, precision=precision, threads=threads, progress=report, plugins=loaded, **output
         )
     for path in paths:
-        click.echo(path)
+        echo(path)

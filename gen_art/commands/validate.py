@@ -2,6 +2,8 @@
 
 import click
 
+from gen_art.commands.terminal import echo
+
 __all__ = ["command"]
 
 
@@ -28,8 +30,8 @@ def command(context, files, plugins):
         try:
             load_preset(file)
         except GenArtError as error:
-            click.echo(str(error), err=True)
+            echo(str(error), err=True)
             worst = max(worst, error.exit_code)
         else:
-            click.echo(f"{file}: ok")
+            echo(f"{file}: ok")
     context.exit(worst)

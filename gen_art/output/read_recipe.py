@@ -23,14 +23,14 @@ def read_recipe(path) -> dict:
     text = readers.get(path.suffix.lower(), _picture_text)(path)
     try:
         recipe = json.loads(text) if text else None
-    except ValueError:
+    except (ValueError, RecursionError):
         recipe = None
     if not isinstance(recipe, dict) or "preset" not in recipe or "format" not in recipe:
         raise UsageError(
             f"{path}: there is no recipe inside; it was not made by gen-art, or another program removed its metadata"
         )
     if recipe["format"] != FORMAT:
-        raise UsageError(f"{path}: its recipe has format {recipe['format']}; this version reads format {FORMAT}")
+        raise UsageError(f"{path}: its recipe has format {recipe['format']!r}; this version reads format {FORMAT}")
     return recipe
 
 
@@ -43,8 +43,10 @@ def _picture_text(path: Path) -> str | None:
 def _film_text(path: Path) -> str | None:
     import av
 
+    from gen_art.output.containers import read_film
+
     try:
-        with av.open(str(path)) as film:
+        with read_film(path) as film:
             return film.metadata.get("comment") or film.metadata.get("COMMENT")  # Matroska's tags are in capitals
-    except (av.FFmpegError, OSError) as error:
+    except (av.FFmpegError, OSError, ValueError) as error:
         raise UsageError(f"{path}: cannot be read as a film ({error})") from error

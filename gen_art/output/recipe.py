@@ -10,11 +10,15 @@ import hashlib
 import json
 import zlib
 from importlib import metadata
-from pathlib import Path, PurePosixPath
+from pathlib import Path
+from typing import Annotated, Literal
 
-from gen_art.errors import OutputError, UsageError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
-__all__ = ["FORMAT", "KEY", "encode", "find_files", "make_recipe", "verify", "version"]
+from gen_art.errors import UsageError
+from gen_art.files import below, sha256
+
+__all__ = ["FORMAT", "KEY", "check_complete", "encode", "find_files", "make_recipe", "verify", "version"]
 
 KEY = "gen-art"
 FORMAT = 1
@@ -30,14 +34,6 @@ def version() -> str:
         import gen_art
 
         return getattr(gen_art, "__version__", "0")
-
-
-def sha256(path) -> str:
-    """Hex digest of a file. Raises OutputError when it cannot be read."""
-    try:
-        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
-    except OSError as error:
-        raise OutputError(f"cannot read {path}: {error.strerror or error}") from error
 
 
 def make_recipe(preset, *, plugins=(), **job) -> dict:
@@ -73,10 +69,67 @@ def encode(recipe: dict) -> str:
     return json.dumps(recipe, separators=(",", ":"), allow_nan=False)
 
 
-_TYPES: dict[str, type | tuple[type, ...]] = {
-    "gen_art": str, "name": str, "kind": str, "preset": dict, "size": list, "precision": str, "transparent": bool,
-    "quality": str, "plugins": list, "files": list,
-}  # fmt: skip
+class _Entry(BaseModel):
+    """A plugin, or a file with its bytes if it is small."""
+
+    model_config = ConfigDict(strict=True)
+    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
+class _File(_Entry):
+    path: str
+    data: str = ""
+
+
+class _Plugin(_Entry):
+    name: str
+
+
+class _Job(BaseModel):
+    """What every recipe holds; further keys are ignored."""
+
+    model_config = ConfigDict(strict=True)
+    gen_art: str
+    name: str
+    preset: dict
+    size: Annotated[list[Annotated[int, Field(ge=1, le=16384)]], Field(min_length=2, max_length=2)]
+    precision: Literal["f32", "f64"]
+    transparent: bool
+    quality: Literal["draft", "preview", "final"]
+    plugins: list[_Plugin]
+    files: list[_File]
+    bits: Literal[8, 10, 16, 32] | None = None
+
+
+class _Still(_Job):
+    kind: Literal["still"]
+    time: Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class _Film(_Job):
+    kind: Literal["film"]
+    frames: Annotated[list[Annotated[int, Field(ge=0, lt=10**9)]], Field(min_length=3, max_length=3)]
+    ending: str = ""
+    codec: str | None = None
+    profile: str | None = None
+    max_rate: Annotated[int, Field(ge=0, lt=2**31)] = 0
+
+    @field_validator("frames")
+    @classmethod
+    def _in_order(cls, frames: list[int]) -> list[int]:
+        first, last, step = frames
+        if step < 1 or last < first:
+            raise ValueError("first, last and step name no frame")
+        return frames
+
+
+def check_complete(recipe: dict) -> None:
+    """Raise UsageError for a recipe with missing keys or values of the wrong type."""
+    try:
+        (_Film if recipe.get("kind") == "film" else _Still).model_validate(recipe)
+    except ValidationError as error:
+        wrong = dict.fromkeys(str(item["loc"][0]) for item in error.errors())
+        raise UsageError(f"the recipe is damaged: {', '.join(wrong)}") from None
 
 
 def verify(recipe: dict, plugins, other_version: bool = False) -> str | None:
@@ -84,7 +137,7 @@ def verify(recipe: dict, plugins, other_version: bool = False) -> str | None:
 
     other_version : accept a picture of another version; the result is then a warning to show, otherwise None
     """
-    _check_complete(recipe)
+    check_complete(recipe)
     warning = None
     if recipe["gen_art"] != version():
         warning = f"the picture was made by gen-art {recipe['gen_art']}; this is {version()}, whose pictures may differ"
@@ -108,7 +161,7 @@ def find_files(recipe: dict, folders, scratch: Path | None = None) -> Path:
     try:
         return _folder_of(files, folders)
     except UsageError:
-        if scratch is None or not all("data" in file or _is_repeated(files, k) for k, file in enumerate(files)):
+        if scratch is None or not all(file.get("data") or _is_repeated(files, k) for k, file in enumerate(files)):
             raise
     for file in files:
         if "data" in file:
@@ -122,55 +175,37 @@ def _is_repeated(files: list[dict], k: int) -> bool:
 
 
 def _unpack(file: dict, folder: Path) -> None:
-    name = PurePosixPath(file["path"].replace("\\", "/"))
-    if name.is_absolute() or ".." in name.parts or ":" in file["path"] or not name.parts:
-        raise UsageError(f"the recipe is damaged: {file['path']!r} is not a path relative to a preset")
     try:
         data = zlib.decompressobj().decompress(base64.b64decode(file["data"], validate=True), LARGEST_FILE + 1)
     except (binascii.Error, zlib.error, ValueError):
         data = b""
     if hashlib.sha256(data).hexdigest() != file["sha256"]:
         raise UsageError(f"the recipe is damaged: the bytes of {file['path']} do not match its sha256")
-    target = folder / name
+    target = below(folder, file["path"])
     target.parent.mkdir(parents=True, exist_ok=True)
     target.write_bytes(data)
 
 
-def _check_complete(recipe: dict) -> None:
-    """Raise UsageError for a recipe with missing keys or values of the wrong type."""
-    by_kind: dict[str, type | tuple[type, ...]]
-    by_kind = {"frames": list} if recipe.get("kind") == "film" else {"time": (int, float)}
-    wrong = [key for key, kind in {**_TYPES, **by_kind}.items() if not isinstance(recipe.get(key), kind)]
-    for key, name in (("plugins", "name"), ("files", "path")):
-        entries = recipe[key] if key not in wrong else []
-        if not all(isinstance(entry, dict) and _are_texts(entry.get(name), entry.get("sha256")) for entry in entries):
-            wrong.append(key)
-    if "files" not in wrong and not all(_are_texts(file.get("data", "")) for file in recipe["files"]):
-        wrong.append("files")
-    if wrong:
-        raise UsageError(f"the recipe is damaged: {', '.join(wrong)}")
-
-
-def _are_texts(*values) -> bool:
-    return all(isinstance(value, str) for value in values)
-
-
 def _folder_of(files: list[dict], folders) -> Path:
     """The first folder that holds all files with their bytes."""
-    problems = []
+    expected = {file["path"]: file["sha256"] for file in files}  # a preset may name a file several times
+    differs = None
     for folder in folders:
-        paths = [folder / file["path"] for file in files]
-        if all(path.is_file() and sha256(path) == file["sha256"] for path, file in zip(paths, files)):
+        found = {name: _digest(folder, name) for name in expected}
+        if found == expected and all(file["sha256"] == expected[file["path"]] for file in files):
             return folder
-        problems += [
-            f"{path} is not the file that the picture was made with (sha256 {file['sha256'][:12]})"
-            for path, file in zip(paths, files)
-            if path.is_file() and sha256(path) != file["sha256"]
-        ]
-    if problems:
-        raise UsageError(problems[0])
+        wrong = [name for name, digest in found.items() if digest not in (None, expected[name])]
+        differs = differs or (folder / wrong[0], expected[wrong[0]]) if wrong else differs
+    if differs:
+        raise UsageError(f"{differs[0]} is not the file that the picture was made with (sha256 {differs[1][:12]})")
     names = ", ".join(file["path"] for file in files)
     raise UsageError(
         f"the picture was made with {names}, which is not in {' or '.join(str(folder.resolve()) for folder in folders)}: "
         "give --folder, the folder of its preset"
     )
+
+
+def _digest(folder: Path, name: str) -> str | None:
+    """The sha256 of a file in the folder or below it; None if there is none."""
+    path = below(folder, name)
+    return sha256(path) if path.is_file() else None

@@ -70,6 +70,12 @@ def find_target(
     text = str(out)
     if text in ("", "-"):
         raise UsageError("output is a file: give -o a path")
+    if "\0" in text:
+        raise UsageError("the name of an output file cannot contain the character 0")
+    if "{preset}" in text and not _is_name(name):
+        raise UsageError(
+            f"{{preset}}: the preset's name {name!r} cannot be part of a path; write a name in place of {{preset}}"
+        )
     path = Path(text.replace("{preset}", name).replace("{seed}", str(seed)))
     pattern = moving and "#" in path.name
     extension = path.suffix.lower()
@@ -92,6 +98,17 @@ def find_target(
     if transparent and extension not in _TRANSPARENT:
         raise UsageError(f"{path.name}: '{extension}' cannot be transparent; {' '.join(_TRANSPARENT)} can")
     return Target(path, pattern, None, bits or depths[0])
+
+
+def _is_name(text: str) -> bool:
+    """Whether a name from a file is the name of one file or folder, and no path, pattern or placeholder."""
+    return (
+        bool(text)
+        and text.isprintable()
+        and text[0] != "."
+        and not set(text) & set('/\\:*?"<>|#{}')
+        and len(text) < 200
+    )
 
 
 def check_size_of(target: Target, size) -> None:

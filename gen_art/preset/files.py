@@ -1,9 +1,10 @@
 """Files that a preset names. They are in the preset's folder or below, and a picture's recipe has their sha256."""
 
 from contextvars import ContextVar
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from gen_art.errors import UsageError
+from gen_art.files import LARGEST_INPUT, below
 from gen_art.pictures import LARGEST, picture_size
 from gen_art.preset.fields import Parsed
 
@@ -30,15 +31,12 @@ def inside(value) -> PresetFile:
         return value
     if not isinstance(value, str) or not value:
         raise UsageError(f"must be the name of a file, not {value!r}")
-    parts = PurePosixPath(value.replace("\\", "/"))
-    if parts.is_absolute() or ".." in parts.parts or ":" in value:
-        raise UsageError(f"{value}: a preset's files must be in its own folder or below")
     folder = FOLDER.get()
-    place = folder / parts
-    if not place.resolve().is_relative_to(folder.resolve()):
-        raise UsageError(f"{value}: leads out of the preset's folder")
+    place = below(folder, value)
     if not place.is_file():
         raise UsageError(f"{value}: there is no such file in {folder.resolve()}")
+    if place.stat().st_size > LARGEST_INPUT:
+        raise UsageError(f"{value}: has {place.stat().st_size:,} bytes; at most {LARGEST_INPUT:,} are read")
     return PresetFile(value, place)
 
 

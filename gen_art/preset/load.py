@@ -30,6 +30,8 @@ _KEY_PROBLEMS = ("unknown", "is neither a key", "a name may not", "particle.attr
 def open_source(preset: str | Path) -> tuple[SourceText, str]:
     """(text of a preset with positions, name of the preset)."""
     if str(preset) == "-":
+        if sys.stdin is None:
+            raise UsageError("the preset is to be read from standard input, which is closed")
         return read_bytes(sys.stdin.buffer.read(1_000_000), "<stdin>"), "stdin"
     path = find(str(preset))
     shipped = path.is_relative_to(presets_folder())

@@ -140,13 +140,14 @@ def test_a_killed_render_leaves_a_film_that_plays(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "signal_, status, word", [(signal.SIGINT, 130, "stopped"), (signal.SIGTERM, 143, "terminated")]
+    "signal_, status, word",
+    [(signal.SIGINT, 130, "stopped"), (signal.SIGTERM, 143, "terminated"), (signal.SIGHUP, 129, "terminated")],
 )
 def test_a_stopped_render_names_what_it_keeps(tmp_path, signal_, status, word):
     preset = tmp_path / "small.yaml"
     preset.write_text(json.dumps(piece(clock__duration=2000).resolved()))
-    # tests in the background of a shell run with SIGINT ignored, which a child inherits: the child heeds it again
-    start = "import runpy, signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); runpy.run_path(sys.argv.pop(1), run_name='__main__')"
+    # tests in the background of a shell run with SIGINT or SIGHUP ignored, which a child inherits: the child heeds them again
+    start = "import runpy, signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); signal.signal(signal.SIGHUP, signal.SIG_DFL); runpy.run_path(sys.argv.pop(1), run_name='__main__')"
     command = [sys.executable, "-c", start, str(ROOT / "cli.py"), "render", str(preset), "-o", str(tmp_path / "a.mp4"), "--size", "32x18", "--progress", "json"]  # fmt: skip
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=ROOT) as process:
         for line in process.stderr:
