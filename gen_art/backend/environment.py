@@ -1,13 +1,15 @@
-"""Set up before Taichi is imported: checks its version, and whether it runs without this package's patches."""
+"""Set up before Taichi is imported: checks its version, whether it runs without this package's patches, and a home folder."""
 
 import importlib.metadata
 import os
+import tempfile
 
 from gen_art.errors import InstallationError
 
-__all__ = ["STOCK_TAICHI", "TAICHI_VERSION"]
+__all__ = ["HAS_HOME", "STOCK_TAICHI", "TAICHI_VERSION"]
 
 TAICHI_VERSION = "1.7.4"  # the version for which the patches are written
+HAS_HOME = os.name != "posix" or bool(os.environ.get("HOME"))
 STOCK_TAICHI = os.environ.get("GEN_ART_STOCK_TAICHI", "") not in ("", "0")
 
 
@@ -23,3 +25,5 @@ def _check_version(installed: str) -> None:
 _check_version(importlib.metadata.version("taichi"))
 os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
+if not HAS_HOME:  # Taichi ends the process where HOME is not set, though it then writes nothing there
+    os.environ["HOME"] = tempfile.gettempdir()

@@ -7,13 +7,15 @@ This package replaces parts of Taichi (tracing_patch, real_function_patch, launc
 (intrinsics/). With the environment variable GEN_ART_STOCK_TAICHI=1 it does neither: the bits are the same, but it is slower.
 """
 
-from gen_art.backend.environment import STOCK_TAICHI  # isort: skip  (sets the environment that Taichi reads when imported)
+from gen_art.backend.environment import HAS_HOME, STOCK_TAICHI  # isort: skip  (sets the environment that Taichi reads when imported)
 
 import contextlib
 import hashlib
 import io
 import os
 import platform
+import tempfile
+import warnings
 from functools import lru_cache
 from itertools import takewhile
 from pathlib import Path
@@ -28,7 +30,7 @@ from taichi.lang.expr import make_expr_group
 from taichi.lang.matrix import make_matrix
 
 from gen_art.backend.compile_errors import as_sentences
-from gen_art.errors import UsageError
+from gen_art.errors import OutputError, UsageError
 
 if not STOCK_TAICHI:
     from gen_art.backend import real_function_patch
@@ -69,37 +71,64 @@ def processor() -> list[str]:
     return []
 
 
-def cache_folder(arch: str) -> Path:
-    """The folder of compiled kernels: in $GEN_ART_CACHE, or in the user's cache folder.
+def cache_folder(arch: str) -> Path | None:
+    """The folder of compiled kernels: in $GEN_ART_CACHE, or in the user's cache folder; None where no folder is known.
 
     The processor is not part of Taichi's cache key, so it is part of the folder's name.
     """
-    base = os.environ.get("GEN_ART_CACHE")
-    root = Path(base) if base else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "gen-art"
+    base, shared = os.environ.get("GEN_ART_CACHE"), os.environ.get("XDG_CACHE_HOME")
+    if not base and not shared and not HAS_HOME:
+        return None
+    root = Path(base) if base else Path(shared or Path.home() / ".cache") / "gen-art"
     cpu = platform.machine() + platform.processor() + "".join(processor())
     tag = hashlib.sha256(cpu.encode()).hexdigest()[:12]
     return root / f"taichi-{'.'.join(map(str, ti.__version__))}-{arch}-{tag}"
 
 
-def _share_cache(folder: Path) -> bool:
-    """Use the cache folder together with other processes; returns whether it can be used.
+def _usable_cache(arch: str) -> Path:
+    """The cache folder, which this process shares with others; where it cannot be written, a temporary one of its own.
+
+    Taichi ends the process when it cannot write to its cache.
+    """
+    folder = cache_folder(arch)
+    try:
+        if folder is None:
+            raise OSError("HOME is not set")
+        _share_cache(folder)
+        return folder
+    except OSError as error:
+        problem = f"the cache folder {folder} cannot be used ({error.strerror})" if folder else str(error)
+    try:
+        own = tempfile.TemporaryDirectory(prefix="gen-art-cache-", ignore_cleanup_errors=True)
+    except OSError as error:
+        raise OutputError(f"{problem}, and a temporary folder cannot be made: {error.strerror or error}") from None
+    _state["own cache"] = own  # it is deleted when the process ends
+    warnings.warn(
+        f"{problem}: every start compiles its kernels anew; set GEN_ART_CACHE to a folder that can be written",
+        stacklevel=3,
+    )
+    return Path(own.name)
+
+
+def _share_cache(folder: Path) -> None:
+    """Make the cache folder, and note that this process uses it. Raises OSError where it cannot be written.
 
     If no other process uses it, a lock that a killed process has left is removed.
     """
+    folder.mkdir(parents=True, exist_ok=True)
+    tempfile.TemporaryFile(dir=folder).close()  # an existing folder may be read-only
     try:
         import fcntl
-
-        folder.mkdir(parents=True, exist_ok=True)
-        handle = open(folder / "processes", "a")  # noqa: SIM115  (held open for the life of the process)
-    except (ImportError, OSError):
-        return os.access(folder, os.W_OK)
+    except ImportError:  # Windows
+        return
+    handle = open(folder / "processes", "a")  # noqa: SIM115  (held open for the life of the process)
     with contextlib.suppress(OSError):
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         for stale in folder.glob("*.lock"):
             stale.unlink(missing_ok=True)
-    fcntl.flock(handle, fcntl.LOCK_SH)
+    with contextlib.suppress(OSError):  # a file system without locks
+        fcntl.flock(handle, fcntl.LOCK_SH)
     _state["lock"] = handle
-    return True
 
 
 def init(arch: str = "cpu", threads: int | None = None) -> None:
@@ -123,7 +152,7 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
     count = (
         threads or len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else threads or os.cpu_count() or 1
     )
-    folder = cache_folder(arch)
+    folder = _usable_cache(arch)
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(
             arch=ti.cpu,
@@ -132,7 +161,7 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
             make_cpu_multithreading_loop=False,  # threads take blocks one by one, which balances uneven work
             cfg_optimization=False,  # saves 90 % of the compile time; LLVM does the same: same bits and same speed
             fast_math=False,  # the arithmetic of a particle must be the same in every lane and in every kernel
-            offline_cache=_share_cache(folder),
+            offline_cache=True,
             offline_cache_file_path=str(folder),
             enable_fallback=False,
         )
@@ -140,9 +169,15 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
 
 
 def finish() -> None:
-    """Store the compiled kernels for the next process. No kernel can run after this."""
+    """Store the compiled kernels for the next process. No kernel can run after this.
+
+    Raises OutputError when they cannot be stored; Taichi then crashes when the process ends, unless by os._exit.
+    """
     if _state["config"]:
-        ti.reset()
+        try:
+            ti.reset()
+        except RuntimeError as error:
+            raise OutputError(f"the compiled kernels were not stored: {error}") from None
 
 
 def threads() -> int:

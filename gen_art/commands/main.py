@@ -19,7 +19,7 @@ import warnings
 import click
 
 from gen_art.commands.terminal import echo
-from gen_art.errors import GenArtError, PresetError
+from gen_art.errors import GenArtError, OutputError, PresetError
 
 __all__ = ["cli", "main", "run"]
 
@@ -110,7 +110,11 @@ def leave(status: int) -> None:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     if "gen_art.backend.runtime" in sys.modules:
-        sys.modules["gen_art.backend.runtime"].finish()
+        try:
+            sys.modules["gen_art.backend.runtime"].finish()
+        except OutputError as error:  # the result is written, so this changes no exit status
+            echo(f"gen-art: warning: {error}", err=True)
+            os._exit(status)
     gc.freeze()  # skips the last garbage collection of the objects that tracing made, which takes 0.25 s
     sys.exit(status)
 
@@ -136,6 +140,11 @@ def run(arguments: list[str]) -> int:
         restore()
 
 
+def _print_warning(message, category, filename, lineno, file=None, line=None) -> None:
+    if issubclass(category, UserWarning):
+        echo(f"gen-art: warning: {message}", err=True)
+
+
 def _on_signals():
     """Make SIGTERM, and the SIGHUP of a terminal that closes, raise an exception, so that incomplete files are removed.
 
@@ -151,11 +160,6 @@ def _on_signals():
             if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup sets it
                 before[number] = signal.signal(number, stop)
     return lambda: [signal.signal(number, handler) for number, handler in before.items()]
-
-
-def _print_warning(message, category, filename, lineno, file=None, line=None) -> None:
-    if issubclass(category, UserWarning):
-        _print_error(f"gen-art: warning: {message}")
 
 
 def _status(error: BaseException) -> int:
