@@ -1,65 +1,86 @@
-"""Picture files, read through imageio: textures, maps, and the text inside a picture.
+"""Picture files, read through Pillow: textures, maps, and the text inside a picture.
 
+Only the formats named here are opened, and a file's format is told by its content: for others, Pillow may start another program.
 Films are PyAV's (gen_art/output); OpenEXR pictures are read and written in gen_art/output/exr.py.
 """
 
+import contextlib
+import warnings
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gen_art.errors import UsageError
+from gen_art.errors import GenArtError, UsageError
+from gen_art.files import check_input
 
 __all__ = ["picture_metadata", "picture_size", "read_picture"]
 
 LARGEST = 64_000_000  # pixels of a picture that is read
-EXIF_DESCRIPTION = "ImageDescription"
+EXIF_DESCRIPTION = 0x010E
+_FORMATS = ("PNG", "JPEG", "WEBP", "TIFF")
+_NAMES = "PNG, JPEG, WebP and TIFF are read"
 
 
-def _imageio() -> Any:
-    import imageio.v3  # takes 0.05 s, so only where a picture is read
-
-    return imageio.v3
-
-
-def _refusals() -> tuple[type[BaseException], ...]:
+@contextlib.contextmanager
+def _opened(path: str | Path, name: str, formats=_FORMATS) -> Iterator[Any]:
+    """A picture whose header is read. Raises UsageError, with `name`, for what is no picture of these formats."""
     from PIL import Image, UnidentifiedImageError
 
-    return UnidentifiedImageError, Image.DecompressionBombError, OSError, SyntaxError, ValueError
+    check_input(Path(path))
+    most, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None  # `read_picture` has a limit of its own
+    try:
+        with warnings.catch_warnings(action="ignore"), Image.open(path, formats=formats) as image:
+            yield image
+    except (GenArtError, MemoryError):
+        raise
+    except UnidentifiedImageError:
+        raise UsageError(f"{name}: cannot be read as a picture; {_NAMES}") from None
+    except Exception as error:  # of a damaged file, Pillow's readers raise errors of many kinds
+        raise UsageError(f"{name}: cannot be read as a picture ({error or type(error).__name__})") from error
+    finally:
+        Image.MAX_IMAGE_PIXELS = most
 
 
 def picture_size(path: str | Path, name: str) -> tuple[int, int]:
     """(width, height) of a picture file, from its header. Raises UsageError, with `name`, for what is no picture."""
-    from PIL import Image
-
-    try:
-        shape = _imageio().improps(path, plugin="pillow").shape
-    except _refusals() as error:
-        if any(isinstance(e, Image.DecompressionBombError) for e in (error, error.__cause__, error.__context__)):
-            return 100_000, 100_000  # the header names more pixels than Pillow opens
-        raise UsageError(f"{name}: cannot be read as a picture") from error
-    if len(shape) > 3:  # an animated one
-        shape = shape[1:]
-    return int(shape[1]), int(shape[0])
+    with _opened(path, name) as image:
+        return image.size
 
 
 def read_picture(path: str | Path, name: str, mode: str | None = None, largest: int = LARGEST) -> np.ndarray:
-    """A picture's values: (height, width) or (height, width, channels) uint8, or in `mode`, as "RGB" or "RGBA".
+    """A picture's values, uint8: (height, width), or (height, width, channels) with 2 to 4 channels, or in `mode`, as "RGB".
 
-    Raises UsageError, with `name`, for a file that is no picture or has more than `largest` pixels.
+    16 bits a channel become 8. Raises UsageError, with `name`, for a file that is no picture or has more than `largest` pixels.
     """
-    width, height = picture_size(path, name)
-    if width * height > largest:
-        raise UsageError(f"{name}: has {width * height:,} pixels; at most {largest:,} are read")
-    try:
-        return _imageio().imread(path, plugin="pillow", index=0, **({"mode": mode} if mode else {}))
-    except _refusals() as error:
-        raise UsageError(f"{name}: cannot be read as a picture ({error})") from error
+    with _opened(path, name) as image:
+        width, height = image.size
+        if width * height > largest:
+            raise UsageError(f"{name}: has {width * height:,} pixels; at most {largest:,} are read")
+        if image.mode in ("I", "F"):
+            raise UsageError(f"{name}: has 32 bits a channel; at most 16 are read")
+        plain = _with_8_bits(image)
+        return np.array(plain.convert(mode) if mode else plain)
+
+
+def _with_8_bits(image: Any) -> Any:
+    """The picture with the mode L, LA, RGB or RGBA."""
+    from PIL import Image
+
+    if image.mode.startswith("I;16"):
+        return Image.fromarray((np.asarray(image) >> 8).astype(np.uint8))
+    if image.mode == "P":
+        return image.convert(image.palette.mode)
+    if image.mode in ("L", "LA", "RGB", "RGBA"):
+        return image
+    return image.convert("L" if image.mode == "1" else "RGB")
 
 
 def picture_metadata(path: str | Path) -> dict:
-    """The metadata of a picture file: PNG texts and EXIF tags by name, a GIF's "comment". Raises UsageError for no picture."""
-    try:
-        return dict(_imageio().immeta(path, plugin="pillow", index=0, exclude_applied=False))
-    except _refusals() as error:
-        raise UsageError(f"{path}: cannot be read as a picture ({error})") from error
+    """The metadata of a picture file: PNG texts by name, EXIF's description by its number, a GIF's "comment".
+
+    Raises UsageError for no picture.
+    """
+    with _opened(path, str(path), (*_FORMATS, "GIF")) as image:
+        return {**image.info, EXIF_DESCRIPTION: image.getexif().get(EXIF_DESCRIPTION)}

@@ -39,6 +39,8 @@ def load_plugin(path: str | Path) -> Plugin:
         text = path.read_bytes()
     except OSError as error:
         raise OutputError(f"plugin {path}: {error.strerror or error}") from None
+    except ValueError:
+        raise UsageError(f"plugin {str(path)!r}: no file can have this name") from None
     digest = hashlib.sha256(text).hexdigest()
     if digest in _loaded:
         return _loaded[digest]

@@ -27,11 +27,12 @@ def command(names, folder, threads, progress):
     from gen_art.files import beside
     from gen_art.output import job
     from gen_art.preset.load import load_preset
-    from gen_art.preset.shipped import preset_names
+    from gen_art.preset.shipped import course_names, preset_names
 
-    out = Path(folder)
+    out, shipped = Path(folder), {*preset_names(), *course_names()}
     for name in names or preset_names():
         preset = load_preset(name)
+        name = name if name in shipped else preset.name  # of a path, the files would lie beside the preset
         time, frames = moments(preset)
         with reporter(progress) as report:
             paths = job.still(

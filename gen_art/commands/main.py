@@ -19,7 +19,7 @@ import warnings
 import click
 
 from gen_art.commands.terminal import echo
-from gen_art.errors import GenArtError, OutputError, PresetError
+from gen_art.errors import GenArtError, OutputError, PresetError, UsageError
 
 __all__ = ["cli", "main", "run"]
 
@@ -126,6 +126,8 @@ def run(arguments: list[str]) -> int:
         with warnings.catch_warnings():
             warnings.simplefilter("always", UserWarning)
             warnings.showwarning = _print_warning
+            if any("\0" in argument for argument in arguments):  # no file's name can contain it
+                raise UsageError("an argument contains the character 0")
             status = cli.main(arguments, prog_name="gen-art", standalone_mode=False)
         return status if isinstance(status, int) else 0
     except BaseException as error:

@@ -74,6 +74,9 @@ def read_text(path: Path) -> str | None:
     library = _library()
     try:
         with library.File(str(path), header_only=True) as file:
-            return file.header().get(KEY)
-    except (RuntimeError, OSError, ValueError) as error:
+            text = file.header().get(KEY)
+            return text if isinstance(text, str) else None
+    except MemoryError:
+        raise
+    except Exception as error:  # of a damaged file, OpenEXR raises errors of several kinds
         raise UsageError(f"{path}: cannot be read as a picture ({error})") from error

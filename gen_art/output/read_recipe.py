@@ -37,7 +37,9 @@ def read_recipe(path) -> dict:
 def _picture_text(path: Path) -> str | None:
     metadata = picture_metadata(path)
     text = metadata.get(KEY) or metadata.get(EXIF_DESCRIPTION) or metadata.get("comment")
-    return text.decode("ascii", "replace") if isinstance(text, bytes) else text
+    if isinstance(text, bytes):
+        return text.decode("ascii", "replace")
+    return text if isinstance(text, str) else None
 
 
 def _film_text(path: Path) -> str | None:

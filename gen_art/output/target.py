@@ -130,7 +130,7 @@ def check_writable(paths, overwrite: bool) -> None:
             raise replaces(path)
     for folder in {path.parent for path in paths}:
         first = folder
-        while not first.exists() and first != first.parent:
+        while not os.path.lexists(first) and first != first.parent:
             first = first.parent
         if not first.is_dir():
             raise OutputError(f"{first} is not a folder")

@@ -12,7 +12,7 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.emitters.births import BirthBatch, give_birth, scheduled_births
 from gen_art.emitters.events import EventWindow, event_births
-from gen_art.errors import UsageError
+from gen_art.errors import GenArtError, UsageError
 from gen_art.maths.random import channel_of, derive
 from gen_art.particles.storage import Particles
 from gen_art.registry import suggest
@@ -325,8 +325,13 @@ class Simulation:
         from gen_art.simulation.snapshot import read
 
         snapshot = read(path)
-        sim = cls(snapshot.definition, dt=snapshot.dt, seed=snapshot.seed, precision=snapshot.precision)
-        sim.steps_done = snapshot.steps_done
-        snapshot.restore_systems(sim.members, sim.time)
-        sim._unprocessed_ids = snapshot.unprocessed_ids
+        try:
+            sim = cls(snapshot.definition, dt=snapshot.dt, seed=snapshot.seed, precision=snapshot.precision)
+            sim.steps_done = snapshot.steps_done
+            snapshot.restore_systems(sim.members, sim.time)
+            sim._unprocessed_ids = snapshot.unprocessed_ids
+        except GenArtError:
+            raise
+        except (TypeError, ValueError, LookupError, AttributeError, OverflowError) as error:
+            raise UsageError(f"{path} is damaged: {error}") from error
         return sim

@@ -101,7 +101,10 @@ def write(sim, path, unprocessed_ids: dict[str, tuple[int, int]]) -> None:
             _SAVED: [list(interaction.saved_arrays) for interaction in system.interactions],
             "definition": None if sim.preset is not None else _definition(system),
         }  # fmt: skip
-    with beside(Path(path)) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise OutputError(f"cannot write {path}: there is no folder {path.parent}")
+    with beside(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         archive.writestr("head.json", json.dumps(head))
         for name, system in sim.members.items():
             for column in _COLUMNS:
@@ -139,11 +142,13 @@ def read(path) -> Snapshot:
                 ]
                 for name, entry in systems.items()
             }
+            if not isinstance(head["preset"], (dict, type(None))):
+                raise UsageError(f"{path} is damaged: its preset is no mapping")
+    except (UsageError, MemoryError):
+        raise
     except OSError as error:
         raise OutputError(f"cannot read {path}: {error.strerror or error}") from None
-    except (zipfile.BadZipFile, KeyError, ValueError) as error:
-        if isinstance(error, UsageError):
-            raise
+    except Exception:  # of a damaged file, zipfile, json and NumPy raise errors of many kinds
         raise UsageError(f"{path} is not a snapshot of this program") from None
     return Snapshot(head, columns, saved)
 
