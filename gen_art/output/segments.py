@@ -124,11 +124,13 @@ class Segments:
                     frames = queue.Queue(1)
                     last = pool.submit(self._segment, count, frames, last)
                 frames.put(frame)
-                self._room.release()
                 count += 1
                 if count == self._first_end or count % self.length == 0:
                     frames.put(None)
                     frames = None
+                if last is not None and count == self._first_end:
+                    last.result()  # the film can be played from here on, before many more frames are computed
+                self._room.release()
         finally:
             if frames is not None:
                 frames.put(None)
