@@ -7,6 +7,7 @@ import types
 from dataclasses import dataclass
 from pathlib import Path
 
+from gen_art import arguments
 from gen_art.errors import GenArtError, OutputError, UsageError
 
 __all__ = ["Plugin", "load_plugin"]
@@ -32,7 +33,7 @@ def load_plugin(path: str | Path) -> Plugin:
 
     Raises OutputError when it cannot be read, and UsageError with the line for an error in it.
     """
-    path = Path(path)
+    path = arguments.path("plugin", path)
     if str(path) == "-":
         raise UsageError("a plugin must be a file, not standard input, because its source is read again")
     try:

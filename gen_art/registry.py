@@ -11,8 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, TypeVar
 
-import numpy as np
-
+from gen_art import arguments
 from gen_art.errors import UsageError
 
 __all__ = ["Bounds", "Parameter", "Parametric", "Registry", "param", "suggest"]
@@ -81,39 +80,27 @@ class Parameter:
 
     def check(self, value):
         """The value in its canonical Python form. Raises UsageError for a wrong value."""
-        if self.kind in ("float", "int"):
-            if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-                raise UsageError(f"{self.name} must be a number, not {value!r}")
-            if self.kind == "int" and int(value) != value:
-                raise UsageError(f"{self.name} must be a whole number, not {value!r}")
-            return self._in_range(int(value) if self.kind == "int" else float(value))
+        if self.kind == "float":
+            return self._in_range(arguments.number(self.name, value))
+        if self.kind == "int":
+            return self._in_range(arguments.whole(self.name, value))
         if self.kind == "range":
-            bounds = (
-                tuple(value)
-                if isinstance(value, (tuple, list))
-                else (getattr(value, "lo", value), getattr(value, "hi", value))
-            )
-            if len(bounds) != 2 or any(isinstance(c, bool) or not isinstance(c, (int, float)) for c in bounds):
-                raise UsageError(f"{self.name} must be a number or a pair (low, high), not {value!r}")
-            return tuple(self._in_range(float(c)) for c in bounds)
+            pair = value if isinstance(value, (tuple, list)) else [getattr(value, end, value) for end in ("lo", "hi")]
+            if len(pair) != 2:
+                raise UsageError(f"{self.name} must be a number or a pair (low, high), not {arguments.shown(value)}")
+            return tuple(self._in_range(arguments.number(self.name, end)) for end in pair)
         if self.kind == "vector":
-            try:
-                vector = tuple(float(c) for c in value)
-            except (TypeError, ValueError):
-                vector = ()
-            if len(vector) != 3:
-                raise UsageError(f"{self.name} must be three numbers [x, y, z], not {value!r}")
-            return tuple(self._in_range(c) for c in vector)
+            return tuple(self._in_range(component) for component in arguments.vector(self.name, value))
         if self.kind == "bool":
-            if not isinstance(value, bool):
-                raise UsageError(f"{self.name} must be true or false, not {value!r}")
-            return value
+            return arguments.flag(self.name, value)
         if self.kind == "choice":
-            if value not in self.choices:
-                raise UsageError(f"{self.name} must be one of {', '.join(map(str, self.choices))}; not {value!r}")
+            if not isinstance(value, (str, int, float)) or value not in self.choices:
+                choices = [str(choice) for choice in self.choices]
+                near = suggest(value, choices) if isinstance(value, str) else ""
+                raise UsageError(f"{self.name} must be one of {', '.join(choices)}; not {arguments.shown(value)}{near}")
             return value
-        if self.kind == "text" and not isinstance(value, str):
-            raise UsageError(f"{self.name} must be text, not {value!r}")
+        if self.kind == "text":
+            return arguments.text(self.name, value)
         return value
 
     @property
@@ -150,6 +137,13 @@ def param(
     kind : in place of the kind that follows from the annotation (float, int, bool, str, tuple for a vector); "range" is a
     number or (low, high)
     """
+    if kind is not None:
+        arguments.text("kind", kind)
+    for key, bound in (("min", min), ("max", max)):
+        if not (isinstance(bound, float) and math.isinf(bound)):
+            arguments.number(key, bound)
+    if isinstance(choices, str) or not isinstance(choices, Sequence):
+        raise UsageError(f"choices must be a list of values, not {arguments.shown(choices)}")
     missing = default is _REQUIRED
     return Parameter(None if missing else default, unit, min, max, tuple(choices), doc, kind or "", required=missing)
 
@@ -254,6 +248,7 @@ class Registry:
 
     def __call__(self, name: str) -> Callable[[type[T]], type[T]]:
         """Class decorator: register under `name`."""
+        arguments.text(f"the name of a {self.kind}", name, f'text: write @ga.{self.kind}("name")')
 
         def add(cls: type[T]) -> type[T]:
             if name in self.classes and self.classes[name].__qualname__ != cls.__qualname__:

@@ -29,6 +29,7 @@ from taichi.lang import impl
 from taichi.lang.expr import make_expr_group
 from taichi.lang.matrix import make_matrix
 
+from gen_art.arguments import shown, whole
 from gen_art.backend.compile_errors import as_sentences
 from gen_art.errors import OutputError, UsageError
 
@@ -137,10 +138,10 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
     threads : None for all processors, or for the number with which Taichi runs already
     Raises UsageError for another backend, a wrong number of threads, or a second, different configuration.
     """
-    if arch != "cpu":
-        raise UsageError(f"arch '{arch}' is not available yet: this version runs on 'cpu' only")
-    if threads is not None and not 1 <= threads <= 1024:
-        raise UsageError(f"threads must be from 1 to 1024, not {threads}")
+    if not isinstance(arch, str) or arch != "cpu":
+        raise UsageError(f"arch {shown(arch)} is not available yet: this version runs on 'cpu' only")
+    if threads is not None:
+        threads = whole("threads", threads, 1, 1024)
     running = _state["config"]
     if running is not None:
         if (arch, threads or running[1]) != running:

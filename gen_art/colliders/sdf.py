@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gen_art import arguments
 from gen_art.backend.runtime import real, ti
 from gen_art.colliders.base import Collider, collider
 from gen_art.errors import UsageError
@@ -36,18 +37,11 @@ class SDF(Collider):
         function = self.values["function"]
         if not callable(function):
             grid = read_array(function) if isinstance(function, (str, Path)) else function
-            try:
-                if np.iscomplexobj(grid):
-                    raise TypeError
-                grid = np.asarray(grid, np.float64)
-            except (TypeError, ValueError):
-                raise UsageError("function must be a @ti.func, a .npy file or an array of distances") from None
+            grid = arguments.array("function", grid, "a @ti.func, a .npy file or an array of distances")
             if grid.ndim != 3 or min(grid.shape) < 2:
                 raise UsageError(
                     f"a grid of distances must have the shape (nx, ny, nz), each at least 2, not {grid.shape}"
                 )
-            if not np.isfinite(grid).all():
-                raise UsageError("the grid of distances holds numbers that are not finite")
             for axis, low, high in zip("xyz", self.values["min"], self.values["max"]):
                 if low >= high:
                     raise UsageError(f"min must be below max on every axis: {axis} runs from {low:g} to {high:g}")

@@ -56,6 +56,7 @@ def _facts(preset, size, precision) -> dict:
     from gen_art.audit.invariants import colliders_of, forces_of, invariants
     from gen_art.output.formats import CODECS
     from gen_art.preset.estimate import estimate
+    from gen_art.simulation.no_effect import silent_parts, undrawn_systems
 
     expected, clock = estimate(preset, precision), preset.clock
     systems = {}
@@ -94,7 +95,9 @@ def _facts(preset, size, precision) -> dict:
             "film": _count(expected.process(size, CODECS["h264"].memory)),
         },
         "systems": systems,
-        "advice": [*advice(preset), *step_advice(preset)],
+        "advice": list(
+            dict.fromkeys([*silent_parts(preset), *undrawn_systems(preset), *advice(preset), *step_advice(preset)])
+        ),
     }
 
 

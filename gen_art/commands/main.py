@@ -188,8 +188,13 @@ def _status(error: BaseException) -> int:
         return error.exit_code
     if isinstance(error, BrokenPipeError):
         return 0
-    if isinstance(error, MemoryError):
-        echo("gen-art: out of memory. Try fewer particles, a smaller --size or --quality draft", err=True)
+    from gen_art.backend.memory import out_of_memory
+
+    if out_of_memory(error):
+        echo(
+            "gen-art: out of memory, or past a limit of it (ulimit -v). Try fewer particles, a smaller --size or --quality draft",
+            err=True,
+        )
         return 4
     if isinstance(error, OSError):
         where = f" ({error.filename})" if error.filename else ""

@@ -32,19 +32,14 @@ def command(
     preset, loaded = options.load(preset, seed=seed, settings=settings, fps=fps, duration=duration, plugins=plugins)
     from gen_art.commands.progress import reporter
     from gen_art.output import job
-    from gen_art.preset.estimate import refuse_if_too_large
 
     frames = range(preset.clock.frames) if frames is None else frames
     output = {
         "size": size, "scale": scale, "quality": quality, "overwrite": overwrite, "transparent": transparent,
         "frames": frames, "codec": codec, "profile": profile, "bits": int(bits) if bits else None,
     }  # fmt: skip
-    target, pixel_size = job.check_target(preset, out, **output)
-    until = preset.clock.preroll + frames[-1] * preset.clock.speed / preset.clock.fps
-    expected = refuse_if_too_large(
-        preset, precision, pixel_size, until, coded=target.film.codec.memory if target.film else 0.0
-    )
     if dry_run:
+        _, pixel_size, expected = job.plan_film(preset, out, precision=precision, **output)
         echo(f"{out}: {len(frames)} frames of {pixel_size[0]}x{pixel_size[1]}, {expected}")
         return
     with reporter(progress) as report:

@@ -33,15 +33,13 @@ def command(
     time = preset.poster_time if time is None else time
     from gen_art.commands.progress import reporter
     from gen_art.output import job
-    from gen_art.preset.estimate import refuse_if_too_large
 
     output = {
         "size": size, "scale": scale, "quality": quality, "overwrite": overwrite, "transparent": transparent,
         "bits": int(bits) if bits else None,
     }  # fmt: skip
-    _, pixel_size = job.check_target(preset, out, moving=False, **output)
-    expected = refuse_if_too_large(preset, precision, pixel_size, preset.clock.preroll + time * preset.clock.speed)
     if dry_run:
+        _, pixel_size, expected = job.plan_still(preset, out, time, precision=precision, **output)
         echo(f"{out}: {pixel_size[0]}x{pixel_size[1]} at {time:g} s, {expected}")
         return
     with reporter(progress) as report:

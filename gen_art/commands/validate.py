@@ -17,21 +17,26 @@ def command(context, files, plugins):
     """List every problem of each FILE.
 
     Each problem has its line and column. A FILE may also be the name of a preset. Problems are printed on standard error;
-    the exit status is 3 if there are any, 5 if a file cannot be read.
+    the exit status is 3 if there are any, 5 if a file cannot be read. Parts that have no effect are printed as warnings.
     """
     from gen_art.errors import GenArtError
+    from gen_art.output.check import check_preset
     from gen_art.plugins import load_plugin
     from gen_art.preset.load import load_preset
+    from gen_art.simulation.no_effect import silent_parts, undrawn_systems
 
     for path in plugins:
         load_plugin(path)
     worst = 0
     for file in files:
         try:
-            load_preset(file)
+            preset = load_preset(file)
+            check_preset(preset)
         except GenArtError as error:
             echo(str(error), err=True)
             worst = max(worst, error.exit_code)
         else:
+            for sentence in (*silent_parts(preset), *undrawn_systems(preset)):
+                echo(f"{file}: warning: {sentence}", err=True)
             echo(f"{file}: ok")
     context.exit(worst)

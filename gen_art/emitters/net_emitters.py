@@ -50,7 +50,7 @@ class Chain(_NetEmitter):
 
     start: tuple = param((0.0, 0.0, 0.0), unit="m")
     end: tuple = param((1.0, 0.0, 0.0), unit="m")
-    count: int = param(20, min=2, max=10_000_000)
+    count: int = param(20, min=2, max=1_000_000)
     pinned: str = param("ends", choices=("none", "start", "end", "ends"))
     load: float = param(None, unit="kg", min=1e-300, doc="mass of the last particle; default: as the others")
 
@@ -75,7 +75,7 @@ class Rope(_NetEmitter):
 
     start: tuple = param((0.0, 0.0, 0.0), unit="m")
     end: tuple = param((1.0, 0.0, 0.0), unit="m")
-    count: int = param(50, min=2, max=10_000_000)
+    count: int = param(50, min=2, max=1_000_000)
     length: float = param(None, unit="m", min=0)
     bend: float = param(0.0, min=0, max=1)
     pinned: str = param("ends", choices=("none", "start", "end", "ends"))

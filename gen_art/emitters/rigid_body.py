@@ -1,5 +1,7 @@
 """Rigid bodies: initial conditions as the particles that represent them (`interactions: rigid`)."""
 
+import math
+
 import numpy as np
 
 from gen_art.emitters.base import Emitter, emitter
@@ -9,6 +11,7 @@ from gen_art.registry import param
 
 __all__ = ["RigidBody"]
 
+MOST_BODIES, MOST_PARTICLES = 20_000, 2_000_000  # of an emitter
 _GOLDEN = (5**0.5 - 1) / 2  # its multiples modulo 1 fill a range evenly, with neighbours far apart
 
 
@@ -47,7 +50,7 @@ class RigidBody(Emitter):
     draw: str = param(
         "cloud", choices=("cloud", "wire"), doc="points over the surface, or along edges and great circles"
     )
-    points: int = param(400, min=8, max=10_000_000)
+    points: int = param(400, min=8, max=1_000_000)
     grain: float = param(None, unit="m", min=0, doc="default: three quarters of the points' spacing")
     tint: tuple = param(
         (0.0, 0.0), kind="range", doc="a number to colour by; a range is spread over the bodies of the grid"
@@ -58,7 +61,7 @@ class RigidBody(Emitter):
     declares = ("area", "normal_x", "normal_y", "normal_z", "shade", "tint")
 
     def prepare(self):
-        from gen_art.interactions.rigid.body import body
+        from gen_art.interactions.rigid.body import body, moved
         from gen_art.interactions.rigid.group import Group
 
         v = dict(self.values)
@@ -66,12 +69,25 @@ class RigidBody(Emitter):
         grid, pitch = [round(n) for n in v.pop("grid")], np.array(v.pop("pitch"))
         if any(n != g for n, g in zip(grid, self.values["grid"])):
             raise UsageError(f"grid must be three whole numbers, not {list(self.values['grid'])}")
-        start, count = np.array(v.pop("position")), int(np.prod(grid))
+        start, count = np.array(v.pop("position")), math.prod(grid)
+        if count > MOST_BODIES:
+            raise UsageError(f"a grid has at most {MOST_BODIES:,} bodies, not {count:,}")
+        if count * v["points"] > MOST_PARTICLES:
+            raise UsageError(
+                f"{count:,} bodies of {v['points']:,} points are {count * v['points']:,} particles, and an emitter lays at "
+                f"most {MOST_PARTICLES:,}: lower `points` or `grid`"
+            )
         cells = [(i, j, k) for j in range(grid[1]) for k in range(grid[2]) for i in range(grid[0])]
         if v["pivot"] is not None and count > 1:
             raise UsageError("a pivot is for one body: leave out grid, or the pivot")
+        first = body(position=start, tint=low, **v)
+        if count * len(first.local) > MOST_PARTICLES:
+            raise UsageError(
+                f"{count:,} bodies of these sizes are {count * len(first.local):,} particles, and an emitter lays at most "
+                f"{MOST_PARTICLES:,}: lower `points` or `grid`"
+            )
         self.group = Group(
-            body(position=start + pitch * cell, tint=low + (high - low) * (n * _GOLDEN % 1.0), **v)
+            moved(first, start + pitch * cell, low + (high - low) * (n * _GOLDEN % 1.0)) if n else first
             for n, cell in enumerate(cells)
         )
 

@@ -1,8 +1,9 @@
 """The contract of a force: what a class may declare, and what the kernels use of it."""
 
 import math
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
+from gen_art.arguments import shown
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.kernel_methods import check_kernel_methods
@@ -87,6 +88,15 @@ class Force(Parametric):
             raise UsageError(f"{cls.__name__}.repeat names '{cls.repeat}', which is no parameter of it")
         if cls.conservative and not cls.provides("potential"):
             raise UsageError(f"{cls.__name__} is declared conservative: it needs a potential")
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        medium = self.values.get("medium")
+        if medium is not None:
+            from gen_art.forces.medium import Medium  # which imports this module
+
+            if not isinstance(medium, Medium):
+                raise UsageError(f"{type(self).__name__}: medium must be a ga.Medium, not {shown(medium)}")
 
     @classmethod
     def provides(cls, quantity: str) -> bool:

@@ -3,11 +3,12 @@
 import csv
 import math
 from collections.abc import Mapping
-from pathlib import Path
+from itertools import islice
 from typing import ClassVar
 
 import numpy as np
 
+from gen_art import arguments
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.forces.base import Force
@@ -15,7 +16,8 @@ from gen_art.registry import param
 
 __all__ = ["Controlled", "read_controls"]
 
-MAX_ROWS = 1_000_000  # rows
+MAX_ROWS = 100_000  # rows: a control for each step of half an hour at 1/60 s
+MAX_BYTES = 20_000_000
 
 
 def read_controls(given, names: tuple[str, ...]) -> dict[str, np.ndarray]:
@@ -26,19 +28,20 @@ def read_controls(given, names: tuple[str, ...]) -> dict[str, np.ndarray]:
     """
     columns = dict(given) if isinstance(given, Mapping) else _read(given)
     label = "controls" if isinstance(given, Mapping) else str(given)
-    unknown = set(columns) - {"time", *names}
+    unknown = [str(name) for name in columns if name not in ("time", *names)]
     if "time" not in columns or unknown:
         what = f"has no column {', '.join(sorted(unknown))} to give" if unknown else "needs a column `time`"
         raise UsageError(f"{label}: {what}; the columns are time, {', '.join(names)}")
     if len(columns) == 1:
         raise UsageError(f"{label}: has no input beside time; give at least one of {', '.join(names)}")
-    table = {name: np.asarray(column, np.float64) for name, column in columns.items()}
+    table = {
+        name: arguments.array(f"{label}: {name}", column, "numbers, one for each time")
+        for name, column in columns.items()
+    }
     time = table["time"]
     for name, column in table.items():
         if column.ndim != 1 or len(column) != len(time) or not 1 <= len(column) <= MAX_ROWS:
             raise UsageError(f"{label}: columns must be lists of one length, from 1 to {MAX_ROWS:,}: {name} is not")
-        if not np.isfinite(column).all():
-            raise UsageError(f"{label}: {name} holds numbers that are not finite")
     if (np.diff(time) <= 0).any():
         row = int(np.flatnonzero(np.diff(time) <= 0)[0])
         raise UsageError(
@@ -48,15 +51,22 @@ def read_controls(given, names: tuple[str, ...]) -> dict[str, np.ndarray]:
 
 
 def _read(given) -> dict[str, list[float]]:
-    path = Path(getattr(given, "place", given))
+    path = arguments.path("controls", getattr(given, "place", given))
     if not path.is_file():
         raise UsageError(f"{given}: there is no such file")
+    if path.stat().st_size > MAX_BYTES:
+        raise UsageError(
+            f"{given}: is larger than {MAX_BYTES // 10**6} MB: a table of controls has at most {MAX_ROWS:,} rows"
+        )
     try:
         with open(path, newline="", encoding="utf-8-sig") as file:
             reader = csv.reader(file, skipinitialspace=True)
-            rows = [(reader.line_num, row) for row in reader if row and not row[0].startswith("#")]
+            kept = ((reader.line_num, row) for row in reader if row and not row[0].startswith("#"))
+            rows = list(islice(kept, MAX_ROWS + 2))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UsageError(f"{given}: cannot be read as a table of comma-separated numbers") from error
+    if len(rows) > MAX_ROWS + 1:
+        raise UsageError(f"{given}: has more than {MAX_ROWS:,} rows")
     if len(rows) < 2:
         raise UsageError(f"{given}: needs a line of names and at least one of numbers")
     names = [name.strip() for name in rows[0][1]]

@@ -39,6 +39,13 @@ def _electric_of(function) -> Force:
     return ElectricFunction()
 
 
+def _is_grid(source) -> bool:
+    """Whether it has the form of a grid: lists of lists, or an array of several dimensions."""
+    if isinstance(source, np.ndarray):
+        return source.ndim > 1
+    return isinstance(source, (list, tuple)) and bool(source) and isinstance(source[0], (list, tuple, np.ndarray))
+
+
 def field_of(quantity: str, source, options: dict) -> Force | None:
     """The force of a source of an electric or magnetic field; None if `source` is three numbers or left out.
 
@@ -57,6 +64,6 @@ def field_of(quantity: str, source, options: dict) -> Force | None:
         return source
     if getattr(source, "_is_taichi_function", False):
         return (_magnetic_of if quantity == "magnetic" else _electric_of)(source)
-    if isinstance(source, (str, Path)) or np.ndim(source) > 1:
+    if isinstance(source, (str, Path)) or _is_grid(source):
         return (MagneticGrid if quantity == "magnetic" else ElectricGrid)(source, **options)
     return None

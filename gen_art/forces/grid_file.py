@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gen_art import arguments
 from gen_art.errors import UsageError
 from gen_art.pictures import picture_size, read_picture
 
@@ -20,15 +21,15 @@ def read_grid(given) -> np.ndarray:
     128 for 0; its bottom row has the lowest y. Raises UsageError if it is not such a grid.
     """
     if not isinstance(given, (str, Path)):
-        return _checked(np.asarray(given), "field")
-    path = Path(getattr(given, "place", given))
+        return _checked(arguments.array("field", given, f"a path, or numbers of the shape {_SHAPE}"), "field")
+    path = arguments.path("field", getattr(given, "place", given))
     is_array = _exists(path, given).suffix.lower() == ".npy"
     return _checked(read_array(given) if is_array else _picture(path, given), str(given))
 
 
 def read_array(given) -> np.ndarray:
     """The array in a .npy file, memory-mapped. Raises UsageError if the file is not one."""
-    path = _exists(Path(getattr(given, "place", given)), given)
+    path = _exists(arguments.path("file", getattr(given, "place", given)), given)
     try:
         return np.lib.format.open_memmap(path, mode="r")  # unlike np.load, it opens no archives and no pickles
     except MemoryError:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from gen_art import arguments
 from gen_art.errors import UsageError
 from gen_art.forces.base import FORCES, Force
 from gen_art.forces.curl_noise import CurlNoise
@@ -30,27 +31,35 @@ class Medium:
         vortices: Force | Iterable[Force] = (),
         field: Force | Iterable[Force] = (),
     ) -> None:
-        if not density >= 0.0:
-            raise UsageError(f"a medium's density must be at least 0, not {density}")
-        self.density = float(density)
+        self.density = arguments.number("a medium's density", density, "kg/m^3", low=0.0)
         terms: list[Force] = []
         if wind is not None:
-            terms.append(wind if isinstance(wind, Force) else Wind(wind))
+            terms.append(wind if isinstance(wind, Force) else Wind(arguments.vector("wind", wind)))
         if curl_noise is not None:
             noises: Any = curl_noise if isinstance(curl_noise, (list, tuple)) else [curl_noise]
-            for noise in noises:
-                terms.append(noise if isinstance(noise, Force) else CurlNoise(**noise))
-        for extra in (vortices, field):
-            terms += [extra] if isinstance(extra, Force) else list(extra)
+            terms += [_noise(noise) for noise in noises]
+        for name, extra in (("vortices", vortices), ("field", field)):
+            given = [extra] if isinstance(extra, Force) else extra
+            terms += arguments.instances(name, given, Force, "ga.forces.Vortex(...)")
         for term in terms:
             if not isinstance(term, Force) or not term.provides("acceleration"):
                 raise UsageError(
-                    f"{term!r} is not a vector field and cannot move a medium; fields: {', '.join(fields())}"
+                    f"{arguments.shown(term)} is not a vector field and cannot move a medium; fields: {', '.join(fields())}"
                 )
         self.terms = tuple(terms)
 
     def __repr__(self):
         return f"Medium(density={self.density}, terms={self.terms!r})"
+
+
+def _noise(given: Any) -> Force:
+    if isinstance(given, Mapping):
+        return CurlNoise(**{arguments.text("a parameter of curl_noise", key): value for key, value in given.items()})
+    if not isinstance(given, Force):
+        raise UsageError(
+            f"curl_noise must be a ga.forces.CurlNoise, or a mapping of its parameters, not {arguments.shown(given)}"
+        )
+    return given
 
 
 def fields() -> list[str]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from gen_art.arguments import shown
 from gen_art.backend.runtime import real, ti
 from gen_art.errors import UsageError
 from gen_art.forces.base import Force, force
@@ -33,7 +34,7 @@ class Sampled(Force):
             low = high = np.zeros(0)
         if low.shape != (3,) or high.shape != (3,) or not np.isfinite([low, high]).all() or not (low < high).all():
             raise UsageError(
-                f"bounds must be two corners [[x, y, z], [x, y, z]], the lower one first, not {self.values['bounds']!r}"
+                f"bounds must be two corners [[x, y, z], [x, y, z]], the lower one first, not {shown(self.values['bounds'])}"
             )
         self.values["bounds"] = (tuple(low.tolist()), tuple(high.tolist()))
         size = np.array(grid.shape[:3])

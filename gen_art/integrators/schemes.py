@@ -9,6 +9,7 @@ Sources: Hairer, Lubich, Wanner, Geometric Numerical Integration; Yoshida (1990)
 import math
 from dataclasses import dataclass, replace
 
+from gen_art.arguments import shown
 from gen_art.errors import UsageError
 from gen_art.registry import suggest
 
@@ -178,6 +179,8 @@ def charged(used: Scheme, forces, light: float | None, exact: bool, interactions
 
 def scheme(name: str) -> Scheme:
     """The integrator of that name. Raises UsageError, which suggests the most similar name."""
+    if not isinstance(name, str):
+        raise UsageError(f"integrator must be a name such as 'leapfrog', not {shown(name)}")
     if name not in INTEGRATORS:
         raise UsageError(f"unknown integrator '{name}'{suggest(name, INTEGRATORS)} (one of {', '.join(INTEGRATORS)})")
     return INTEGRATORS[name]

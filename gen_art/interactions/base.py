@@ -98,6 +98,9 @@ class Interaction(Parametric):
         """The other system whose particles exert the forces; None if the system's particles act on each other."""
         return self.values.get("sources")
 
+    def check(self, system) -> None:
+        """Raise UsageError for a system that this cannot act in; called before any of its particles exists."""
+
     def attach(self, system, dt: float) -> list[str]:
         """Called once the particles of the start exist. Returns sentences about a start or a step that cannot be right."""
         return []

@@ -75,12 +75,17 @@ class Contacts(Interaction):
         self._walls = SphereWalls(walls, [names[id(one)] for one in walls]) if walls else None
         return [one for one in colliders if not is_wall(one)]
 
-    def attach(self, system, dt):
+    def check(self, system):
+        if system.least_mass <= 0:
+            raise UsageError("contacts: a particle has no mass; give it one, or fix it")
+        _least_steps(system)
         if self.spins and system.scheme.name not in ("semi_implicit_euler", "position_verlet"):
             raise UsageError(
                 f"contacts: spin is advanced once a step; give '{system.name}' semi_implicit_euler or position_verlet, "
                 f"not {system.scheme.name}"
             )
+
+    def attach(self, system, dt):
         self._duration = self.values["duration"] or _DEFAULT_STEPS * dt
         self._steps = _least_steps(system)
         sentences = []

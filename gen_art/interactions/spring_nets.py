@@ -5,9 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gen_art import arguments
 from gen_art.errors import UsageError
 
 __all__ = ["Net", "chain", "cloth", "rope"]
+
+
+MOST_POINTS = 1_000_000  # of a net
 
 
 @dataclass(frozen=True)
@@ -35,7 +39,7 @@ class Net:
 
     def pinned(self, name: str) -> np.ndarray:
         """The points of the edge of that name: none, start, end, ends, top, left, corners or others, depending on the net."""
-        if name not in self.edges:
+        if not isinstance(name, str) or name not in self.edges:
             raise UsageError(f"this net has no edge '{name}': there are {', '.join(self.edges)}")
         return self.edges[name]
 
@@ -54,14 +58,14 @@ def rope(start: ArrayLike, end: ArrayLike, count: int, length: float | None = No
 
 
 def _string(start, end, count, length, bend) -> Net:
-    if int(count) != count or count < 2:
-        raise UsageError(f"a chain needs at least 2 points, not {count}")
-    a, b = np.asarray(start, float), np.asarray(end, float)
+    count = arguments.whole("count, the points of a chain,", count, 2, MOST_POINTS)
+    a, b = np.array(arguments.vector("start", start)), np.array(arguments.vector("end", end))
+    bend = arguments.number("bend", bend, low=0.0)
     distance = float(np.linalg.norm(b - a))
-    total = distance if length is None else float(length)
+    total = distance if length is None else arguments.number("length", length, "m")
     if total <= 0 or total < distance * (1 - 1e-12):
         raise UsageError(f"a rope of {total:g} m does not reach over {distance:g} m")
-    s = np.linspace(0, 1, int(count))
+    s = np.linspace(0, 1, count)
     x = a + np.outer(s, b - a)
     sag = np.sqrt(max(total**2 - distance**2, 0.0))
     x[:, 1] -= sag * np.minimum(s, 1 - s)
@@ -91,14 +95,15 @@ def cloth(
     other point (bend). They are listed head to tail along straight lines, the stiffest last, because method "xpbd" solves
     whole lines at once, in this order.
     """
-    if columns < 2 or rows < 2:
-        raise UsageError(f"a cloth needs at least 2 columns and 2 rows, not {columns} x {rows}")
+    columns = arguments.whole("columns of a cloth", columns, 2, MOST_POINTS)
+    rows = arguments.whole("rows of a cloth", rows, 2, MOST_POINTS)
+    if columns * rows > MOST_POINTS:
+        raise UsageError(f"a cloth has at most {MOST_POINTS:,} points, not {columns:,} x {rows:,}")
+    shear, bend = arguments.number("shear", shear, low=0.0), arguments.number("bend", bend, low=0.0)
+    origin = np.array(arguments.vector("corner", corner))
+    sides = [np.array(arguments.vector(name, side)) for name, side in (("across", across), ("down", down))]
     u, v = np.meshgrid(np.linspace(0, 1, columns), np.linspace(0, 1, rows))
-    x = (
-        np.asarray(corner, float)
-        + u.reshape(-1, 1) * np.asarray(across, float)
-        + v.reshape(-1, 1) * np.asarray(down, float)
-    )
+    x = origin + u.reshape(-1, 1) * sides[0] + v.reshape(-1, 1) * sides[1]
     k = np.arange(columns * rows).reshape(rows, columns)
     lines = []
     if bend > 0:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from gen_art import arguments
 from gen_art.errors import UsageError
 from gen_art.interactions.adjacency import Adjacency
 from gen_art.interactions.base import ForcePart, ForceRequest, Interaction, interaction
@@ -62,8 +63,8 @@ class Springs(Interaction):
             if values["share"] is not None:
                 raise UsageError("share goes with pairs")
             length = values["rest_length"]
-            if length is not None and (np.shape(length) or not math.isfinite(length) or length < 0):
-                raise UsageError(f"rest_length, without pairs, must be one number, at least 0, not {length!r}")
+            if length is not None:
+                values["rest_length"] = arguments.number("rest_length, without pairs,", length, "m", low=0.0)
             return
         try:
             pairs = np.asarray(values["pairs"])
@@ -82,9 +83,10 @@ class Springs(Interaction):
         values["pairs"] = pairs.astype(np.int64)
         for key in ("rest_length", "share"):
             if values[key] is not None:
-                array = np.asarray(values[key], float)
-                if array.shape not in ((), (len(pairs),)) or not np.isfinite(array).all() or (array < 0).any():
-                    raise UsageError(f"{key} must be one number or {len(pairs)} of them, finite and at least 0")
+                what = f"one number or {len(pairs)} of them, finite and at least 0"
+                array = arguments.array(key, values[key], what)
+                if array.shape not in ((), (len(pairs),)) or (array < 0).any():
+                    raise UsageError(f"{key} must be {what}")
                 values[key] = np.broadcast_to(array, (len(pairs),))
 
     @property
@@ -99,6 +101,18 @@ class Springs(Interaction):
     def parts(self):
         damped = (ForcePart(dissipates=True),) if self.values["damping"] > 0 else ()
         return () if self.implicit else (ForcePart(), *damped)
+
+    def check(self, system):
+        if self.implicit and system.scheme.name != "semi_implicit_euler":
+            raise UsageError(
+                f"springs: method '{self.values['method']}' is a backward Euler step beside the kick of semi_implicit_euler; "
+                f"give '{system.name}' that integrator, or method 'explicit' with {system.scheme.name}"
+            )
+        laid = any(getattr(kind.scripted, "net", None) is not None for e in system.emitters for kind in e.kinds)
+        if self.values["pairs"] is None and not laid:
+            raise UsageError(
+                f"springs: '{system.name}' has none; give pairs, or an emitter that lays them: chain, rope or cloth"
+            )
 
     def attach(self, system, dt):
         state = system.state
@@ -126,11 +140,6 @@ class Springs(Interaction):
         if len(massless):
             raise UsageError(f"springs: particle {massless[0]} of '{system.name}' has no mass; give it one, or fix it")
         if self.implicit:
-            if system.scheme.name != "semi_implicit_euler":
-                raise UsageError(
-                    f"springs: method '{self.values['method']}' is a backward Euler step beside the kick of semi_implicit_euler; "
-                    f"give '{system.name}' that integrator, or method 'explicit' with {system.scheme.name}"
-                )
             return []
         longest = self._longest_step(system, mass, fixed_lifetimes(state.floats[LIFETIME, :n]))
         if dt <= longest:
@@ -167,10 +176,6 @@ class Springs(Interaction):
                 if net is not None:
                     ids = state.id[: state.count][state.source[: state.count] == emission.first_source + k]
                     found.append((ids[net.pairs], net.rest_length, net.share))
-        if not found:
-            raise UsageError(
-                f"springs: '{system.name}' has none; give pairs, or an emitter that lays them: chain, rope or cloth"
-            )
         return tuple(np.concatenate(part) for part in zip(*found))
 
     def _adjacency(self, state) -> Adjacency:

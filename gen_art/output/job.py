@@ -4,13 +4,17 @@ import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gen_art.arguments import shown
 from gen_art.errors import EncoderError, OutputError, UsageError
 from gen_art.output.background import background
+from gen_art.output.check import check_preset
+from gen_art.output.options import check_options
 from gen_art.output.partial_film import check_partial, partial_path
 from gen_art.output.playback import Playback
 from gen_art.output.progress import Report
@@ -18,6 +22,8 @@ from gen_art.output.read_recipe import read_recipe
 from gen_art.output.recipe import find_files, make_recipe, verify
 from gen_art.output.stills import write_still
 from gen_art.output.target import Target, check_size_of, check_writable, find_target
+from gen_art.preset.clock import MOST_FRAMES
+from gen_art.preset.estimate import Estimate, refuse_if_too_large
 from gen_art.preset.files import FOLDER
 from gen_art.preset.shipped import presets_folder
 from gen_art.renderer.painter import check_size
@@ -31,7 +37,7 @@ if TYPE_CHECKING:
 
     AnyPreset: TypeAlias = Preset | str | Path | Mapping[str, Any]
 
-__all__ = ["QUALITIES", "check_target", "picture_size", "render", "rerun", "still"]
+__all__ = ["QUALITIES", "check_target", "picture_size", "plan_film", "plan_still", "render", "rerun", "still"]
 
 # quality -> factor on the width and height; all but "final" also choose the codec profile "preview"
 QUALITIES = {"draft": 0.5, "preview": 1.0, "final": 1.0}
@@ -52,9 +58,6 @@ def picture_size(preset, size=None, scale=None, quality: str = "final", even: bo
         return width, height
     unit = 2 if even else 1
     return check_size(tuple(max(unit, round(side * factor / unit) * unit) for side in (width, height)))
-
-
-MOST_FRAMES = 10_000_000
 
 
 def check_target(
@@ -78,10 +81,6 @@ def check_target(
         from gen_art.output.exr import check_exr
 
         check_exr()
-    if frames is not None and len(frames) > MOST_FRAMES:
-        raise UsageError(
-            f"{len(frames):,} frames are asked for, but at most {MOST_FRAMES:,} at a time: choose some with --frames"
-        )
     numbers = list(frames) if frames is not None else [0]
     if moving and not target.moving and not target.pattern and len(numbers) > 1:
         raise UsageError(
@@ -92,6 +91,23 @@ def check_target(
     if target.film is not None:
         check_partial(partial_path(target.path), overwrite)
     return target, size
+
+
+def plan_film(preset, out, *, precision: str, frames, **output) -> tuple[Target, tuple[int, int], Estimate]:
+    """(target, size, estimate) of a film or sequence: everything that can be refused before it is made."""
+    check_preset(preset)
+    target, size = check_target(preset, out, frames=frames, **output)
+    until = preset.clock.preroll + frames[-1] * preset.clock.speed / preset.clock.fps
+    coded = target.film.codec.memory if target.film else 0.0
+    return target, size, refuse_if_too_large(preset, precision, size, until, coded)
+
+
+def plan_still(preset, out, time: float, *, precision: str, **output) -> tuple[Target, tuple[int, int], Estimate]:
+    """(target, size, estimate) of a still at film time `time`, s: everything that can be refused before it is made."""
+    check_preset(preset)
+    target, size = check_target(preset, out, moving=False, **output)
+    steps = preset.clock.step_at(time)
+    return target, size, refuse_if_too_large(preset, precision, size, steps * preset.clock.step)
 
 
 def _step_of_frame(playback: Playback, k: int) -> int:
@@ -130,11 +146,12 @@ def _load(preset, fps=None) -> "Preset":
     return load_preset(preset, overrides={"clock.fps": fps} if fps is not None else None)
 
 
-def _frame_numbers(frames, preset) -> range:
+def _frame_numbers(frames, preset) -> Sequence[int]:
     if frames is None:
         return range(preset.clock.frames)
-    chosen = range(frames, frames + 1) if isinstance(frames, int) else frames
-    numbers = list(chosen)
+    if isinstance(frames, (str, bytes)) or not isinstance(frames, (int, np.integer, Iterable)):
+        raise UsageError(f"frames must be a whole number or a range of them, not {shown(frames)}")
+    numbers = list(islice([frames] if isinstance(frames, (int, np.integer)) else frames, MOST_FRAMES + 1))
     if not numbers:
         raise UsageError("no frames are asked for")
     if any(not isinstance(k, (int, np.integer)) or k < 0 for k in numbers) or numbers != sorted(set(numbers)):
@@ -144,7 +161,7 @@ def _frame_numbers(frames, preset) -> range:
         raise UsageError(
             f"frame {numbers[-1]} lies past the end: the film has frames 0 to {last}; a longer duration adds more"
         )
-    return chosen
+    return numbers
 
 
 def render(
@@ -170,12 +187,16 @@ def render(
     Frame k is the picture that `still` makes at film time k / fps. Raises the errors of gen_art.errors; when a film fails,
     its finished part is kept as NAME.partial.EXT, and the error's message or note names that file.
     """
+    check_options(
+        out=out, size=size, scale=scale, fps=fps, quality=quality, precision=precision, threads=threads, bits=bits,
+        plugins=plugins, progress=progress, codec=codec, profile=profile,
+    )  # fmt: skip
     loaded_plugins = _load_plugins(plugins)
     spec = _load(preset, fps)
     numbers = _frame_numbers(frames, spec)
-    target, size = check_target(
-        spec, out, size=size, scale=scale, quality=quality, overwrite=overwrite, transparent=transparent, frames=numbers,
-        codec=codec, profile=profile, bits=bits,
+    target, size, _ = plan_film(
+        spec, out, precision=precision, size=size, scale=scale, quality=quality, overwrite=overwrite,
+        transparent=transparent, frames=numbers, codec=codec, profile=profile, bits=bits,
     )  # fmt: skip
     report = Report(progress, len(numbers))
     job = {
@@ -239,12 +260,16 @@ def still(
     time : film time, s; the preset's `gallery.time` when None
     bits : bits a channel; 16 makes a 16-bit PNG, 32 a float EXR
     """
+    check_options(
+        out=out, size=size, scale=scale, fps=fps, quality=quality, precision=precision, threads=threads, bits=bits,
+        plugins=plugins, progress=progress, time=time,
+    )  # fmt: skip
     loaded_plugins = _load_plugins(plugins)
     spec = _load(preset, fps)
     time = spec.poster_time if time is None else time
-    target, size = check_target(
-        spec, out, size=size, scale=scale, quality=quality, overwrite=overwrite, moving=False, transparent=transparent,
-        bits=bits,
+    target, size, _ = plan_still(
+        spec, out, time, precision=precision, size=size, scale=scale, quality=quality, overwrite=overwrite,
+        transparent=transparent, bits=bits,
     )  # fmt: skip
     playback = Playback(spec, size, precision, threads)
     linear, exposure = next(playback.pictures([playback.step_of(float(time))]))

@@ -5,15 +5,17 @@ on the preset, so a frame does not depend on which frames were rendered before i
 """
 
 import math
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from gen_art.errors import UsageError
+from gen_art.errors import AdviceWarning
 from gen_art.renderer.aovs import render_aovs
 from gen_art.renderer.auto_exposure import metered_stops, metering_ages, smoothed_exposure
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.painter import Painter
+from gen_art.simulation.no_effect import undrawn_systems
 
 __all__ = ["Playback"]
 
@@ -33,6 +35,8 @@ class Playback:
         from gen_art.simulation import Simulation
 
         self.preset = preset
+        for sentence in undrawn_systems(preset):
+            warnings.warn(sentence, AdviceWarning, stacklevel=2)
         self.sim = Simulation(preset, precision=precision, threads=threads)
         self.camera = Camera.from_spec(preset.camera) if preset.camera else None
         self._shutter = self.camera.shutter if self.camera else 180.0
@@ -74,13 +78,7 @@ class Playback:
 
     def step_of(self, time: float) -> int:
         """The number of steps from the start to film time `time`. Raises UsageError for a time between two steps."""
-        clock = self.preset.clock
-        exact = time * clock.speed / clock.step
-        steps = round(exact)
-        if not time >= 0.0 or abs(exact - steps) > 1e-6 * max(1.0, abs(exact)):
-            nearest = max(steps, 0) * clock.step / clock.speed
-            raise UsageError(f"film time {time:g} s falls between steps; the nearest is {nearest:.9g} s")
-        return clock.preroll_steps + steps
+        return self.preset.clock.step_at(time)
 
     def picture(self, step: int) -> np.ndarray:
         """The linear picture after `step` steps from the start: a view that the next picture overwrites."""
@@ -175,7 +173,7 @@ class Playback:
             # before the first step the acceleration comes from the first step of a second simulation
             from gen_art.simulation import Simulation
 
-            probe = Simulation(self.preset, precision=self._precision)
+            probe = Simulation(self.preset, precision=self._precision, advice="none")
             probe.step(1)
             self.painter.remember_velocities(probe)
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from gen_art.backend.memory import available_memory
 from gen_art.errors import MemoryRefused
 from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, RADIUS
 
@@ -60,7 +61,14 @@ class Particles:
         if self.count + extra <= self.capacity:
             return
         old, n = self.columns(), self.count
-        self._allocate(self.floats.dtype, max(self.count + extra, self.capacity * 3 // 2))
+        capacity = max(self.count + extra, self.capacity * 3 // 2)
+        needed, free = capacity * self.nbytes / self.capacity, available_memory()
+        if needed > free:
+            raise MemoryRefused(
+                f"{self.count + extra:,} particles in one system need {needed / 1e6:,.0f} MB more, and {free / 1e6:,.0f} MB are "
+                "free: lower a rate, a count or a lifetime"
+            )
+        self._allocate(self.floats.dtype, capacity)
         for new, previous in zip(self.columns(), old):
             new[..., :n] = previous[..., :n]
 

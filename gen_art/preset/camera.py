@@ -13,7 +13,7 @@ __all__ = ["CameraKey", "CameraSpec", "Easing", "Fog", "Lens", "CameraOrbit", "S
 Easing = Literal["linear", "smooth", "spline", "accelerate", "brake", "hold"]
 
 
-FieldOfView = Annotated[float, Within(0, 170, open_low=True, open_high=True)]
+FieldOfView = Annotated[float, Within(1e-6, 170, open_high=True)]  # less has no slope in float32
 
 
 class CameraKey(Model):

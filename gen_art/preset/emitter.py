@@ -14,6 +14,7 @@ from gen_art.preset.fields import (
     Positive,
     PositiveRange,
     RangeValue,
+    SizeRange,
     Vector,
     Within,
     Words,
@@ -68,7 +69,7 @@ Times = Annotated[tuple[float, ...], Parsed(_times, _TIMES)]
 class Attributes(Model):
     """The properties of newborn particles; a value is drawn from a range for each particle. Give mass or density."""
 
-    radius: NotNegativeRange | None = about(None, "radius of the particle; 0.01 when left out", unit="m")
+    radius: SizeRange | None = about(None, "radius of the particle; 0.01 when left out", unit="m")
     mass: NotNegativeRange | None = about(None, "mass; 1 when neither mass nor density is given", unit="kg")
     density: PositiveRange | None = about(None, "mass = density 4/3 pi radius^3", unit="kg/m^3")
     charge: RangeValue | None = about(None, "electric charge; 0 when left out", unit="C")

@@ -4,20 +4,18 @@ Births by rate, time, count and event are counted in slices of simulated time; d
 lifetimes.
 """
 
-import os
-from contextlib import suppress
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
+from gen_art.backend.memory import available_memory
 from gen_art.errors import MemoryRefused
 from gen_art.preset.camera import CameraSpec
 from gen_art.preset.look import Look
 from gen_art.preset.schema import Preset, SystemSpec
 from gen_art.preset.values import Curve, Range
 
-__all__ = ["Estimate", "available_memory", "estimate", "megabytes", "refuse_if_too_large"]
+__all__ = ["Estimate", "estimate", "megabytes", "refuse_if_too_large"]
 
 SLICES = 600
 FLOAT_CHANNELS = 10  # position, velocity, mass, charge, radius, lifetime
@@ -227,22 +225,6 @@ def megabytes(size: float) -> str:
         if size >= scale:
             return f"{size / scale:,.1f} {unit}"
     return f"{size / 1e6:.0f} MB"
-
-
-def available_memory() -> float:
-    """Bytes that this process can still allocate: the machine's free memory, or less if its control group has a limit."""
-    limits = []
-    with suppress(OSError, ValueError, IndexError):
-        line = next(row for row in Path("/proc/meminfo").read_text().splitlines() if row.startswith("MemAvailable"))
-        limits.append(float(line.split()[1]) * 1024)
-    if not limits:
-        with suppress(OSError, ValueError, AttributeError):
-            limits.append(float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES"))
-    with suppress(OSError, ValueError):
-        limit = Path("/sys/fs/cgroup/memory.max").read_text().strip()
-        if limit != "max":
-            limits.append(float(limit) - float(Path("/sys/fs/cgroup/memory.current").read_text()))
-    return max(0.0, min(limits)) if limits else 8e9
 
 
 def refuse_if_too_large(

@@ -18,8 +18,9 @@ from gen_art.preset.values import Curve, Range, number, shown, vector
 from gen_art.registry import Bounds
 
 __all__ = [
-    "ColourValue", "CountRange", "CurveValue", "Fraction", "GradientValue", "NotNegative", "NotNegativeRange", "Number",
-    "Parsed", "Positive", "PositiveRange", "RangeValue", "Vector", "Whole", "Within", "Words",
+    "MOST_LIGHT", "MOST_SIZE", "ColourValue", "CountRange", "CurveValue", "Fraction", "GradientValue", "Light", "NotNegative",
+    "NotNegativeRange", "Number", "Parsed", "Positive", "PositiveRange", "RangeValue", "Size", "SizeRange", "Vector", "Whole",
+    "Within", "Words",
 ]  # fmt: skip
 
 
@@ -59,8 +60,8 @@ class Within(Parsed):
 class _RangeWithin(Parsed):
     """Annotation: a range `2..4` or a number, both ends within bounds."""
 
-    def __init__(self, low=-math.inf, *, open_low: bool = False, whole: bool = False):
-        bounds = Bounds(low, open_low=open_low, whole=whole)
+    def __init__(self, low=-math.inf, high=math.inf, *, open_low: bool = False, whole: bool = False):
+        bounds = Bounds(low, high, open_low=open_low, whole=whole)
 
         def parse(value) -> Range:
             result = Range.of(value)
@@ -91,12 +92,17 @@ _WORDS = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "str
 Number = Annotated[float, Within()]
 Positive = Annotated[float, Within(0, open_low=True)]
 NotNegative = Annotated[float, Within(0)]
+# the renderer squares sizes, and sums and squares light, in float32, whose largest number is 3.4e38
+MOST_SIZE, MOST_LIGHT = 1e18, 1e18
+Size = Annotated[float, Within(0, MOST_SIZE, open_low=True)]
+SizeRange = Annotated[Range, _RangeWithin(0, MOST_SIZE)]
+Light = Annotated[float, Within(0, MOST_LIGHT)]
 Fraction = Annotated[float, Within(0, 1)]
 Whole = Annotated[int, Within(-(2**63), 2**63 - 1, whole=True)]
 RangeValue = Annotated[Range, _RangeWithin()]
 PositiveRange = Annotated[Range, _RangeWithin(0, open_low=True)]
 NotNegativeRange = Annotated[Range, _RangeWithin(0)]
-CountRange = Annotated[Range, _RangeWithin(0, whole=True)]
+CountRange = Annotated[Range, _RangeWithin(0, 1e14, whole=True)]  # sums of counts are 64-bit integers
 Vector = Annotated[tuple[float, float, float], Parsed(vector, _VECTOR, list)]
 CurveValue = Annotated[Curve, Parsed(Curve.of, _CURVE, lambda curve: [list(point) for point in curve.points])]
 Words = Annotated[tuple[str, ...], Parsed(_words, _WORDS)]

@@ -3,6 +3,7 @@
 from contextvars import ContextVar
 from pathlib import Path
 
+from gen_art.arguments import shown
 from gen_art.errors import UsageError
 from gen_art.files import LARGEST_INPUT, below
 from gen_art.pictures import LARGEST, picture_size
@@ -10,6 +11,7 @@ from gen_art.preset.fields import Parsed
 
 __all__ = ["FOLDER", "ImageFile", "PresetFile", "inside"]
 
+LONGEST_NAME = 200
 FOLDER: ContextVar[Path] = ContextVar("folder", default=Path())  # the folder of the preset that is being read
 _IMAGE = {"type": "string", "description": "a picture in the preset's folder or below: spark.png"}
 
@@ -30,7 +32,11 @@ def inside(value) -> PresetFile:
     if isinstance(value, PresetFile):
         return value
     if not isinstance(value, str) or not value:
-        raise UsageError(f"must be the name of a file, not {value!r}")
+        raise UsageError(f"must be the name of a file, not {shown(value)}")
+    if len(value) > LONGEST_NAME or not value.isprintable():
+        raise UsageError(
+            f"a file's name has at most {LONGEST_NAME} characters, all of them printable, not {shown(value)}"
+        )
     folder = FOLDER.get()
     place = below(folder, value)
     if not place.is_file():

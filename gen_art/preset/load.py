@@ -1,5 +1,6 @@
 """`load_preset`: makes a validated Preset from a name, a path, `-` or a mapping."""
 
+import os
 import secrets
 import sys
 from collections.abc import Mapping
@@ -16,7 +17,7 @@ from gen_art.preset.overrides import apply, fill_knobs, plain
 from gen_art.preset.problems import Problem, dotted, preset_error
 from gen_art.preset.reader import Node, SourceText, read_bytes, read_file
 from gen_art.preset.shipped import find, presets_folder
-from gen_art.preset.values import number
+from gen_art.preset.values import number, shown
 
 if TYPE_CHECKING:
     from gen_art.preset.schema import Preset
@@ -54,6 +55,10 @@ def load_preset(
     """
     from gen_art.preset.schema import Preset
 
+    if not isinstance(preset, (str, os.PathLike, Mapping, Preset)):
+        raise UsageError(f"a preset is a name, a path, a mapping or a Preset, not {shown(preset)}")
+    if overrides is not None and not isinstance(overrides, Mapping):
+        raise UsageError(f"overrides must be a mapping of paths to values, not {shown(overrides)}")
     folder = FOLDER.get()
     if isinstance(preset, Preset):
         source, name, data, folder = _nowhere("preset"), preset.name, preset.resolved(), preset.folder
@@ -66,7 +71,7 @@ def load_preset(
         folder = Path() if str(preset) == "-" else find(str(preset)).parent
     set_paths = apply(data, overrides) if overrides else []
     if seed is not None:
-        data["seed"] = secrets.randbelow(2**31) if seed == "random" else seed
+        data["seed"] = secrets.randbelow(2**31) if isinstance(seed, str) and seed == "random" else plain(seed)
         set_paths.append(("seed",))
     token = FOLDER.set(folder)
     try:

@@ -2,19 +2,23 @@
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import AfterValidator, ConfigDict, Field, model_validator
 
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import Gradient
 from gen_art.preset.fields import (
+    MOST_LIGHT,
+    MOST_SIZE,
     ColourValue,
     CurveValue,
     Fraction,
     GradientValue,
+    Light,
     NotNegative,
     Number,
     Positive,
     RangeValue,
+    Size,
     Vector,
     Within,
     Words,
@@ -22,6 +26,7 @@ from gen_art.preset.fields import (
 from gen_art.preset.files import ImageFile, PresetFile
 from gen_art.preset.model import Model, about
 from gen_art.preset.values import Curve, Range, number
+from gen_art.registry import Bounds
 
 __all__ = ["BY", "Color", "Emission", "KeyLight", "Look", "Picture", "Ramp", "Ribbon", "Trail"]
 
@@ -57,6 +62,17 @@ class Ramp(Model):
     @property
     def constant(self) -> bool:
         return len(self.curve.points) == 1
+
+
+def _within(most: float):
+    """A check of a Ramp: no value of its curve beyond -most..most."""
+
+    def check(ramp: Ramp) -> Ramp:
+        Bounds(-most, most).check(ramp.curve.maximum)
+        Bounds(-most, most).check(ramp.curve.minimum)
+        return ramp
+
+    return check
 
 
 class Color(Model):
@@ -100,7 +116,7 @@ class Emission(Model):
     """
 
     color: Color | None = about(None, "colour of the light; white when left out")
-    intensity: Ramp = about(Ramp(), "brightness of the light")
+    intensity: Annotated[Ramp, AfterValidator(_within(MOST_LIGHT))] = about(Ramp(), "brightness of the light")
     blackbody: Ramp | None = about(
         None, "temperature, or a curve of it over age (or `by: seconds`), that sets the colour of the light", unit="K"
     )
@@ -127,10 +143,10 @@ class KeyLight(Model):
 
     direction: Vector = about((-1.0, -1.0, -0.5), "direction in which the lamp's light travels")
     color: ColourValue = about("white", "colour of the lamp")
-    intensity: NotNegative = about(3.0, "brightness of the lamp")
+    intensity: Light = about(3.0, "brightness of the lamp")
     ambient: ColourValue = about("white", "colour of the sky, which shines from all sides")
     ground: ColourValue | None = about(None, "colour of the light from below; the sky's when left out")
-    ambient_intensity: NotNegative = about(0.08, "brightness of the sky")
+    ambient_intensity: Light = about(0.08, "brightness of the sky")
     phase: Annotated[float, Within(-1, 1, open_low=True, open_high=True)] = about(
         0.0, "Henyey-Greenstein's g: -1 is backward scattering, 0 isotropic, 1 forward scattering"
     )
@@ -142,8 +158,10 @@ class KeyLight(Model):
     depth: NotNegative = about(1.0, "factor on the optical depth with which this system shadows light")
     resolution: Annotated[int, Field(ge=8, le=256)] = about(96, "cells along the longest side of the density grid")
     glow: Words = about((), "systems whose emission lights this one")
-    glow_intensity: NotNegative = about(1.0, "factor on the light of those systems")
-    glow_softness: NotNegative = about(0.0, "radius over which their light is softened near them, in world units")
+    glow_intensity: Light = about(1.0, "factor on the light of those systems")
+    glow_softness: Annotated[float, Within(0, MOST_SIZE)] = about(
+        0.0, "radius over which their light is softened near them, in world units"
+    )
 
     @model_validator(mode="after")
     def _pointing(self):
@@ -159,7 +177,7 @@ class Trail(Model):
     """
 
     half_life: Positive = about(..., "film time in which the trail fades to one half", unit="s")
-    strength: NotNegative = about(
+    strength: Light = about(
         1.0, "brightness of the trail; at 1 the trail of a particle at rest becomes as bright as the particle"
     )
     substeps: Annotated[int, Field(ge=1, le=64)] = about(
@@ -224,12 +242,12 @@ class Look(Model):
     blend: Literal["add", "alpha", "opaque"] = about(
         "add", "`add` adds light, `alpha` partly hides what is behind the sprite, `opaque` hides it completely"
     )
-    radius: Positive | None = about(None, "radius of the sprite in world units; the particle's radius when left out")
-    width: Positive | None = about(None, "width of a streak in world units, two radii")
+    radius: Size | None = about(None, "radius of the sprite in world units; the particle's radius when left out")
+    width: Size | None = about(None, "width of a streak in world units, two radii")
     pixels: Annotated[float, Within(0, 4096, open_low=True)] | None = about(
         None, "radius in pixels of a picture that is 720 pixels high, instead of `radius`"
     )
-    size: Ramp = about(Ramp(), "a factor on radius, width or pixels")
+    size: Annotated[Ramp, AfterValidator(_within(MOST_SIZE))] = about(Ramp(), "a factor on radius, width or pixels")
     length: NotNegative | None = about(
         None, "length of a streak in simulated time; the time that the shutter is open when left out", unit="s"
     )
@@ -239,8 +257,10 @@ class Look(Model):
         None,
         "the light that a particle emits; when left out, white of intensity 1 with `blend: add`, and none otherwise",
     )
-    opacity: Ramp = about(Ramp(), "optical depth at the middle of a sprite")
-    reference: Positive | None = about(
+    opacity: Annotated[Ramp, AfterValidator(_within(MOST_LIGHT))] = about(
+        Ramp(), "optical depth at the middle of a sprite"
+    )
+    reference: Size | None = about(
         None,
         "the radius at which the optical depth is `opacity`: the depth falls as (reference / r)^2, so that a growing sprite "
         "keeps its extinction cross section",

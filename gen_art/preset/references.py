@@ -4,6 +4,7 @@
 are skipped.
 """
 
+import keyword
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,6 +14,11 @@ from gen_art.registry import suggest
 
 __all__ = ["references", "unbound"]
 
+LONGEST_NAME = 100  # characters of a name that a preset defines
+MOST_ATTRIBUTES = 64
+RESERVED = (
+    "position", "velocity", "mass", "charge", "radius", "age", "lifetime", "key", "id", "flow", "since", "step", "birth",
+)  # fmt: skip
 _COLOR_KEYS = tuple(Color.model_fields)
 Problems = Iterator[tuple[tuple, str]]  # (path, problem)
 
@@ -31,19 +37,36 @@ def references(data: dict) -> Problems:
     systems = _mapping(data.get("systems"))
     for name, system in systems.items():
         here = ("systems", name)
-        if "." in name:
-            yield here, "a name may not contain a dot: paths are written with dots"
+        yield from _name(here, name)
         system = _mapping(system)
         declared = _mapping(_mapping(system.get("particle")).get("attributes"))
+        yield from _attributes((*here, "particle", "attributes"), declared)
         for emitter_name, emitter in _mapping(system.get("emitters")).items():
             there = (*here, "emitters", emitter_name)
-            if "." in emitter_name:
-                yield there, "a name may not contain a dot: paths are written with dots"
+            yield from _name(there, emitter_name)
             yield from _emitter(there, _mapping(emitter), systems, declared)
             yield from _impacts((*there, "from"), _mapping(emitter).get("from"), data, systems)
         for kind, interaction in _mapping(system.get("interactions")).items():
             yield from _sources((*here, "interactions", kind), interaction, systems)
         yield from _colors((*here, "look"), _mapping(system.get("look")), tags_of(system))
+
+
+def _name(here: tuple, name: str) -> Problems:
+    if "." in name:
+        yield here, "a name may not contain a dot: paths are written with dots"
+    elif not name.strip() or not name.isprintable() or len(name) > LONGEST_NAME:
+        yield here, f"a name may not be empty, have more than {LONGEST_NAME} characters or any that is not printable"
+
+
+def _attributes(here: tuple, declared: dict) -> Problems:
+    """Names of declared attributes are words of a kernel: p.name."""
+    if len(declared) > MOST_ATTRIBUTES:
+        yield here, f"a particle has at most {MOST_ATTRIBUTES} attributes of its own, not {len(declared)}"
+    for name in declared:
+        if name in RESERVED:
+            yield (*here, name), f"a name may not be {name}: every particle has that already"
+        elif not name.isidentifier() or keyword.iskeyword(name) or len(name) > LONGEST_NAME:
+            yield (*here, name), "a name may not be other than letters, digits and _, because forces read it as p.name"
 
 
 def tags_of(system: Any) -> list[str]:

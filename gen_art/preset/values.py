@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from numbers import Real
 
+from gen_art.arguments import shown
 from gen_art.errors import UsageError
 
 __all__ = ["Range", "Curve", "number", "vector", "shown"]
@@ -147,19 +148,3 @@ class Curve:
     @property
     def maximum(self) -> float:
         return max(y for _, y in self.points)
-
-
-def shown(value) -> str:
-    """A value for an error message: as it is written in YAML, cut to a reasonable length."""
-    if isinstance(value, (dict, list, tuple)):
-        text = f"a {'mapping' if isinstance(value, dict) else 'list'} of {len(value)}"
-    elif value is None:
-        text = "nothing"
-    elif isinstance(value, bool):
-        text = "true" if value else "false"
-    else:
-        try:
-            text = repr(value)
-        except ValueError:  # an integer of more digits than Python prints
-            text = "a number of thousands of digits"
-    return text if len(text) <= 60 else text[:57] + "..."

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gen_art import arguments
 from gen_art.errors import UsageError
 from gen_art.preset.camera import CameraSpec
 from gen_art.renderer.camera_shake import shake_noise
@@ -85,10 +86,14 @@ class Camera:
 
     def __post_init__(self):
         for name in ("position", "target", "up"):
-            vector = tuple(float(c) for c in getattr(self, name))
-            if len(vector) != 3 or not all(map(math.isfinite, vector)):
-                raise UsageError(f"the camera's {name} must be three finite numbers")
-            object.__setattr__(self, name, vector)
+            object.__setattr__(self, name, arguments.vector(f"the camera's {name}", getattr(self, name)))
+        for name in ("fov", "height", "roll", "near", "far", "shutter"):
+            if getattr(self, name) is not None or name in ("fov", "roll", "shutter"):
+                object.__setattr__(self, name, arguments.number(f"the camera's {name}", getattr(self, name)))
+        if not isinstance(self.spec, CameraSpec):
+            raise UsageError(f"the camera's spec must be the `camera` of a preset, not {arguments.shown(self.spec)}")
+        if not 0.0 <= self.shutter <= 360.0:
+            raise UsageError(f"the camera's shutter must be from 0 to 360 degrees, not {self.shutter:g}")
         if not any(self.up):
             raise UsageError("the camera's up must not be [0, 0, 0]")
         if self.position == self.target and not self.spec.path:
@@ -98,11 +103,9 @@ class Camera:
         if self.height is not None and not self.height > 0.0:
             raise UsageError("the camera's height must be above 0")
         if self.lens is not None:
-            radius, focus = self.lens
+            _check_lens(self.lens)
             if self.height is not None:
                 raise UsageError("an orthographic camera has no lens: leave out lens, or give fov instead of height")
-            if not (0.0 <= radius < math.inf and (focus is None or 0.0 < focus < math.inf)):
-                raise UsageError("the lens is a radius of at least 0 and a focus distance above 0, or None")
 
     @classmethod
     def from_spec(cls, spec: CameraSpec) -> "Camera":
@@ -114,11 +117,12 @@ class Camera:
     @classmethod
     def framing(cls, points: ArrayLike, aspect: float = 16 / 9) -> "Camera":
         """A camera in front (on +z) with all but the farthest hundredth of the points (n, 3) in its frame."""
-        points = np.asarray(points, dtype=np.float64).reshape(-1, 3)
-        points = points[np.isfinite(points).all(axis=1)]
-        if not len(points):
+        finite = _points(points)
+        finite = finite[np.isfinite(finite).all(axis=1)]
+        aspect = arguments.number("aspect", aspect, above=0.0)
+        if not len(finite):
             return cls()
-        low, high = np.percentile(points, [1, 99], axis=0) if len(points) > 200 else (points.min(0), points.max(0))
+        low, high = np.percentile(finite, [1, 99], axis=0) if len(finite) > 200 else (finite.min(0), finite.max(0))
         centre, half_extent = 0.5 * (low + high), 0.5 * (high - low)
         radius = max(half_extent[1], half_extent[0] / aspect, half_extent[2] * 0.5, 1e-9 * (1.0 + np.abs(centre).max()))
         if radius < 1e-6:
@@ -128,6 +132,7 @@ class Camera:
 
     def at(self, time: float = 0.0) -> CameraView:
         """The camera at film time `time` (seconds). Raises UsageError if it then stands at its target."""
+        time = arguments.number("time", time, "s")
         state = self._path_state(time)
         position, target, up = state["position"], state["target"], state["up"]
         orbit, fog, shake = self.spec.orbit, self.spec.fog, self.spec.shake
@@ -188,6 +193,23 @@ class Camera:
                     value = from_scale(_ease(times, values, time, easings))
                     state[name] = value if len(value) == 3 else float(value[0])
         return state | {name: np.array(state[name], dtype=np.float64) for name in ("position", "target", "up")}
+
+
+def _points(given) -> np.ndarray:
+    try:
+        return np.asarray(given, dtype=np.float64).reshape(-1, 3)
+    except (TypeError, ValueError, OverflowError):
+        raise UsageError(f"points must be numbers of the shape (n, 3), not {arguments.shown(given)}") from None
+
+
+def _check_lens(lens) -> None:
+    if not isinstance(lens, (tuple, list)) or len(lens) != 2:
+        raise UsageError(
+            f"the camera's lens must be a pair (radius, focus distance or None), not {arguments.shown(lens)}"
+        )
+    arguments.number("the radius of the camera's lens", lens[0], low=0.0)
+    if lens[1] is not None:
+        arguments.number("the focus distance of the camera's lens", lens[1], above=0.0)
 
 
 def _identity(x):

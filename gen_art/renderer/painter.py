@@ -1,10 +1,12 @@
 """Pictures of a simulation in linear light: single ones, and those of a film with their trails."""
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gen_art.errors import UsageError
+from gen_art.arguments import shown
+from gen_art.errors import PresetError, UsageError
 from gen_art.particles.rows import LIFETIME, POSITION, VELOCITY
 from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
@@ -31,14 +33,14 @@ def check_size(size, supersample: int = 1) -> tuple[int, int]:
     try:
         width, height = (int(v) for v in size)
         integral = (width, height) == tuple(size)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         integral = False
     if not integral or not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE):
         if supersample > 1:
             raise UsageError(
                 f"with supersample {supersample} the picture would be drawn {size[0]}x{size[1]}; {MAX_SIDE} is the most"
             )
-        raise UsageError(f"a picture's size is two whole numbers from 1 to {MAX_SIDE}, not {size!r}")
+        raise UsageError(f"a picture's size is two whole numbers from 1 to {MAX_SIDE}, not {shown(size)}")
     return width, height
 
 
@@ -84,13 +86,20 @@ class Painter:
     def paint(self, sim, film_time: float) -> np.ndarray:
         """The picture of the simulation's current state at film time `film_time` (s): (height, width, 4), a view.
 
-        The next picture overwrites the view. Trails lie under the picture, as `expose_trails` left them.
+        The next picture overwrites the view. Trails lie under the picture, as `expose_trails` left them. Raises PresetError for
+        light that is not finite.
         """
         self.framebuffer.clear()
         for trail in self._trails.values():
             self.framebuffer.buffer += trail.buffer
         self.draw(sim, film_time, self.framebuffer)
-        return self.framebuffer.pixels if self.supersample == 1 else box_averaged(self.framebuffer, self.supersample)
+        pixels = self.framebuffer.pixels if self.supersample == 1 else box_averaged(self.framebuffer, self.supersample)
+        if not math.isfinite(pixels.max()):  # light is never negative; a NaN anywhere is the largest, too
+            raise PresetError(
+                f"the picture at {film_time:g} s holds light that is not a finite number: a radius, a size, an intensity or a "
+                "distance is too large for float32, whose largest number is 3.4e38; its square must fit too"
+            )
+        return pixels
 
     def draw(self, sim, film_time: float, framebuffer: FrameBuffer, recolour=None) -> None:
         """Draw all systems into a framebuffer of this painter's size.
@@ -225,6 +234,10 @@ def render_frame(sim: "Simulation", size: tuple[int, int] = (1280, 720), camera:
     by its `look`, and as white points of light 1 where it has none. Without a camera the preset's is used, or one that frames
     the particles. Trails and ribbons, which need earlier states, are left out: `gen-art still` draws them.
     """
+    if not hasattr(sim, "members"):
+        raise UsageError(f"render_frame draws a ga.Simulation, not {shown(sim)}")
+    if camera is not None and not isinstance(camera, Camera):
+        raise UsageError(f"camera must be a ga.Camera, such as ga.Camera(position=(0, 0, 5)), not {shown(camera)}")
     preset = sim.preset
     shutter, film_time = 0.0, float(sim.time)
     looks = {name: system.look for name, system in sim.members.items() if preset is not None or system.look is not None}

@@ -1,11 +1,11 @@
 """Adaptive time steps for scripts: the Dormand-Prince 5(4) pair with a tolerance, inside the steps of a simulation."""
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gen_art import arguments
 from gen_art.errors import UsageError
 from gen_art.integrators.dormand_prince import ERROR, STAGES, TIMES, first_step, make_slopes, next_step
 from gen_art.interactions.base import ForceRequest
@@ -50,14 +50,15 @@ def adaptive(sim: "Simulation", seconds: float, rtol: float | None = None, atol:
     Source: Dormand & Prince (1980); Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I.
     """
     _check(sim)
+    atol = arguments.number("atol", atol, "m and m/s", low=0.0)
+    if rtol is not None:
+        rtol = arguments.number("rtol", rtol)
     eps = float(np.finfo(sim.dtype).eps)
     rtol = (1e-9 if sim.precision == "f64" else 1e-5) if rtol is None else rtol
-    if not (math.isfinite(rtol) and rtol >= 10 * eps):
+    if rtol < 10 * eps:
         raise UsageError(
             f"rtol must be at least {10 * eps:.1e}, ten times the round-off of {sim.precision}, not {rtol}"
         )
-    if not (math.isfinite(atol) and atol >= 0):
-        raise UsageError(f"atol must be at least 0, not {atol}")
     control = _Control(sim, rtol, atol)
     for _ in range(sim.steps_in(seconds)):
         sim.step_with(control.move)
@@ -65,6 +66,8 @@ def adaptive(sim: "Simulation", seconds: float, rtol: float | None = None, atol:
 
 
 def _check(sim) -> None:
+    if not hasattr(sim, "step_with"):
+        raise UsageError(f"adaptive advances a ga.Simulation, not {arguments.shown(sim)}")
     if sim.keeps_ledger:
         raise UsageError("adaptive steps keep no ledger: leave out ledger=True and compare diagnostics()")
     for name, system in sim.members.items():

@@ -2,6 +2,9 @@
 
 from collections.abc import Iterable, Mapping
 
+from gen_art import arguments
+from gen_art.errors import UsageError
+from gen_art.interactions import Interaction
 from gen_art.interactions.rigid.body import Body
 from gen_art.interactions.rigid.group import Group
 from gen_art.simulation.system import ParticleSystem
@@ -24,10 +27,19 @@ class Bodies(Group):
             mass=self.mass,
             radius=self.radius,
             fixed=self.fixed,
-            attributes={**self.attributes, **(attributes or {})},
-            interactions=[self.rigid(**(rigid or {})), *interactions],
+            attributes={**self.attributes, **_mapping("attributes", attributes)},
+            interactions=[
+                self.rigid(**_mapping("rigid", rigid)),
+                *arguments.instances("interactions", interactions, Interaction, "ga.interactions.SelfGravity(...)"),
+            ],
             **others,
         )
+
+
+def _mapping(name: str, given: Mapping | None) -> Mapping:
+    if given is not None and not isinstance(given, Mapping):
+        raise UsageError(f"{name} must be a mapping of names to values, not {arguments.shown(given)}")
+    return {arguments.text(f"a name in {name}", key): value for key, value in (given or {}).items()}
 
 
 def bodies(members: Iterable[Body]) -> Bodies:

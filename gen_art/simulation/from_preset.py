@@ -11,30 +11,30 @@ from gen_art.simulation.system import ParticleSystem
 if TYPE_CHECKING:
     from gen_art.preset.schema import Preset
 
-__all__ = ["systems_of"]
+__all__ = ["system_of", "systems_of"]
 
 _DEFAULTS = {"radius": (0.01, 0.01), "mass": (1.0, 1.0), "charge": (0.0, 0.0), "lifetime": (math.inf, math.inf)}
 
 
 def systems_of(preset: "Preset") -> dict[str, ParticleSystem]:
     """A ParticleSystem for each system of a preset, in the preset's order."""
-    shared_medium = _medium(preset.medium)
-    systems = {}
-    for name, spec in preset.systems.items():
-        forces = [*(preset.forces if spec.inherit_forces else ()), *spec.forces]
-        medium = _medium(spec.medium) if spec.medium is not None else shared_medium
-        systems[name] = ParticleSystem(
-            forces=forces,
-            interactions=list(spec.interactions),
-            colliders=[*(preset.colliders if spec.inherit_colliders else ()), *spec.colliders],
-            integrator=spec.integrator,
-            speed_of_light=spec.speed_of_light,
-            exact_gyration=spec.exact_gyration,
-            medium=medium,
-            emitters=[_emission(key, emitter, spec.particle) for key, emitter in spec.emitters.items()],
-            look=spec.look,
-        )
-    return systems
+    return {name: system_of(preset, name) for name in preset.systems}
+
+
+def system_of(preset: "Preset", name: str) -> ParticleSystem:
+    """The ParticleSystem of one system of a preset."""
+    spec = preset.systems[name]
+    return ParticleSystem(
+        forces=[*(preset.forces if spec.inherit_forces else ()), *spec.forces],
+        interactions=list(spec.interactions),
+        colliders=[*(preset.colliders if spec.inherit_colliders else ()), *spec.colliders],
+        integrator=spec.integrator,
+        speed_of_light=spec.speed_of_light,
+        exact_gyration=spec.exact_gyration,
+        medium=_medium(spec.medium if spec.medium is not None else preset.medium),
+        emitters=[_emission(key, emitter, spec.particle) for key, emitter in spec.emitters.items()],
+        look=spec.look,
+    )
 
 
 def _medium(spec) -> Medium:

@@ -5,10 +5,11 @@ import math
 import os
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gen_art import arguments
 from gen_art.backend import runtime
 from gen_art.emitters.births import BirthBatch, give_birth, scheduled_births
 from gen_art.emitters.events import EventWindow, event_births
@@ -31,6 +32,37 @@ __all__ = ["Simulation"]
 
 _BATCH = 64  # the most steps one launch takes
 _DTYPES: dict[str, type[np.floating]] = {"f32": np.float32, "f64": np.float64}
+
+
+def _checked_systems(given: Any) -> "Preset | dict[str, ParticleSystem]":
+    """A Preset, or ParticleSystems by name. Raises UsageError for anything else."""
+    if isinstance(given, Mapping):
+        if not given:
+            raise UsageError("a Simulation needs at least one ParticleSystem, by name")
+        example = 'ParticleSystems by name, {"stars": stars}, or a preset from ga.load_preset(...)'
+        return arguments.named("the systems of a Simulation", given, ParticleSystem, example)
+    if not hasattr(given, "systems") or isinstance(given, (type, Simulation)):
+        hint = ': write {"stars": system}' if isinstance(given, ParticleSystem) else ""
+        raise UsageError(
+            f"a Simulation is made of ParticleSystems by name, or of a preset from ga.load_preset(...), not of "
+            f"{arguments.shown(given)}{hint}"
+        )
+    return given
+
+
+def _check_events(members: Mapping[str, ParticleSystem]) -> None:
+    for system in members.values():
+        for emitter in system.emitters:
+            event = emitter.event
+            if event is None:
+                continue
+            if event.system not in members:
+                raise UsageError(f"emitter '{emitter.name}' listens to '{event.system}', which is no system here")
+            if event.kind == "impact" and not members[event.system].reports_impacts:
+                raise UsageError(
+                    f"emitter '{emitter.name}' listens to impacts of '{event.system}', but none of its colliders has "
+                    "`action: emit`"
+                )
 
 
 class Simulation:
@@ -64,10 +96,11 @@ class Simulation:
         ledger: bool = False,
         advice: str = "warn",
     ) -> None:
-        if precision not in _DTYPES:
-            raise UsageError(f"precision must be f32 or f64, not {precision!r}{suggest(precision, _DTYPES)}")
-        if isinstance(preset, dict) and not all(isinstance(s, ParticleSystem) for s in preset.values()):
-            raise UsageError("systems must be ParticleSystems by name; for a preset use ga.load_preset(...)")
+        if not isinstance(precision, str) or precision not in _DTYPES:
+            raise UsageError(
+                f"precision must be f32 or f64, not {arguments.shown(precision)}{suggest(precision, _DTYPES)}"
+            )
+        preset = _checked_systems(preset)
         runtime.init(arch, threads)
         self.precision, self.dtype = precision, _DTYPES[precision]
         self.preset: Preset | None = None
@@ -80,14 +113,15 @@ class Simulation:
             members = systems_of(preset)
             dt = preset.clock.step if dt is None else dt
             seed = preset.seed if seed is None else seed
-        if dt is None or not math.isfinite(dt) or dt <= 0:
-            raise UsageError(f"dt must be a time step above 0 seconds, not {dt}")
-        self.dt, self.seed, self.steps_done = float(dt), int(seed or 0), 0
+        self.dt = arguments.number("dt, the time step,", dt, "s", above=0.0)
+        self.seed, self.steps_done = arguments.whole("seed", 0 if seed is None else seed, 0, 2**63 - 1), 0
         self.members: Mapping[str, ParticleSystem] = MappingProxyType(members)
+        self._watch = Watch(self, advice)
+        self._watch.start()
         root = derive(np.uint64(self.seed), channel_of("gen-art"))
         for name, system in members.items():
             system.allocate(name, self.dtype, np.uint64(derive(root, channel_of(name))), lambda: self.time)
-        self._check_events()
+        _check_events(members)
         coupled = CoupledSystems.names(members)
         self._steppers = {n: Stepper(s, precision, n in coupled) for n, s in members.items()}
         self._coupled = CoupledSystems(self._steppers, coupled, self.dt, precision)
@@ -96,10 +130,9 @@ class Simulation:
             give_birth(system.state, [b for e in system.emitters for b in scheduled_births(e, 0.0)], precision)
         # by system, the ids from..to of particles born at the end of the last step: no emitter has handled their births yet
         self._unprocessed_ids = {name: (0, system.state.next_id) for name, system in members.items()}
-        self._watch = Watch(self, advice)
-        self._watch.start()
         for name, system in members.items():
             for interaction in system.interactions:
+                interaction.check(system)
                 for k, sentence in enumerate(interaction.attach(system, self.dt)):
                     self._watch.say(name, f"{interaction.name} {k}", sentence)
         check_potentials(self)
@@ -107,20 +140,6 @@ class Simulation:
         self._ledger: LedgerKeeper | None = None
         if ledger:
             self.keep_ledger()
-
-    def _check_events(self) -> None:
-        for name, system in self.members.items():
-            for emitter in system.emitters:
-                event = emitter.event
-                if event is None:
-                    continue
-                if event.system not in self.members:
-                    raise UsageError(f"emitter '{emitter.name}' listens to '{event.system}', which is no system here")
-                if event.kind == "impact" and not self.members[event.system].reports_impacts:
-                    raise UsageError(
-                        f"emitter '{emitter.name}' listens to impacts of '{event.system}', but none of its colliders has "
-                        "`action: emit`"
-                    )
 
     def keep_ledger(self) -> None:
         """Keep the ledger from now on."""
@@ -162,7 +181,7 @@ class Simulation:
         return f"<Simulation at {self.time:g} s, dt {self.dt:g} s, {self.precision}; {counts}>"
 
     def __getitem__(self, name: str) -> ParticleSystem:
-        if name not in self.members:
+        if arguments.text("the name of a system", name) not in self.members:
             raise UsageError(f"no system '{name}'{suggest(name, self.members)}")
         return self.members[name]
 
@@ -175,7 +194,7 @@ class Simulation:
 
     def steps_in(self, seconds: float) -> int:
         """The number of steps in `seconds` of simulated time. Raises UsageError unless it is a whole number."""
-        steps = seconds / self.dt
+        steps = arguments.number("the time to advance by", seconds, "s") / self.dt
         if not math.isfinite(steps) or steps < 0:
             raise UsageError(f"cannot advance by {seconds} s")
         nearest = round(steps)
@@ -190,7 +209,7 @@ class Simulation:
         if self.preset is None:
             raise UsageError("frames are counted by a preset's clock; this simulation has none")
         clock = self.preset.clock
-        target = clock.preroll_steps + frame * clock.steps_per_frame
+        target = clock.preroll_steps + arguments.whole("frame", frame, 0) * clock.steps_per_frame
         if target < self.steps_done:
             raise UsageError(f"frame {frame} is in the past: the simulation is at step {self.steps_done}")
         self.step(target - self.steps_done)
@@ -198,10 +217,9 @@ class Simulation:
 
     def step(self, count: int = 1) -> None:
         """Advance by `count` steps of dt."""
-        if count < 0 or int(count) != count:
-            raise UsageError(f"steps must be a whole number of at least 0, not {count}")
+        count = arguments.whole("the number of steps", count, 0)
         while count > 0:
-            count -= self._advance(min(int(count), _BATCH, self._watch.most_steps()))
+            count -= self._advance(min(count, _BATCH, self._watch.most_steps()))
 
     def step_with(self, move: Callable[[int], None]) -> None:
         """Take one step in which `move(number of the step)` moves the particles instead of their integrators."""

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gen_art import arguments
 from gen_art.colliders.base import Collider
 from gen_art.emitters.births import ActiveEmitter
 from gen_art.errors import UsageError
@@ -72,14 +73,18 @@ class ParticleSystem:
         emitters: Iterable[ActiveEmitter] = (),
         look: "Look | Mapping[str, Any] | None" = None,
     ) -> None:
-        self.colliders = list(colliders)
-        self.forces, self.interactions = list(forces), list(interactions)
-        for interaction in self.interactions:
-            if not isinstance(interaction, Interaction):
-                raise UsageError(
-                    f"interactions must be objects such as ga.interactions.SelfGravity(...), not {interaction!r}"
-                )
+        self.colliders = arguments.instances("colliders", colliders, Collider, "ga.colliders.Plane(...)")
+        self.forces = arguments.instances("forces", forces, Force, "ga.forces.Gravity(...)")
+        self.interactions = arguments.instances(
+            "interactions", interactions, Interaction, "ga.interactions.SelfGravity(...)"
+        )
+        if medium is not None and not isinstance(medium, Medium):
+            raise UsageError(f"medium must be a ga.Medium, not {arguments.shown(medium)}")
         self.medium = medium or Medium()
+        if speed_of_light is not None:
+            speed_of_light = arguments.number("speed_of_light", speed_of_light, "m/s", above=0.0)
+        exact_gyration = arguments.flag("exact_gyration", exact_gyration)
+        attributes = _checked_attributes(attributes)
         self.scheme = charged(
             scheme(integrator), self.forces, speed_of_light, exact_gyration, self.interactions, self.colliders
         )
@@ -94,20 +99,20 @@ class ParticleSystem:
                         "push it with `propeller` instead"
                     )
         self.composition = KernelTerms(self.forces, self.medium, by_kernel, names)
-        self.emitters: list[ActiveEmitter] = list(emitters)
+        self.emitters: list[ActiveEmitter] = arguments.instances(
+            "emitters", emitters, ActiveEmitter, "the emitters that a preset makes"
+        )
         self.look = _checked_look(look)
-        lightest = min(self._least_masses(mass), default=None)
-        if lightest is not None:
-            for force in self.forces:
-                force.check_mass(lightest)
+        self._initial = self._checked_arrays(position, velocity, mass, charge, radius, attributes)
+        self.least_mass, self.largest_charge = self._extremes()
+        for force in self.forces:
+            force.check_mass(self.least_mass)
         self.name = ""
-        self._initial = self._checked_arrays(position, velocity, mass, charge, radius, dict(attributes or {}))
         if self._initial and speed_of_light:
             speed = np.linalg.norm(self._initial["velocity"], axis=0)
             if (speed >= speed_of_light).any():
                 raise UsageError(f"velocity must be below the speed of light, {speed_of_light:g} m/s")
-        self.least_mass, self.largest_charge = self._extremes()
-        self._attributes = dict(attributes or {})
+        self._attributes = attributes
         self._fixed = self._fixed_indices(fixed)
         for force in self.forces:
             missing = [name for name in force.needs if name not in self.attribute_names]
@@ -126,12 +131,6 @@ class ParticleSystem:
         self._state: Particles | None = None
         self._time = lambda: 0.0
 
-    def _least_masses(self, mass) -> list[float]:
-        """The least mass of the initial particles and of each kind of birth, kg; without kinds that are given by density."""
-        least = [] if mass is None or not np.size(mass) else [float(np.min(mass))]
-        kinds = [kind for emission in self.emitters for kind in emission.kinds]
-        return least + [kind.attributes["mass"][0] for kind in kinds if "density" not in kind.attributes]
-
     def _extremes(self) -> tuple[float, float]:
         """(least mass, kg, inf without particles; largest absolute charge, C) of the particles of the start and of births."""
         kinds = [kind.attributes for emission in self.emitters for kind in emission.kinds]
@@ -144,17 +143,34 @@ class ParticleSystem:
             charges.append(np.abs(self._initial["charge"]).max(initial=0.0))
         return float(min(masses, default=np.inf)), float(max(charges, default=0.0))
 
+    def may_have(self, attribute: str) -> bool:
+        """Whether a particle of the start or of a birth may have this attribute other than 0; True where that is not known."""
+        if self._state is not None or not (self._initial or self.emitters):
+            return True
+        kinds = [kind for emission in self.emitters for kind in emission.kinds]
+        if attribute in self._initial and self._initial[attribute].any():
+            return True
+        if any(kind.scripted is not None for kind in kinds):
+            return True  # its class gives the attributes
+        if attribute == "mass" and any("density" in kind.attributes for kind in kinds):
+            return any(kind.attributes["radius"][1] > 0 for kind in kinds)
+        return any(any(kind.attributes.get(attribute, (0.0, 0.0))) for kind in kinds)
+
     @staticmethod
     def _checked_arrays(position, velocity, mass, charge, radius, attributes) -> dict[str, np.ndarray]:
         """The initial particles' arrays by name, vectors as (3, n); empty without `position`."""
         if position is None:
             return {}
-        x = np.asarray(position, np.float64)
+        x = arguments.array("position", position, "numbers of the shape (n, 3)")
         if x.ndim != 2 or x.shape[1] != 3:
             raise UsageError(f"position must have the shape (n, 3), not {x.shape}")
         n = len(x)
         arrays = {"position": x.T}
-        v = np.zeros((n, 3)) if velocity is None else np.asarray(velocity, np.float64)
+        v = (
+            np.zeros((n, 3))
+            if velocity is None
+            else arguments.array("velocity", velocity, f"numbers of the shape ({n}, 3)")
+        )
         if v.shape != (n, 3):
             raise UsageError(f"velocity must have the shape ({n}, 3) of position, not {v.shape}")
         arrays["velocity"] = v.T
@@ -164,21 +180,21 @@ class ParticleSystem:
             ("radius", radius, 0.01),
             *((k, a, 0.0) for k, a in attributes.items()),
         ):
-            try:
-                arrays[name] = np.broadcast_to(np.asarray(default if given is None else given, np.float64), (n,))
-            except ValueError:
-                raise UsageError(f"{name} must be one number or have the shape ({n},), not {np.shape(given)}") from None
-        for name, array in arrays.items():
-            if not np.isfinite(array).all():
-                raise UsageError(f"{name} holds numbers that are not finite")
-        if (arrays["mass"] < 0).any():
-            raise UsageError("mass must not be negative")
+            numbers = arguments.array(name, default if given is None else given, "one number, or one for each particle")
+            if numbers.shape not in ((), (1,), (n,)):
+                raise UsageError(f"{name} must be one number or have the shape ({n},), not {numbers.shape}")
+            arrays[name] = np.broadcast_to(numbers, (n,))
+        for name in ("mass", "radius"):
+            if (arrays[name] < 0).any():
+                raise UsageError(f"{name} must not be negative")
         return arrays
 
     def _fixed_indices(self, fixed) -> np.ndarray:
         """Indices of the fixed particles. Raises UsageError unless they are at rest."""
         n = len(self._initial["mass"]) if self._initial else 0
-        chosen = np.asarray([] if fixed is None else fixed)
+        chosen = np.asarray([] if fixed is None else fixed) if _is_plain(fixed) else np.array(["?"])
+        if chosen.size and chosen.dtype.kind not in "biu":
+            raise UsageError(f"fixed must be indices of particles, or {n} booleans, not {arguments.shown(fixed)}")
         chosen = np.flatnonzero(chosen) if chosen.dtype == bool and chosen.shape == (n,) else chosen.astype(int)
         if chosen.ndim != 1 or (len(chosen) and not 0 <= chosen.min() <= chosen.max() < n):
             raise UsageError(f"fixed must be indices from 0 to {n - 1}, or {n} booleans")
@@ -288,7 +304,7 @@ class ParticleSystem:
 
     def attribute(self, name: str) -> np.ndarray:
         """(n,) the particles' mass, charge, radius, lifetime or a declared attribute."""
-        if name not in self.state.channels:
+        if arguments.text("the name of an attribute", name) not in self.state.channels:
             raise UsageError(f"system '{self.name}' has no attribute '{name}'{suggest(name, self.state.channels)}")
         return self._copy(self.state.floats[self.state.channels[name], self._living()])
 
@@ -313,13 +329,32 @@ class ParticleSystem:
         return self._copy(self._time() - self.state.birth[self._living()])
 
 
+def _checked_attributes(attributes) -> dict[str, Any]:
+    if attributes is None:
+        return {}
+    if not isinstance(attributes, Mapping):
+        raise UsageError(f"attributes must be a mapping of names to numbers, not {arguments.shown(attributes)}")
+    return {arguments.text("the name of an attribute", name): values for name, values in attributes.items()}
+
+
+def _is_plain(value) -> bool:
+    """Whether NumPy makes an array of it."""
+    try:
+        np.asarray(value)
+    except (TypeError, ValueError, OverflowError):
+        return False
+    return True
+
+
 def _checked_look(look) -> "Look | None":
     from gen_art.preset.look import Look
 
     if look is None or isinstance(look, Look):
         return look
     if not isinstance(look, Mapping):
-        raise UsageError(f"look must be a ga.Look or a mapping of its keys, such as {{'draw': 'disc'}}, not {look!r}")
+        raise UsageError(
+            f"look must be a ga.Look or a mapping of its keys, such as {{'draw': 'disc'}}, not {arguments.shown(look)}"
+        )
     from pydantic import ValidationError
 
     from gen_art.preset.model import friendly

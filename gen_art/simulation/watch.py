@@ -14,6 +14,7 @@ from gen_art.errors import AdviceWarning, DivergedError, UsageError
 from gen_art.registry import suggest
 from gen_art.simulation.advice import system_advice
 from gen_art.simulation.motion import MotionSample, is_smooth
+from gen_art.simulation.no_effect import silent_parts
 
 if TYPE_CHECKING:
     from gen_art.simulation.simulation import Simulation
@@ -52,18 +53,27 @@ class Watch:
         self._coarse: set[str] = set()  # systems whose last sample was
 
     def say(self, name: str, cause: str, sentence: str) -> None:
-        """Give advice about a system, once a cause. Raises UsageError in mode "error"."""
+        """Give advice about a system, once a cause. Raises UsageError in mode "error".
+
+        name : of the system; "" where the sentence names it
+        """
         if self._mode == "none" or (name, cause) in self._said:
             return
         self._said[name, cause] = sentence
+        text = f"system '{name}': {sentence}" if name else sentence
         if self._mode == "error":
-            raise UsageError(f"system '{name}': {sentence}")
-        warnings.warn(f"system '{name}': {sentence}", AdviceWarning, stacklevel=_depth_of_caller())
+            raise UsageError(text)
+        warnings.warn(text, AdviceWarning, stacklevel=_depth_of_caller())
 
     def start(self) -> None:
-        """Give the advice that follows from the numbers of the systems, before the first step."""
-        for name, system in self._sim.members.items() if self._mode != "none" else ():
-            for k, sentence in enumerate(system_advice(system, self._sim.dt)):
+        """Give the advice that follows from the numbers of the systems, before they have particles."""
+        sim = self._sim
+        if self._mode == "none":
+            return
+        for k, sentence in enumerate(silent_parts(sim.preset or sim.members, sim.members)):
+            self.say("", f"silent {k}", sentence)
+        for name, system in sim.members.items():
+            for k, sentence in enumerate(system_advice(system, sim.dt)):
                 self.say(name, f"start {k}", sentence)
 
     def most_steps(self) -> int:

@@ -97,7 +97,7 @@ def test_an_unknown_preset_is_suggested(refused, monkeypatch):
         (["-o", "film.mp4", "--frames", "a"], 2, "first..last..step"),
         (["-o", "film.mp4", "--duration", "0"], 2, "more than 0"),
         (["-o", "film.mp4", "--duration", "nan"], 2, "must be a number"),
-        (["-o", "film.mp4", "--duration", "1e9"], 2, "frames are asked for, but at most 10,000,000"),
+        (["-o", "film.mp4", "--duration", "1e9"], 3, "frames, and may have 1,000,000 at most"),
         (["-o", "film.mp4", "--duration", "0.001"], 3, "makes no frame"),
         (["-o", "film.mp4", "--fps", "31"], 3, "the nearest fps is 30"),
         (["-o", "film.mp4", "--size", "1281x721"], 2, "1280x720 and 1282x722"),

@@ -73,6 +73,7 @@ def test_an_unknown_command_is_suggested(gen_art):
         (OutputError("sentence"), 5, "gen-art: sentence"),
         (EncoderError("sentence"), 6, "gen-art: sentence"),
         (MemoryError(), 4, "out of memory"),
+        (RuntimeError("Virtual memory allocation (1073741824 B) failed."), 4, "past a limit of it (ulimit -v)"),
         (PermissionError(13, "Permission denied", "x.png"), 5, "Permission denied (x.png)"),
         (OSError(28, "No space left on device"), 5, "No space left"),
         (KeyboardInterrupt(), 130, "stopped"),

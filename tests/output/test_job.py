@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from gen_art.commands.main import run
-from gen_art.errors import OutputError, UsageError
+from gen_art.errors import MemoryRefused, OutputError, UsageError
 from gen_art.output import job
 from gen_art.output.probe import probe
 from gen_art.output.read_recipe import read_recipe
@@ -72,6 +72,21 @@ def test_rerun_makes_the_same_bytes(sequence, tmp_path):
     for name, bits in (("a.png", 16), ("a.jpg", 8), ("a.webp", 8)):
         (path,) = job.still(piece(seed=8), tmp_path / name, 0.2, size=(60, 40), bits=bits, quality="draft")
         assert digest(job.rerun(path, tmp_path / f"again_{name}")[0]) == digest(path), name
+
+
+def test_a_rerun_is_refused_what_does_not_fit_in_memory(sequence, tmp_path, monkeypatch):
+    monkeypatch.setattr("gen_art.preset.estimate.available_memory", lambda: 1e8)
+    with pytest.raises(MemoryRefused, match="need about"):
+        job.rerun(sequence[6], tmp_path / "again.png")
+
+
+def test_a_recipe_that_is_nested_too_deeply_is_refused(tmp_path, monkeypatch):
+    import gen_art.output.stills as stills
+
+    monkeypatch.setattr(stills, "encode", lambda recipe: '{"preset":' * 100_000 + "1" + "}" * 100_000)
+    path = stills.write_still(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), {})
+    with pytest.raises(UsageError, match="no recipe inside"):
+        job.rerun(path, tmp_path / "b.png")
 
 
 FILMS = [
@@ -385,7 +400,9 @@ def test_the_command_line_says_what_there_is(tmp_path, capsys, words, says):
 @pytest.mark.parametrize(
     "change",
     [{"size": 3}, {"time": "now"}, {"files": [1]}, {"plugins": [{"name": 3}]}, {"kind": "film"}, {"quality": "best"},
-     {"precision": "f16"}, {"size": ["a", 2]}, {"size": [1]}, {"files": [{}]}, {"preset": {"systems": 3}}, {"bits": "x"}],
+     {"precision": "f16"}, {"size": ["a", 2]}, {"size": [1]}, {"files": [{}]}, {"preset": {"systems": 3}}, {"bits": "x"},
+     {"kind": "film", "frames": [0]}, {"kind": "film", "frames": [0, 9, 0]}, {"kind": "film", "frames": ["a", 1, 1]},
+     {"kind": "film", "frames": [0, 10**30, 1]}, {"time": 1e30}, {"time": -1}, {"kind": []}, {"codec": [], "kind": "film"}],
 )  # fmt: skip
 def test_damaged_recipes_are_refused(tmp_path, sequence, change):
     from gen_art.errors import GenArtError

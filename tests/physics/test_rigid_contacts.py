@@ -259,7 +259,7 @@ def test_refusals():
         ga.body({"sphere": 0.5}, axle=(0, 1, 0), spin=(1, 0, 0))
     with pytest.raises(ga.UsageError, match="no velocity of its own"):
         ga.body({"sphere": 0.5}, axle=(0, 1, 0), velocity=(1, 0, 0))
-    with pytest.raises(ga.UsageError, match="at least 8 points"):
+    with pytest.raises(ga.UsageError, match="points must be a whole number from 8"):
         ga.body({"sphere": 0.5}, points=3)
     with pytest.raises(ga.UsageError, match="no rigid bodies"):
         system = ga.ParticleSystem(position=np.zeros((1, 3)), interactions=[ga.interactions.Rigid()])

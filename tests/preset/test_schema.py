@@ -152,7 +152,7 @@ WRONG = [
     ("clock.fps", 0, "more than 0", "clock.fps"),
     ("clock.duration", 0.01, "makes no frame", "clock.duration"),
     ("clock.preroll", 0.501, "nearest is 0.5", "clock.preroll"),
-    ("clock.step", 1e-300, "too short", "clock.step"),
+    ("clock.step", 1e-300, "steps a frame, and may have 1,000,000 at most: give a longer step", "clock.step"),
     ("version", 2, "version 2", "version"),
     ("version", "1", "must be 1", "version"),
     ("seed", 1.5, "whole number", "seed"),

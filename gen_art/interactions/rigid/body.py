@@ -8,19 +8,21 @@ show them.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gen_art import arguments
 from gen_art.errors import UsageError
 from gen_art.interactions.rigid.quaternions import cross, matrices, product, quaternion, rotation
 from gen_art.interactions.rigid.shapes import Part, parts_of
 
-__all__ = ["AXLED", "FREE", "PIVOTED", "STATIC", "Body", "body"]
+__all__ = ["AXLED", "FREE", "MOST_POINTS", "PIVOTED", "STATIC", "Body", "body", "moved"]
 
 FREE, PIVOTED, AXLED, STATIC = range(4)
+MOST_POINTS = 1_000_000
 _CARRIERS = 6
 _GRAIN = 3 / 4  # default radius of the particles, relative to their spacing
 
@@ -41,6 +43,7 @@ class Body:
     spin : (3,) rad/s
     local, masses, radii, normals, areas : of its particles: positions (n, 3) m, kg, m, (n, 3), m^2, in its frame
     tint : a number to colour it by
+    offset : (3,) m, from the shape's origin to the centre of mass, in the world
     """
 
     spec: dict
@@ -60,6 +63,7 @@ class Body:
     areas: np.ndarray
     tint: float = 0.0
     name: str = ""
+    offset: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
 
 def body(
@@ -89,6 +93,8 @@ def body(
     Raises UsageError.
     """
     spec = {k: _plain(v) for k, v in locals().items()}
+    name = arguments.text("name", name)
+    _check_numbers(name, spec)
     parts = parts_of(shape)
     weights = np.array([p.share * (p.area if hollow else p.volume) for p in parts])
     total = float(mass) if mass is not None else density * float(weights.sum())
@@ -102,7 +108,8 @@ def body(
     n, area = np.concatenate([n, np.zeros((_CARRIERS, 3))]), np.concatenate([area, zeros])
     shape_attitude = rotation(np.asarray(turn, float))
     R = matrices(shape_attitude)
-    at = np.asarray(position, float) + R @ centre
+    offset = R @ centre
+    at = np.asarray(position, float) + offset
     origin = at if pivot is None or static else np.asarray(pivot, float)
     lever = R.T @ (at - origin)  # from the origin of the body's frame to the centre, along the shape's axes
     second = second + np.outer(lever, lever)
@@ -122,8 +129,29 @@ def body(
     body_axle = matrices(attitude).T @ direction
     return Body(
         spec, body_parts, constraint, total, inertia, body_axle, origin, attitude, v, w, to_body_frame(x), masses, radii,
-        n @ axes, area, float(tint), name,
+        n @ axes, area, float(tint), name, offset,
     )  # fmt: skip
+
+
+def moved(one: Body, position: np.ndarray, tint: float) -> Body:
+    """The same body, which must have no pivot, at another position (3,) m and with another tint."""
+    spec = {**one.spec, "position": position.tolist(), "tint": float(tint)}
+    return replace(one, spec=spec, place=position + one.offset, tint=float(tint))
+
+
+def _check_numbers(name: str, spec: dict) -> None:
+    """Raise UsageError for an argument of `body` that is not of its kind."""
+    for key in ("position", "turn", "velocity", "spin", "pivot", "axle"):
+        if spec[key] is not None or key not in ("pivot", "axle"):
+            arguments.vector(f"{name}: {key}", spec[key])
+    arguments.number(f"{name}: density", spec["density"], "kg/m^3", above=0.0)
+    arguments.number(f"{name}: tint", spec["tint"])
+    for key, unit in (("mass", "kg"), ("grain", "m")):
+        if spec[key] is not None:
+            arguments.number(f"{name}: {key}", spec[key], unit, **({"above": 0.0} if key == "mass" else {"low": 0.0}))
+    for key in ("hollow", "static"):
+        arguments.flag(f"{name}: {key}", spec[key])
+    arguments.whole(f"{name}: points", spec["points"], 8, MOST_POINTS)
 
 
 def _plain(value):
@@ -171,14 +199,17 @@ def _principal(inertia: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _samples(parts: list[Part], draw: str, points: int):
     """Points, normals, areas and spacing. Areas are half the surface's, because the two faces of a thin plate are one panel."""
-    if draw not in ("cloud", "wire"):
-        raise UsageError(f"draw must be cloud or wire, not {draw!r}")
-    if points < 8:
-        raise UsageError(f"a body needs at least 8 points, not {points}")
+    if not isinstance(draw, str) or draw not in ("cloud", "wire"):
+        raise UsageError(f"draw must be cloud or wire, not {arguments.shown(draw)}")
     if draw == "cloud":
         spacing = math.sqrt(sum(p.area for p in parts) / points)
     else:
         spacing = sum(p.wire_length() for p in parts) / points
+    needed = sum(p.points(draw, spacing) for p in parts)
+    if needed > MOST_POINTS:
+        raise UsageError(
+            f"a body of these sizes needs {needed:,} points, and has at most {MOST_POINTS:,}: lower `points`"
+        )
     found = [p.surface(spacing) if draw == "cloud" else p.wires(spacing) for p in parts]
     for k, (x, n, area) in enumerate(found):
         outside = np.ones(len(x), bool)
@@ -194,13 +225,17 @@ def _with_carriers(x: np.ndarray, mass: float, second: np.ndarray) -> tuple[np.n
     mean, spread = x.mean(0), np.einsum("ni,nj->ij", x, x) / len(x)
     least = np.linalg.eigvalsh(second)[0]
     share = 0.5
-    while True:  # the smaller the share of the points, the closer the carriers' moments are to those of the solid
+    for _ in range(
+        100
+    ):  # the smaller the share of the points, the closer the carriers' moments are to those of the solid
         centre = -share / (1 - share) * mean
         rest = (second - share * spread) / (1 - share) - np.outer(centre, centre)
         squares, axes = np.linalg.eigh(rest)
         if squares[0] >= 0.25 * least:
             break
         share *= 0.5
+    else:
+        raise UsageError("the body is too flat: its moments of inertia cannot be told apart")
     arms = (axes * np.sqrt(3 * squares)).T
     masses = np.concatenate(
         [np.full(len(x), share * mass / len(x)), np.full(_CARRIERS, (1 - share) * mass / _CARRIERS)]

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from gen_art import arguments
 from gen_art.errors import UsageError
 from gen_art.interactions.rigid.body import STATIC, Body
 from gen_art.interactions.rigid.quaternions import matrices
@@ -23,9 +24,9 @@ class Group:
     """
 
     def __init__(self, members):
-        self.members: list[Body] = list(members)
-        if not self.members or not all(isinstance(b, Body) for b in self.members):
-            raise UsageError("bodies must be a list of what ga.body makes")
+        self.members: list[Body] = arguments.instances("bodies", members, Body, "ga.body({'sphere': 0.5})")
+        if not self.members:
+            raise UsageError("bodies must be a list of at least one ga.body(...)")
         rotations = [matrices(b.attitude) for b in self.members]
         arms = [b.local @ R.T for b, R in zip(self.members, rotations)]
         self.position = np.concatenate([b.place + arm for b, arm in zip(self.members, arms)])

@@ -1,12 +1,38 @@
 """Rigid bodies that collide, slide, roll and stack."""
 
+import inspect
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 
+from gen_art.arguments import instances
 from gen_art.errors import UsageError
 from gen_art.interactions.base import Interaction, interaction
+from gen_art.particles.storage import Particles
 from gen_art.registry import param
 
 __all__ = ["Rigid"]
+
+
+def _built(spec: dict) -> Any:
+    from gen_art.interactions.rigid.body import body
+
+    names = inspect.signature(body).parameters
+    unknown = [str(key) for key in spec if key not in names]
+    if unknown or "shape" not in spec:
+        raise UsageError(
+            f"a body needs a shape, and may have {', '.join(names)}" + (f"; not {unknown[0]}" if unknown else "")
+        )
+    return body(**spec)
+
+
+def _numbered(name: str, group) -> list:
+    """The bodies of an emitter with their names in messages."""
+    several = len(group.members) > 1
+    return [replace(one, name=f"{name} {k + 1}" if several else name) for k, one in enumerate(group.members)]
 
 
 @interaction("rigid")
@@ -44,6 +70,9 @@ class Rigid(Interaction):
         lamp = np.array(self.values["lamp"])
         if not lamp.any():
             raise UsageError("rigid: lamp must not be the zero vector")
+        bodies = self.values["bodies"]
+        if bodies is not None:
+            self._given = [_built(spec) for spec in instances("bodies", bodies, dict, "the arguments of ga.body")]
         pair = self.values["friction"]
         self.values["friction"] = (min(pair), max(pair))
         self._colliders: list = []
@@ -61,9 +90,7 @@ class Rigid(Interaction):
         self._colliders = list(colliders)
         return []
 
-    def attach(self, system, dt):
-        from gen_art.interactions.rigid.world import World
-
+    def check(self, system):
         if sum(one.moves_particles for one in system.interactions) > 1:
             raise UsageError(f"system '{system.name}' has two `rigid`: give it one")
         scheme = system.scheme
@@ -73,37 +100,56 @@ class Rigid(Interaction):
                 f"rigid bodies move by leapfrog, velocity_verlet or semi_implicit_euler; give '{system.name}' one of them, "
                 f"not {scheme.name}"
             )
+        if self.values["bodies"] is not None:
+            return
+        for emission in system.emitters:
+            for kind in emission.kinds:
+                if getattr(kind.scripted, "group", None) is None:
+                    raise UsageError(
+                        f"system '{system.name}' has rigid bodies: its emitter '{emission.name}' must lay such (body: ...); "
+                        "give other particles a system of their own"
+                    )
+                if math.isfinite(kind.attributes["lifetime"][0]):
+                    raise UsageError(f"rigid bodies do not die: leave out the lifetime of system '{system.name}'")
+        if not system.emitters:
+            raise UsageError(
+                f"system '{system.name}' has no rigid bodies: lay some by `body`, or by ga.bodies in Python"
+            )
+        self._check_overlaps(system)
+
+    def _check_overlaps(self, system) -> None:
+        """Raise UsageError for bodies that overlap each other at the start, before they are laid."""
+        from gen_art.interactions.rigid.world import World
+
+        members = [
+            one
+            for emission in sorted(system.emitters, key=lambda e: e.name)
+            for kind in emission.kinds
+            for one in _numbered(emission.name, kind.scripted.group)
+        ]
+        empty = SimpleNamespace(name=system.name, state=Particles(np.float64, system.attribute_names, (), 1))
+        contacts = World(
+            members, [], self.values, empty, 0.0
+        ).contacts  # distances to colliders need a kernel: `attach` has them
+        contacts.detect(0.0)
+        contacts.refuse_overlaps(system.name)
+
+    def attach(self, system, dt):
+        from gen_art.interactions.rigid.world import World
+
         self._world = World(self._members(system), self._colliders, self.values, system, dt)
         return []
 
     def _members(self, system) -> list:
         """The bodies in the order of their particles. Raises UsageError for particles that belong to no body."""
-        from gen_art.interactions.rigid.body import body
-
         if self.values["bodies"] is not None:
-            return [body(**spec) for spec in self.values["bodies"]]
+            return self._given
         state, found = system.state, []
         for emission in system.emitters:
             for k, kind in enumerate(emission.kinds):
-                group = getattr(kind.scripted, "group", None)
-                if group is None:
-                    raise UsageError(
-                        f"system '{system.name}' has rigid bodies: its emitter '{emission.name}' must lay such (body: ...); "
-                        "give other particles a system of their own"
-                    )
                 slots = np.flatnonzero(state.source[: state.count] == emission.first_source + k)
-                found.append((slots[0], emission.name, group))
-        if not found:
-            raise UsageError(
-                f"system '{system.name}' has no rigid bodies: lay some by `body`, or by ga.bodies in Python"
-            )
-        from dataclasses import replace
-
-        return [
-            replace(one, name=f"{name} {k + 1}" if len(group.members) > 1 else name)
-            for _, name, group in sorted(found, key=lambda f: f[0])
-            for k, one in enumerate(group.members)
-        ]
+                found.append((slots[0], emission.name, kind.scripted.group))
+        return [one for _, name, group in sorted(found, key=lambda f: f[0]) for one in _numbered(name, group)]
 
     @property
     def saved_arrays(self):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen_art.arguments import shown
 from gen_art.errors import UsageError
 from gen_art.interactions.rigid.quaternions import matrices, rotation
 from gen_art.registry import suggest
@@ -16,6 +17,7 @@ __all__ = ["BALL", "BOX", "CAPSULE", "Part", "parts_of"]
 
 BALL, CAPSULE, BOX = 0, 1, 2
 _KINDS = {"sphere": BALL, "capsule": CAPSULE, "box": BOX}
+MOST_SLENDER = 1e5  # largest over smallest size: the moments go by the squares, of which float64 holds 15 digits
 _GOLDEN = math.pi * (3 - math.sqrt(5))
 
 
@@ -70,6 +72,17 @@ class Part:
         q = np.abs((x - self.center) @ self.axes) - self.half
         return np.linalg.norm(np.maximum(q, 0), axis=-1) + np.minimum(q.max(-1), 0) - self.radius
 
+    def points(self, draw: str, spacing: float) -> int:
+        """The number of points of `surface` ("cloud") or about that of `wires` ("wire"), before any is made."""
+        r, b = self.radius, float(self.half[1])
+        if draw == "wire":
+            return round(self.wire_length() / spacing) + 100
+        if self.kind == BOX:
+            x, y, z = _cells(self.half, spacing)
+            return 2 * (x * y + y * z + z * x)
+        count, rings, around = _round_counts(b, r, spacing)
+        return count + rings * around
+
     def surface(self, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Points about `spacing` m apart, outward normals (n, 3), and the area, m^2, that each represents."""
         if self.kind == BOX:
@@ -104,13 +117,21 @@ def parts_of(shape) -> list[Part]:
     entries = shape if isinstance(shape, (list, tuple)) else [shape]
     if not entries:
         raise UsageError("a body needs a shape: sphere, capsule or box")
-    return [_part(entry) for entry in entries]
+    parts = [_part(entry) for entry in entries]
+    sizes = np.concatenate([size for part in parts for size in (part.half[part.half > 0], [part.radius or np.inf])])
+    sizes = sizes[np.isfinite(sizes)]
+    if sizes.max() > MOST_SLENDER * sizes.min():
+        raise UsageError(
+            f"the sizes of a body must differ by a factor of {MOST_SLENDER:,.0f} at most, so that its moments of inertia can be "
+            f"told apart, not {sizes.max() / sizes.min():.3g}"
+        )
+    return parts
 
 
 def _part(entry) -> Part:
     if not isinstance(entry, dict):
         raise UsageError(
-            f"a shape must be such as {{sphere: 0.5}}, {{capsule: [1, 0.2]}} or {{box: [1, 1, 1]}}, not {entry!r}"
+            f"a shape must be such as {{sphere: 0.5}}, {{capsule: [1, 0.2]}} or {{box: [1, 1, 1]}}, not {shown(entry)}"
         )
     kinds = [key for key in entry if key in _KINDS]
     extra = [key for key in entry if key not in (*_KINDS, "at", "turn", "density")]
@@ -139,10 +160,10 @@ def _part(entry) -> Part:
 def _numbers(what: str, value, count: int) -> np.ndarray:
     try:
         array = np.atleast_1d(np.asarray(value, float))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         array = np.zeros(0)
     if array.shape != (count,) or not np.isfinite(array).all():
-        raise UsageError(f"{what} must be {count} finite number{'s' * (count > 1)}, not {value!r}")
+        raise UsageError(f"{what} must be {count} finite number{'s' * (count > 1)}, not {shown(value)}")
     return array
 
 
@@ -154,13 +175,20 @@ def _sphere(count: int) -> np.ndarray:
     return np.stack([s * np.cos(_GOLDEN * k), y, s * np.sin(_GOLDEN * k)], 1)
 
 
-def _rounded(b: float, r: float, spacing: float):
+def _round_counts(b: float, r: float, spacing: float) -> tuple[int, int, int]:
+    """Points of the two hemispheres together, an even number: as many on either half; rings of the side, points of a ring."""
     count = max(6, round(4 * math.pi * r * r / spacing**2))
-    n = _sphere(count + count % 2)  # an even number: as many on either half
+    if b <= 0:
+        return count + count % 2, 0, 0
+    return count + count % 2, max(1, round(2 * b / spacing)), max(6, round(2 * math.pi * r / spacing))
+
+
+def _rounded(b: float, r: float, spacing: float):
+    count, rings, around = _round_counts(b, r, spacing)
+    n = _sphere(count)
     x = r * n + np.sign(n[:, 1:2]) * np.array([0, b, 0])
     area = np.full(len(n), 4 * math.pi * r * r / len(n))
     if b > 0:
-        rings, around = max(1, round(2 * b / spacing)), max(6, round(2 * math.pi * r / spacing))
         k = np.arange(rings * around)
         angle = 2 * np.pi * (k % around + 0.5 * (k // around % 2)) / around
         side = np.stack([np.cos(angle), np.zeros(len(k)), np.sin(angle)], 1)
@@ -171,12 +199,17 @@ def _rounded(b: float, r: float, spacing: float):
     return x, n, area
 
 
+def _cells(half: np.ndarray, spacing: float) -> list[int]:
+    """How many points a box has along each axis of its faces."""
+    return [max(1, round(2 * h / spacing)) for h in half]
+
+
 def _faces(half: np.ndarray, spacing: float):
     points, normals, areas = [], [], []
+    along = _cells(half, spacing)
     for axis in range(3):
         u, v = (axis + 1) % 3, (axis + 2) % 3
-        cells = [max(1, round(2 * half[w] / spacing)) for w in (u, v)]
-        i, j = np.meshgrid(*((2 * np.arange(c) + 1) / c - 1 for c in cells), indexing="ij")
+        i, j = np.meshgrid(*((2 * np.arange(along[w]) + 1) / along[w] - 1 for w in (u, v)), indexing="ij")
         for side in (-1.0, 1.0):
             x, n = np.zeros((i.size, 3)), np.zeros((i.size, 3))
             x[:, axis], x[:, u], x[:, v], n[:, axis] = side * half[axis], half[u] * i.ravel(), half[v] * j.ravel(), side
