@@ -7,6 +7,7 @@ exponent -1. Inverse squares of many particles may be summed by a tree instead.
 The one-letter names in kernels are in docs/glossary.md.
 """
 
+import math
 from functools import cache
 from typing import ClassVar
 
@@ -54,6 +55,28 @@ class DirectSum(Interaction):
         method = self.values.get("method", "direct")
         return method == "tree" or (method == "auto" and pairs > _TREE_PAIRS)
 
+    def attach(self, system, dt):
+        state = system.state
+        pair = self._coincident(state, np.arange(state.count))
+        if pair is None:
+            return []
+        a, b = sorted(int(state.id[slot]) for slot in pair)
+        return [
+            f"particles {a} and {b} are at the same place, where {self.name} has no direction and an infinite energy: move one "
+            "of them, or give it a softening"
+        ]
+
+    def _coincident(self, state, slots: np.ndarray) -> tuple[int, int] | None:
+        """Two of the slots whose particles are at the same place and have an infinite energy together; None if there are none."""
+        _, n, softening = self.law
+        if softening != 0 or n > -1 or self.source_system is not None:
+            return None
+        acting = slots[state.floats[state.channels[self.amount], slots] != 0]
+        order = acting[np.lexsort(state.floats[POSITION][:, acting])]
+        x = state.floats[POSITION][:, order]
+        same = np.flatnonzero((x[:, 1:] == x[:, :-1]).all(axis=0))
+        return (int(order[same[0]]), int(order[same[0] + 1])) if len(same) else None
+
     def accelerate(self, request: ForceRequest, out: np.ndarray) -> None:
         k, n, softening = self.law
         amounts = request.sources.floats[request.sources.channels[self.amount], : request.m]
@@ -92,6 +115,9 @@ class DirectSum(Interaction):
         k, n, softening = self.law
         dtype = state.floats.dtype
         amounts = state.floats[state.channels[self.amount], slots]
+        if (pair := self._coincident(state, slots)) is not None:
+            a, b = state.floats[state.channels[self.amount], list(pair)]
+            return -math.inf if k * a * b > 0 else math.inf
         if self.by_tree(count * count):
             field = self._tree(state.floats[POSITION, slots], None, amounts, precision, valued=True)[3]
             return float(-0.5 * k * np.sum(amounts.astype(np.float64) * field))

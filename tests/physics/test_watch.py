@@ -155,3 +155,25 @@ def test_a_dead_particle_stops_nothing():
         sim.digest()
     sim["s"].state.floats[9, 0] = 0.0  # the lifetime
     sim.digest()
+
+
+@pytest.mark.parametrize("weight,sign", [("mass", -1), ("charge", 1)])
+def test_bodies_at_the_same_place_have_an_infinite_energy(weight, sign):
+    """It was 0; with a softening, or where one of them has no weight, it is finite."""
+    law = I.SelfGravity(G=1.0, softening=0.0) if weight == "mass" else I.Coulomb(k=1.0, softening=0.0)
+
+    def made(law, amounts):
+        return dict(
+            position=[[0, 0, 1], [0, 0, 0], [0, 1, 0], [0, 0, 1.0]], interactions=[law], **{"mass": 1.0, weight: amounts}
+        )  # fmt: skip
+
+    with pytest.warns(ga.AdviceWarning, match="particles 0 and 3 are at the same place.*infinite energy.*softening"):
+        sim = simulated(0.01, **made(law, [1.0, 2.0, 3.0, 4.0]))
+    assert sim.diagnostics().potential_energy == sign * np.inf
+    for other, amounts in (
+        (type(law)(softening=0.1), [1.0, 2.0, 3.0, 4.0]),
+        (type(law)(softening=0.0), [1.0, 2.0, 3.0, 0.0]),
+    ):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            assert np.isfinite(simulated(0.01, **made(other, amounts)).diagnostics().potential_energy)
