@@ -28,6 +28,7 @@ def test_it_says_what_it_shows(name):
     assert third.startswith("# Change first: ")
 
 
+@pytest.mark.filterwarnings("error::gen_art.errors.AdviceWarning")
 @pytest.mark.parametrize("name", course_names())
 def test_it_runs_and_draws(name, tmp_path):
     """A still of the first second, tiny: lights up, and not everywhere alike."""

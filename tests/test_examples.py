@@ -53,7 +53,7 @@ def test_the_swirl_pushes_round(monkeypatch):
     ("submarine", "depth.csv", "depth.csv: has no column depth to give; the columns are time, flooded"),
     ("submarine", "time.csv", "time.csv: has no input beside time; give at least one of flooded"),
     ("submarine", "-x", "unrecognized arguments"), ("solar_system", "soon", "invalid float value: 'soon'"),
-    ("solar_system", "0.1", "the nearest is 0 s"), ("solar_system", "nan", "cannot advance by nan s"),
+    ("solar_system", "0.1", "the nearest is 0 s"), ("solar_system", "nan", "the time to advance by must be a finite number s, not nan"),
 ])  # fmt: skip
 def test_wrong_input_is_a_sentence(script, argument, words, tmp_path, monkeypatch, capsys):
     """And exit status 2, as of a wrong argument."""

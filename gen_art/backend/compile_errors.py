@@ -17,13 +17,13 @@ _PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+), in (?P<functio
 
 @contextlib.contextmanager
 def as_sentences() -> Iterator[None]:
-    """Turn an error in a file that is not Gen Art's into a UsageError that names its line; others stay as they are."""
+    """Turn an error in a user's function that a kernel of Gen Art calls into a UsageError that names its line."""
     try:
         yield
     except TaichiCompilationError as error:
         text = str(error)
         places = list(_PLACE.finditer(text))
-        if not places or places[-1]["file"].startswith(_PACKAGE):
+        if not places or not places[0]["file"].startswith(_PACKAGE) or places[-1]["file"].startswith(_PACKAGE):
             raise
         place, reason = places[-1], " ".join(text.strip().splitlines()[-1].split())
         raise UsageError(

@@ -32,6 +32,7 @@ class Langevin(Force):
     medium: object = param(None)
     dissipative = True
     random = True
+    steady = True
     quadratic_damping = False
 
     def prepare(self):

@@ -18,7 +18,8 @@ _DEFAULT_STEPS = 20  # the duration of a contact when it is not given
 _MIN_STEPS = 8
 _ENERGY_ERROR = 0.01 / 300  # of a collision: 1 % in 300
 _DEEP = 0.02  # relative to a sphere's radius: deeper overlaps at the start give a warning
-_DEEPEST = 0.75  # overlap by the fastest over the smallest radius: two that meet head-on overlap by twice as much
+_DEEPEST = 0.9  # overlap by the fastest over the smallest radius: two that meet head-on overlap by twice as much
+_MOST = 0.99  # of the spheres are no faster than the one that is judged; of fewer than a hundred, all
 _MIN_RESTITUTION = 1e-3  # used for 0
 
 
@@ -116,14 +117,15 @@ class Contacts(Interaction):
         if not self._walls:  # spheres that fly together do not meet
             velocity = velocity - velocity.mean(axis=1, keepdims=True)
         speeds, smallest = np.sqrt((velocity**2).sum(0)), float(state.floats[RADIUS, :n].min())
-        fastest = int(np.argmax(speeds))
+        fastest = int(np.argsort(speeds, kind="stable")[math.ceil(_MOST * (n - 1))])
         longest = _DEEPEST * smallest * math.pi / max(float(speeds[fastest]), 1e-300)
         if self._duration <= longest or smallest <= 0:
             return []
+        better = 0.95 * longest  # rounding to two digits must not make it too long
         return [
             f"contacts of {self._duration:g} s are too soft for particle {state.id[fastest]}, which has {speeds[fastest]:.3g} "
-            f"m/s: spheres may pass through each other; use a duration of at most {longest:.2g} s, and a step of at most "
-            f"{longest / self._steps:.2g} s"
+            f"m/s: spheres may pass through each other; use a duration of at most {better:.2g} s, and a step of at most "
+            f"{0.95 * better / self._steps:.2g} s"
         ]
 
     def _overlap_advice(self, state) -> list[str]:

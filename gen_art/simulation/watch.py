@@ -27,7 +27,7 @@ _FINITE_EVERY = 16  # steps between two looks for numbers that are not finite, a
 _SAMPLES = (0, 4, 64, 256, 1024)
 _SAMPLE = 256  # particles in a sample
 _TOO_FAST = 1.0  # rad a step, squared
-_FEW, _FEW_PAIRED = 1e-2, 1e-3  # of a sample that may be too fast: a picture does not depend on them
+_FEW, _FEW_PAIRED = 0.1, 1e-3  # of a sample that may be too fast: a picture does not depend on them
 # Particles that act on each other meet for a few steps only: all are looked at, every _STRIDE steps.
 _MOST_PAIRED = 20_000
 _STRIDE = 4

@@ -83,7 +83,7 @@ def test_a_rerun_is_refused_what_does_not_fit_in_memory(sequence, tmp_path, monk
 def test_a_recipe_that_is_nested_too_deeply_is_refused(tmp_path, monkeypatch):
     import gen_art.output.stills as stills
 
-    monkeypatch.setattr(stills, "encode", lambda recipe: '{"preset":' * 100_000 + "1" + "}" * 100_000)
+    monkeypatch.setattr(stills, "encode", lambda recipe: '{"preset":' * 50_000 + "1" + "}" * 50_000)
     path = stills.write_still(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), {})
     with pytest.raises(UsageError, match="no recipe inside"):
         job.rerun(path, tmp_path / "b.png")

@@ -261,6 +261,9 @@ CASES = {
         "damping",
         lambda p: np.stack([0.3 / p.mass, (0.2 + 0.5 * 1.2 * 0.5 * np.pi * p.radius**2) / p.mass]),
     ),
+    "langevin": (
+        F.Langevin(300.0, 0.4), "damping", lambda p: np.stack([np.full(p.mass.size, 0.4), np.zeros(p.mass.size)])
+    ),
     "damping": (F.Damping(0.7), "damping", lambda p: np.stack([np.full(p.mass.size, 0.7), np.zeros(p.mass.size)])),
     "buoyancy": (
         F.Buoyancy(1.3, (0.0, -9.0, 1.0)),

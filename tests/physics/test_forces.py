@@ -10,6 +10,7 @@ from tests.physics.probe import probe, states
 from tests.physics.references import CASES
 
 UNSEEN = {
+    "langevin": {"temperature", "boltzmann"},  # of its noise: test_langevin.py
     "aircraft": {"stall"},  # beyond it alone: test_controls.py  # a longer axis, a place along a symmetry, a radius of 0, a limit not reached
     "aperture": {"axis[2]"}, "height_gravity": {"point[0]"}, "magnetic_loop": {"core"}, "magnetic_mirror": {"axis[1]"},
     "hand": {"x", "y"},  # columns of its table take their place
@@ -115,7 +116,7 @@ def test_wrong_arguments_are_sentences(name):
             with pytest.raises(ga.UsageError, match="finite"):
                 cls(**{**CASES[name][0].values, key: float("nan")})
         if parameter.kind == "vector":
-            with pytest.raises(ga.UsageError, match="three numbers"):
+            with pytest.raises(ga.UsageError, match="three finite numbers"):
                 cls(**{**CASES[name][0].values, key: (1.0, 2.0)})
 
 

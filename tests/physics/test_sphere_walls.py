@@ -1,5 +1,7 @@
 """Contacts between spheres and colliders at rest: restitution, friction, spin, the ledger, and a gas between walls."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -130,3 +132,24 @@ def test_colliders_that_move_or_do_more_than_bounce_strike_at_an_instant():
     assert sim["s"].velocity[0, 1] == pytest.approx(-2.2, rel=1e-12)
     assert set(account.impulse) == {"s.contacts", "s.plane", "s.plane_2", "s.plane_3"}
     assert abs(account.residual) < 1e-12
+
+
+def test_spheres_too_fast_for_their_contacts_are_said():
+    """Closing at 8 m/s, radius 0.02, default duration of 20 steps of 1 ms: they pass through each other. With what is advised they bounce."""
+    x, v = [[-0.1, 0, 0], [0.1, 0, 0]], [[4.0, 0, 0], [-4.0, 0, 0]]
+    with pytest.warns(
+        ga.AdviceWarning, match=r"too soft for particle \d, which has 4 m/s: .* use a duration of at most"
+    ) as caught:
+        sim = simulated(x, v, 1e-3, [], radius=0.02, restitution=1)
+    sim.step(100)
+    assert sim["s"].velocity[0, 0] > 0  # through each other
+    words = str(caught[0].message)
+    duration, step = (
+        float(words.split("duration of at most ")[1].split()[0]),
+        float(words.split("step of at most ")[1].split()[0]),
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sim = simulated(x, v, step, [], radius=0.02, restitution=1, duration=duration)
+        sim.step(round(0.1 / step))
+    assert sim["s"].velocity[0, 0] == pytest.approx(-4.0, rel=(np.pi / 8) ** 2)
