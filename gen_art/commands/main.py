@@ -34,6 +34,7 @@ COMMANDS = (
     "validate",
     "inspect",
     "audit",
+    "digests",
     "gallery",
     "bench",
 )
