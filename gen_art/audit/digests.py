@@ -9,7 +9,7 @@ from gen_art.errors import UsageError
 
 __all__ = ["STEPS", "differences", "state_digests"]
 
-STEPS = (0, 1, 8, 64)  # births alone, one step, a few, and as many as bring out every kind of step
+STEPS = (0, 1, 16)  # births alone, one step, and as many as bring out most kinds of step
 FORMAT = 1
 
 

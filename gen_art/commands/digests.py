@@ -16,7 +16,7 @@ __all__ = ["command"]
 @click.option("--compare", metavar="FILE", help="Compare with the digests in FILE, and list the systems that differ.")
 @click.option("--threads", type=click.IntRange(1, 1024), help="Number of threads; the digests do not depend on it.")
 def command(presets, output, overwrite, compare, threads):
-    """Digest the states of each PRESET, or of all shipped ones, after 0, 1, 8 and 64 steps in f32 and f64.
+    """Digest the states of each PRESET, or of all shipped ones, after 0, 1 and 16 steps in f32 and f64.
 
     The result names the processor. Files from two processors show which systems get the same bits on both; the exit status
     is 1 if --compare finds any that differ.

@@ -30,10 +30,10 @@ def test_the_command_writes_and_compares(gen_art, tmp_path):
     assert held["digests"].keys() == {"p"}
     same = gen_art("digests", preset, "--compare", "a.json")
     assert same.status == 0 and "0 systems differ" in same.out
-    held["digests"]["p"]["f64"]["8"]["a"] = "0"
+    held["digests"]["p"]["f64"]["16"]["a"] = "0"
     (tmp_path / "b.json").write_text(json.dumps(held), encoding="utf-8")
     other = gen_art("digests", preset, "--compare", "b.json")
-    assert other.status == 1 and "p f64: a differs from step 8 on" in other.out
+    assert other.status == 1 and "p f64: a differs from step 16 on" in other.out
     assert gen_art("digests", preset, "-o", "a.json").status == 5
     assert gen_art("digests", preset).status == 2
     (tmp_path / "c.json").write_text("[1]", encoding="utf-8")
