@@ -1,5 +1,6 @@
 """The contract of a collider: a signed distance, its gradient, and what an impact does."""
 
+import math
 from typing import ClassVar
 
 from gen_art.backend.runtime import ti
@@ -82,7 +83,7 @@ class Collider(Parametric):
     def unit(self, key: str) -> None:
         """Normalise the vector `key`. Raises UsageError if it is zero."""
         vector = self.values[key]
-        length = sum(c * c for c in vector) ** 0.5
+        length = math.sqrt(sum(c * c for c in vector))
         if length == 0.0:
             raise UsageError(f"{type(self).__name__}: {key} must not be the zero vector: it says which way is out")
         self.values[key] = tuple(c / length for c in vector)

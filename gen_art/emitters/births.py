@@ -14,6 +14,7 @@ from gen_art.emitters.base import Emitter, Shape, Velocity
 from gen_art.emitters.birth_kernel import make_birth
 from gen_art.emitters.schedule import Schedule
 from gen_art.errors import UsageError
+from gen_art.maths.array_functions import cos, log, sin
 from gen_art.maths.random import channel_of, derive, uniform
 from gen_art.particles.rows import LIFETIME
 from gen_art.particles.storage import Particles
@@ -98,14 +99,17 @@ class EmitterMotion:
 
     def at(self, t: np.ndarray) -> np.ndarray:
         """The emitter's place (3, m) at times t (m,)."""
-        n = np.asarray(self.axis, float) / np.linalg.norm(self.axis)
+        n = _unit(np.asarray(self.axis, float))
         helper = np.array([0.0, 1.0, 0.0]) if abs(n[1]) < 0.9 else np.array([1.0, 0.0, 0.0])
-        e = np.cross(helper, n)
-        e /= np.linalg.norm(e)
+        e = _unit(np.cross(helper, n))
         f = np.cross(n, e)
         angle = 2 * np.pi * t / self.period + self.phase
-        circle = self.radius * (np.outer(e, np.cos(angle)) + np.outer(f, np.sin(angle)))
+        circle = self.radius * (np.outer(e, cos(angle)) + np.outer(f, sin(angle)))
         return np.outer(np.asarray(self.velocity, float), t) + circle
+
+
+def _unit(v: np.ndarray) -> np.ndarray:
+    return v / np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
 
 
 class ActiveEmitter:
@@ -173,12 +177,12 @@ class BatchStreams:
 
     def normal(self, channel: int) -> np.ndarray:
         u, v = self.uniform(channel), self.uniform(channel + 0x40000000)
-        return np.sqrt(-2 * np.log(u)) * np.cos(2 * np.pi * v)
+        return np.sqrt(-2 * log(u)) * cos(2 * np.pi * v)
 
     def sphere(self, channel: int) -> np.ndarray:
         z, a = 2 * self.uniform(channel) - 1, 2 * np.pi * self.uniform(channel + 0x40000000)
         s = np.sqrt(np.maximum(1 - z * z, 0))
-        return np.stack([s * np.cos(a), s * np.sin(a), z])
+        return np.stack([s * cos(a), s * sin(a), z])
 
 
 def scheduled_births(emitter: ActiveEmitter, t1: float) -> list[BirthBatch]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from gen_art.emitters.base import Emitter, emitter
 from gen_art.errors import UsageError
+from gen_art.maths.array_functions import arctanh, cos, exp, log, sin
 from gen_art.registry import param
 
 __all__ = ["ExponentialDisc", "HernquistSphere"]
@@ -42,7 +43,7 @@ def bessel_products(y: np.ndarray) -> np.ndarray:
     far = np.maximum(y, 3.75)
     root = np.sqrt(far)
     h = (small / 2) ** 2
-    log_half = np.log(small / 2)
+    log_half = log(small / 2)
     i0k, i1k = np.where(y < 3.75, i0s, 0), np.where(y < 3.75, i1s, 0)
     k0s = -log_half * i0k + np.polyval(
         [0.0000074, 0.0001075, 0.00262698, 0.0348859, 0.23069756, 0.4227842, -0.57721566], h
@@ -53,7 +54,7 @@ def bessel_products(y: np.ndarray) -> np.ndarray:
     v = 2 / large
     k0l = np.polyval([0.00053208, -0.0025154, 0.00587872, -0.01062446, 0.02189568, -0.07832358, 1.25331414], v)
     k1l = np.polyval([-0.00068245, 0.00325614, -0.00780353, 0.01504268, -0.0365562, 0.23498619, 1.25331414], v)
-    decay = np.exp(-large) / np.sqrt(large)
+    decay = exp(-large) / np.sqrt(large)
     near = np.where(y <= 2.0, i0s * k0s - i1s * k1s, (i0s * k0l - i1s * k1l) * decay)
     return np.where(y < 3.75, near, (i0l * k0l - i1l * k1l) / (root * np.sqrt(large)))
 
@@ -103,22 +104,23 @@ class ExponentialDisc(_Galaxy):
         v = self.values
         scale = v["disc_scale"]
         x = np.linspace(0, v["edge"], 4001)
-        mass_fraction = 1 - (1 + x) * np.exp(-x)
+        mass_fraction = 1 - (1 + x) * exp(-x)
         R = np.maximum(np.interp(r.uniform(1) * mass_fraction[-1], mass_fraction, x), 1e-4) * scale
         phi = 2 * np.pi * r.uniform(2)
         if v["arms"]:
-            phase = v["arms"] * (phi + np.log(R / scale) / np.tan(v["pitch"]))
+            tangent = sin(v["pitch"]) / cos(v["pitch"])
+            phase = v["arms"] * (phi + log(R / scale) / tangent)
             amplitude = v["arm_strength"] * np.clip(R / scale - 0.4, 0, 1)
-            phi = phi - amplitude / v["arms"] * np.sin(phase)
-        z = v["thickness"] * np.arctanh(np.clip(2 * r.uniform(3) - 1, -0.9999, 0.9999))
+            phi = phi - amplitude / v["arms"] * sin(phase)
+        z = v["thickness"] * arctanh(np.clip(2 * r.uniform(3) - 1, -0.9999, 0.9999))
         vc2, kappa, omega = self._frequencies(R)
-        sigma = v["disc_mass"] / (2 * np.pi * scale**2) * np.exp(-R / scale)
+        sigma = v["disc_mass"] / (2 * np.pi * scale * scale) * exp(-R / scale)
         sigma_R = np.minimum(v["toomre_q"] * 3.36 * v["G"] * sigma / np.maximum(kappa, 1e-30), 0.5 * np.sqrt(vc2))
         axis_ratio = kappa / (2 * np.maximum(omega, 1e-30))
         mean_vphi = np.sqrt(np.maximum(vc2 + sigma_R**2 * (1 - axis_ratio**2 - 2 * R / scale), 0.05 * vc2))
         vR, vphi = sigma_R * r.normal(4), mean_vphi + sigma_R * axis_ratio * r.normal(5)
         vz = np.sqrt(np.pi * v["G"] * sigma * v["thickness"]) * r.normal(6)
-        c, s = np.cos(phi), np.sin(phi)
+        c, s = cos(phi), sin(phi)
         # y is up: the disc rotates anticlockwise seen from above (+y)
         return {
             "position": np.stack([R * c, z, -R * s]),
@@ -153,10 +155,10 @@ class HernquistSphere(_Galaxy):
         a, edge = v["bulge_scale"], v["edge"]
         if v["bulge_mass"] <= 0:
             raise UsageError("hernquist_sphere needs a bulge_mass above 0")
-        root = np.sqrt(r.uniform(1) * (edge / (1 + edge)) ** 2)
+        root = np.sqrt(r.uniform(1)) * (edge / (1 + edge))
         radius = np.maximum(a * root / (1 - root), 1e-4 * a)
-        grid = np.geomspace(1e-4 * a, 200 * edge * a, 4000)
-        rho = 1 / (grid * (grid + a) ** 3)
+        grid = a * exp(np.linspace(log(1e-4), log(200 * edge), 4000))
+        rho = 1 / (grid * (grid + a) * (grid + a) * (grid + a))
         acceleration = self.circular_speed_squared(grid) / grid
         areas = 0.5 * (rho[1:] * acceleration[1:] + rho[:-1] * acceleration[:-1]) * np.diff(grid)
         pressure = np.append(np.cumsum(areas[::-1])[::-1], 0.0)

@@ -1,5 +1,6 @@
 """Nets of springs: chains, ropes and cloths as positions, pairs and rest lengths."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,13 +62,13 @@ def _string(start, end, count, length, bend) -> Net:
     count = arguments.whole("count, the points of a chain,", count, 2, MOST_POINTS)
     a, b = np.array(arguments.vector("start", start)), np.array(arguments.vector("end", end))
     bend = arguments.number("bend", bend, low=0.0)
-    distance = float(np.linalg.norm(b - a))
+    distance = math.sqrt(sum(c * c for c in b - a))
     total = distance if length is None else arguments.number("length", length, "m")
     if total <= 0 or total < distance * (1 - 1e-12):
         raise UsageError(f"a rope of {total:g} m does not reach over {distance:g} m")
     s = np.linspace(0, 1, count)
     x = a + np.outer(s, b - a)
-    sag = np.sqrt(max(total**2 - distance**2, 0.0))
+    sag = math.sqrt(max(total * total - distance * distance, 0.0))
     x[:, 1] -= sag * np.minimum(s, 1 - s)
     step = total / (len(s) - 1)
     k = np.arange(len(s))

@@ -7,40 +7,12 @@ Accuracy over the stated ranges: 2 ulp in float32, 1e-15 relative (exp, log, phi
 Source: range reduction after Cody & Waite, Software Manual for the Elementary Functions (1980); Taylor and atanh series.
 """
 
-import math
-
 from gen_art.backend.runtime import is_f64, real, ti
+from gen_art.maths.series import ATANH, COS, EXP, EXPM1, HALF_PI, LN2, SIN
 
 __all__ = ["sin", "cos", "exp", "log", "power", "phi"]
 
 Expr = ti.lang.expr.Expr
-_FACTORIAL = [math.factorial(k) for k in range(20)]
-_EXP = {
-    False: tuple(1 / _FACTORIAL[k] for k in range(7, -1, -1)),
-    True: tuple(1 / _FACTORIAL[k] for k in range(13, -1, -1)),
-}
-_EXPM1 = {  # (e^r - 1) / r
-    False: tuple(1 / _FACTORIAL[k + 1] for k in range(6, -1, -1)),
-    True: tuple(1 / _FACTORIAL[k + 1] for k in range(12, -1, -1)),
-}
-_ATANH = {
-    False: tuple(1 / (2 * k + 1) for k in range(5, -1, -1)),
-    True: tuple(1 / (2 * k + 1) for k in range(11, -1, -1)),
-}
-_SIN = {
-    False: tuple((-1) ** k / _FACTORIAL[2 * k + 1] for k in range(5, -1, -1)),
-    True: tuple((-1) ** k / _FACTORIAL[2 * k + 1] for k in range(9, -1, -1)),
-}
-_COS = {
-    False: tuple((-1) ** k / _FACTORIAL[2 * k] for k in range(5, -1, -1)),
-    True: tuple((-1) ** k / _FACTORIAL[2 * k] for k in range(9, -1, -1)),
-}
-# pi/2 and ln 2 as sums of parts; the leading parts have so few bits that their product with a small integer is exact
-_HALF_PI = {
-    False: (1.5703125, 4.837512969970703e-4, 7.549789948768648e-8),
-    True: (1.5707963109016418, 1.5893254712295857e-8, 6.123233995736766e-17),
-}
-_LN2 = {False: (0.693359375, -2.12194440e-4), True: (0.6931471803691238, 1.9082149292705877e-10)}
 
 
 @ti.func
@@ -68,9 +40,9 @@ def _exp(x):
     low, high = ti.static((-708.0, 709.0) if is_f64() else (-87.0, 88.0))
     y = ti.min(ti.max(x, low), high)
     n = ti.floor(y * 1.4426950408889634 + 0.5)
-    ln2 = ti.static(_LN2[is_f64()])
+    ln2 = ti.static(LN2[is_f64()])
     r = (y - n * ln2[0]) - n * ln2[1]
-    return ti.select(x < low, 0.0, _horner(r, _EXP[is_f64()]) * _two_to(ti.cast(n, ti.i32)))
+    return ti.select(x < low, 0.0, _horner(r, EXP[is_f64()]) * _two_to(ti.cast(n, ti.i32)))
 
 
 @ti.func
@@ -90,19 +62,19 @@ def _log(x):
     m = ti.select(big, m * 0.5, m)
     n = ti.cast(ti.select(big, e + 1, e), real())
     s = (m - 1.0) / (m + 1.0)
-    ln2 = ti.static(_LN2[is_f64()])
-    return n * ln2[0] + (n * ln2[1] + 2.0 * s * _horner(s * s, _ATANH[is_f64()]))
+    ln2 = ti.static(LN2[is_f64()])
+    return n * ln2[0] + (n * ln2[1] + 2.0 * s * _horner(s * s, ATANH[is_f64()]))
 
 
 @ti.func
 def _sine(x, quarter):
     """sin(x + quarter * pi/2) for abs(x) up to 1e4 (f32) or 1e8 (f64)."""
     n = ti.floor(x * 0.6366197723675814 + 0.5)
-    part = ti.static(_HALF_PI[is_f64()])
+    part = ti.static(HALF_PI[is_f64()])
     r = ((x - n * part[0]) - n * part[1]) - n * part[2]
     k = ti.cast(n, ti.i32) + quarter
     r2 = r * r
-    y = ti.select((k & 1) == 1, _horner(r2, _COS[is_f64()]), r * _horner(r2, _SIN[is_f64()]))
+    y = ti.select((k & 1) == 1, _horner(r2, COS[is_f64()]), r * _horner(r2, SIN[is_f64()]))
     return ti.select((k & 2) == 2, -y, y)
 
 
@@ -175,10 +147,10 @@ def phi(z):
     limit = ti.static(708.0 if is_f64() else 87.0)
     y = ti.min(ti.max(z, -limit), limit)
     n = ti.floor(0.5 - y * 1.4426950408889634)
-    ln2 = ti.static(_LN2[is_f64()])
+    ln2 = ti.static(LN2[is_f64()])
     r = (-y - n * ln2[0]) - n * ln2[1]
     scale = _two_to(ti.cast(n, ti.i32))
-    shrink = scale * r * _horner(r, _EXPM1[is_f64()]) + (scale - 1.0)
+    shrink = scale * r * _horner(r, EXPM1[is_f64()]) + (scale - 1.0)
     tiny = ti.static(1e-290 if is_f64() else 1e-30)
     near = ti.abs(z) <= tiny
     return ti.select(near, 1.0, -shrink / ti.select(near, 1.0, z))

@@ -5,7 +5,7 @@ import pytest
 
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
-from gen_art.maths import elementary
+from gen_art.maths import array_functions, elementary
 from gen_art.maths import random as rng
 
 CASES = {
@@ -42,6 +42,19 @@ def test_accuracy(name, precision):
     error = np.abs(values(function, x, precision) - exact)
     unit = np.abs(exact) if relative else np.maximum(np.abs(exact), 1)
     assert float((error / unit).max()) <= 2 * np.finfo(dtype).eps
+
+
+@pytest.mark.parametrize("name,low,high,relative", [
+    ("exp", -700, 700, True), ("log", 1e-3, 100, False), ("sin", -1000, 1000, False), ("cos", -1000, 1000, False),
+    ("arctanh", -0.999, 0.999, False),
+])  # fmt: skip
+def test_array_functions(name, low, high, relative):
+    x = np.random.default_rng(0).uniform(low, high, 1 << 16)
+    exact = getattr(np, name)(x.astype(np.longdouble))
+    error = np.abs(getattr(array_functions, name)(x) - exact)
+    unit = np.abs(exact) if relative else np.maximum(np.abs(exact), 1)
+    assert float((error / unit).max()) <= 4 * np.finfo(float).eps
+    assert getattr(array_functions, name)(0.5) == getattr(array_functions, name)(np.array([0.5]))[0]
 
 
 @pytest.mark.parametrize("precision", ["f32", "f64"])

@@ -168,6 +168,49 @@ def test_threads_do_not_change_bits(threads):
     assert len(digests) == 1 and len(digests.pop()) > 60
 
 
+def processors():
+    """Environments that make OpenBLAS and NumPy compute as on processors with fewer features, by name."""
+    found = np.show_config(mode="dicts")["SIMD Extensions"].get("found", [])
+    wide = [feature for feature in found if "512" in feature or "V4" in feature]
+    return {
+        "this one": {},
+        "without AVX-512": {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": " ".join(wide)},
+        "without AVX": {"OPENBLAS_CORETYPE": "Prescott", "NPY_DISABLE_CPU_FEATURES": " ".join(found)},
+    }
+
+
+CPU_SCRIPT = """
+import sys
+import numpy as np
+import gen_art as ga
+sim = ga.Simulation(ga.load_preset(sys.argv[1]), precision="f64")
+sim.step(60)
+a = np.random.default_rng(0).normal(size=(40, 40))
+print(sim.digest(), hash((np.sin(a) @ np.exp(a)).tobytes()))
+"""
+
+
+@pytest.mark.parametrize("preset", ["course/mill", "course/tumble", pytest.param("galaxy", marks=pytest.mark.proof)])
+def test_the_processor_does_not_change_bits(preset):
+    """Whatever kernels BLAS and NumPy choose: the digests are the same, while a product by BLAS of sines (the mutant) is not."""
+    import os
+    import subprocess
+    import sys
+    from pathlib import Path
+
+    env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2]), "PYTHONHASHSEED": "0"}
+    out = {}
+    for name, features in processors().items():
+        run = subprocess.run(
+            [sys.executable, "-c", CPU_SCRIPT, preset], capture_output=True, text=True, env={**env, **features}
+        )
+        assert run.returncode == 0, run.stderr
+        out[name] = run.stdout.split()
+    assert len({digest for digest, _ in out.values()}) == 1, out
+    if len({mutant for _, mutant in out.values()}) == 1:
+        pytest.skip("OpenBLAS and NumPy compute alike in all three environments here: nothing is proved")
+
+
 def test_other_particles_need_a_system_of_their_own():
     preset = {**PRESET, "systems": {"blocks": {**PRESET["systems"]["blocks"], "emitters": {
         **PRESET["systems"]["blocks"]["emitters"], "dust": {"count": 5}}}}}  # fmt: skip

@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike
 
 from gen_art import arguments
 from gen_art.errors import UsageError
-from gen_art.interactions.rigid.quaternions import cross, matrices, product, quaternion, rotation
+from gen_art.interactions.rigid.quaternions import matrices, product, quaternion, rotation
 from gen_art.interactions.rigid.shapes import Part, parts_of
+from gen_art.interactions.rigid.small_matrices import apply, apply_transposed, compose, cross, norm, symmetric_eigen
 
 __all__ = ["AXLED", "FREE", "MOST_POINTS", "PIVOTED", "STATIC", "Body", "body", "moved"]
 
@@ -108,28 +109,31 @@ def body(
     n, area = np.concatenate([n, np.zeros((_CARRIERS, 3))]), np.concatenate([area, zeros])
     shape_attitude = rotation(np.asarray(turn, float))
     R = matrices(shape_attitude)
-    offset = R @ centre
+    offset = apply(R, centre)
     at = np.asarray(position, float) + offset
     origin = at if pivot is None or static else np.asarray(pivot, float)
-    lever = R.T @ (at - origin)  # from the origin of the body's frame to the centre, along the shape's axes
+    lever = apply_transposed(
+        R, at - origin
+    )  # from the origin of the body's frame to the centre, along the shape's axes
     second = second + np.outer(lever, lever)
     inertia, axes = _principal(total * (np.trace(second) * np.eye(3) - second))
 
     def to_body_frame(p):
         """Positions p relative to the centre of mass, in the shape's axes, in the body's frame."""
-        return (p + lever) @ axes
+        return apply_transposed(axes, p + lever)
 
     body_parts = [
-        Part(p.kind, p.half, p.radius, to_body_frame(p.center - centre), axes.T @ p.axes, p.share) for p in parts
+        Part(p.kind, p.half, p.radius, to_body_frame(p.center - centre), compose(axes.T, p.axes), p.share)
+        for p in parts
     ]
     attitude = product(shape_attitude, quaternion(axes))
     v, w = np.asarray(velocity, float), np.asarray(spin, float)
     constraint = STATIC if static else AXLED if axle is not None else PIVOTED if pivot is not None else FREE
     direction = _axle_direction(name, constraint, axle, v, w)
-    body_axle = matrices(attitude).T @ direction
+    body_axle = apply_transposed(matrices(attitude), direction)
     return Body(
         spec, body_parts, constraint, total, inertia, body_axle, origin, attitude, v, w, to_body_frame(x), masses, radii,
-        n @ axes, area, float(tint), name, offset,
+        apply_transposed(axes, n), area, float(tint), name, offset,
     )  # fmt: skip
 
 
@@ -174,10 +178,10 @@ def _moments(parts: list[Part], shares: np.ndarray, hollow: bool) -> tuple[np.nd
 def _axle_direction(name: str, constraint: int, axle, v: np.ndarray, w: np.ndarray) -> np.ndarray:
     """The axle's unit vector (3,) in the world. Raises UsageError for motion that the constraint forbids."""
     direction = np.array([0.0, 1.0, 0.0]) if axle is None else np.asarray(axle, float)
-    length = float(np.linalg.norm(direction))
+    length = float(norm(direction))
     if length == 0:
         raise UsageError(f"{name}: axle must not be the zero vector")
-    if constraint == AXLED and np.linalg.norm(cross(w, direction)) > 1e-9 * np.linalg.norm(w) * length:
+    if constraint == AXLED and norm(cross(w, direction)) > 1e-9 * norm(w) * length:
         raise UsageError(f"{name}: spin must be along the axle")
     if constraint != FREE and v.any():
         raise UsageError(f"{name}: a body that is held has no velocity of its own: give it a spin")
@@ -191,10 +195,7 @@ def _principal(inertia: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     off = inertia - np.diag(np.diag(inertia))
     if np.abs(off).max() <= 1e-12 * np.trace(inertia):
         return np.diag(inertia).copy(), np.eye(3)
-    moments, axes = np.linalg.eigh(inertia)
-    if np.linalg.det(axes) < 0:
-        axes[:, 2] *= -1
-    return moments, axes
+    return symmetric_eigen(inertia)
 
 
 def _samples(parts: list[Part], draw: str, points: int):
@@ -222,15 +223,15 @@ def _samples(parts: list[Part], draw: str, points: int):
 
 def _with_carriers(x: np.ndarray, mass: float, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The points (about the centre of mass) with six carriers, and masses whose mean of x x^T is exactly `second`."""
-    mean, spread = x.mean(0), np.einsum("ni,nj->ij", x, x) / len(x)
-    least = np.linalg.eigvalsh(second)[0]
+    mean, spread = x.mean(0), (x[:, :, None] * x[:, None, :]).sum(0) / len(x)
+    least = symmetric_eigen(second)[0][0]
     share = 0.5
     for _ in range(
         100
     ):  # the smaller the share of the points, the closer the carriers' moments are to those of the solid
         centre = -share / (1 - share) * mean
         rest = (second - share * spread) / (1 - share) - np.outer(centre, centre)
-        squares, axes = np.linalg.eigh(rest)
+        squares, axes = symmetric_eigen(rest)
         if squares[0] >= 0.25 * least:
             break
         share *= 0.5

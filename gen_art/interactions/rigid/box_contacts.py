@@ -5,7 +5,7 @@ Sources: Gottschalk, Lin, Manocha (1996) for the separating axes; Sutherland & H
 
 import numpy as np
 
-from gen_art.interactions.rigid.quaternions import cross
+from gen_art.interactions.rigid.small_matrices import apply, apply_transposed, compose, cross, dot, norm, transposed
 
 __all__ = ["contacts_between_boxes"]
 
@@ -26,12 +26,12 @@ def contacts_between_boxes(c1, A1, h1, c2, A2, h2, margin):
     h1, h2 : (m, 3) m, half sizes
     Returns (pair (k,), point (k, 3), normal (k, 3) from the second to the first, gap (k,), feature (k,)), ordered by pair.
     """
-    t = np.einsum("mji,mj->mi", A1, c2 - c1)
-    C = np.einsum("mji,mjk->mik", A1, A2)
+    t = apply_transposed(A1, c2 - c1)
+    C = compose(transposed(A1), A2)
     abs_C = np.abs(C)
-    first = np.abs(t) - h1 - np.einsum("mij,mj->mi", abs_C, h2)
-    t2 = np.einsum("mi,mij->mj", t, C)
-    second = np.abs(t2) - h2 - np.einsum("mij,mi->mj", abs_C, h1)
+    first = np.abs(t) - h1 - apply(abs_C, h2)
+    t2 = apply_transposed(C, t)
+    second = np.abs(t2) - h2 - apply_transposed(abs_C, h1)
     edges = _edge_separations(t, C, abs_C, h1, h2)
     faces = np.concatenate([first, second], 1)  # separations along the faces' normals, (m, 6)
     face, edge = faces.argmax(1), edges.argmax(1)
@@ -93,8 +93,8 @@ def _face_contacts(pair, one, two, axis, margin, flip):
     (c1, A1, h1), (c2, A2, h2) = one, two
     m = len(pair)
     rows = np.arange(m)
-    t = np.einsum("mji,mj->mi", A1, c2 - c1)
-    C = np.einsum("mji,mjk->mik", A1, A2)
+    t = apply_transposed(A1, c2 - c1)
+    C = compose(transposed(A1), A2)
     sign = np.where(t[rows, axis] < 0, -1.0, 1.0)
     u, v = (axis + 1) % 3, (axis + 2) % 3
     normal2 = C[rows, axis] * sign[:, None]  # the normal of face 1 in the axes of box 2
@@ -141,7 +141,7 @@ def _face_contacts(pair, one, two, axis, margin, flip):
     n = np.arange(len(row))
     place[n, u[row]], place[n, v[row]] = P[row, which, 0], P[row, which, 1]
     place[n, axis[row]] = sign[row] * (hz[row] + 0.5 * g)
-    point = c1[row] + np.einsum("mij,mj->mi", A1[row], place)
+    point = c1[row] + apply(A1[row], place)
     normal = A1[row, :, axis[row]] * _column(sign[row]) * (1.0 if flip else -1.0)
     feature = which + _MAX_CANDIDATES * (axis[row] + _FLIPPED * flip)
     return pair[row], point, normal, g, feature
@@ -176,14 +176,14 @@ def _edge_contacts(pair, one, two, edge, gap):
     i, j = edge // 3, edge % 3
     a, b = A1[rows, :, i], A2[rows, :, j]
     n = cross(a, b)
-    n *= (np.where(((c2 - c1) * n).sum(1) < 0, -1.0, 1.0) / np.sqrt((n * n).sum(1)))[:, None]  # from 1 to 2
-    s1, s2 = np.sign(np.einsum("mi,mij->mj", n, A1)), np.sign(np.einsum("mi,mij->mj", n, A2))
+    n *= (np.where(dot(c2 - c1, n) < 0, -1.0, 1.0) / norm(n))[:, None]  # from 1 to 2
+    s1, s2 = np.sign(apply_transposed(A1, n)), np.sign(apply_transposed(A2, n))
     s1[rows, i], s2[rows, j] = 0.0, 0.0
-    p = c1 + np.einsum("mij,mj->mi", A1, s1 * h1)
-    q = c2 - np.einsum("mij,mj->mi", A2, s2 * h2)
-    d, ab = q - p, (a * b).sum(1)
+    p = c1 + apply(A1, s1 * h1)
+    q = c2 - apply(A2, s2 * h2)
+    d, ab = q - p, dot(a, b)
     det = np.maximum(1 - ab * ab, 1e-9)
-    s = ((d * a).sum(1) - ab * (d * b).sum(1)) / det
-    t = (ab * (d * a).sum(1) - (d * b).sum(1)) / det
+    s = (dot(d, a) - ab * dot(d, b)) / det
+    t = (ab * dot(d, a) - dot(d, b)) / det
     point = 0.5 * (p + s[:, None] * a + q + t[:, None] * b)
     return pair, point, -n, gap, _EDGE_FEATURES + edge

@@ -16,6 +16,7 @@ from gen_art.colliders.surface import count
 from gen_art.integrators.kernel_terms import KernelTerms
 from gen_art.integrators.particle_tile import TileTerms
 from gen_art.interactions.rigid.shapes import BALL, BOX, CAPSULE, Part
+from gen_art.interactions.rigid.small_matrices import apply, cross, norm
 
 __all__ = ["RigidColliders", "probe_points"]
 
@@ -31,7 +32,7 @@ def probe_points(part: Part, flat: bool) -> np.ndarray:
     else:
         steps = (-1.0, 1.0) if flat else (-1.0, 0.0, 1.0)
         x = np.array([(a, b, c) for a in steps for b in steps for c in steps if a or b or c]) * part.half
-    return x @ part.axes.T + part.center
+    return apply(part.axes, x) + part.center
 
 
 class RigidColliders:
@@ -77,11 +78,11 @@ def _solid(collider) -> Part | None:
         return Part(BOX, (high - low) / 2, 0.0, (high + low) / 2, eye)
     if collider.name == "capsule":
         a, b = np.array(v["a"], float), np.array(v["b"], float)
-        length = float(np.linalg.norm(b - a))
+        length = float(norm(b - a))
         along = (b - a) / length if length > 0 else np.array([0.0, 1.0, 0.0])
-        side = np.cross(along, np.eye(3)[np.abs(along).argmin()])
-        side /= np.linalg.norm(side)
-        axes = np.stack([side, along, np.cross(side, along)], 1)
+        side = cross(along, np.eye(3)[np.abs(along).argmin()])
+        side /= norm(side)
+        axes = np.stack([side, along, cross(side, along)], 1)
         return Part(CAPSULE, np.array([0, length / 2, 0]), v["radius"], (a + b) / 2, axes)
     return None
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from gen_art.interactions.rigid.box_contacts import contacts_between_boxes
 from gen_art.interactions.rigid.shapes import BALL, BOX
+from gen_art.interactions.rigid.small_matrices import apply, apply_transposed, dot, norm
 
 __all__ = ["MAX_FEATURES", "ContactPoints", "Shapes", "detect_contacts", "near_pairs"]
 
@@ -57,7 +58,7 @@ class ContactPoints:
 
 def near_pairs(shapes: Shapes, margin: np.ndarray, movable: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of shapes of different bodies whose bounding boxes, widened by margin (s,), m, overlap; at least one is movable."""
-    extent = np.einsum("sij,sj->si", np.abs(shapes.axes), shapes.half) + (shapes.radius + margin)[:, None]
+    extent = apply(np.abs(shapes.axes), shapes.half) + (shapes.radius + margin)[:, None]
     low, high = shapes.center - extent, shapes.center + extent
     order = np.argsort(low[:, 0], kind="stable")
     many = np.searchsorted(low[order, 0], high[order, 0], "right") - np.arange(len(order)) - 1
@@ -126,24 +127,24 @@ def _rounded_contacts(s: Shapes, i, j, most, pair, with_box: bool):
 
 def _direction(d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Unit vectors and lengths of vectors d (m, 3); straight up where the length is 0."""
-    length = np.sqrt((d * d).sum(1))
+    length = norm(d)
     flat = length > 1e-12
     return np.where(flat[:, None], d / np.where(flat, length, 1.0)[:, None], np.array([0.0, 1.0, 0.0])), length
 
 
 def _nearest_on_segment(d: np.ndarray, arm: np.ndarray) -> np.ndarray:
     """The parameter, -1 to 1, of the point of the segment from -arm to arm that is nearest to d."""
-    square = (arm * arm).sum(1)
-    return np.clip((d * arm).sum(1) / np.where(square > 0, square, 1.0), -1, 1)
+    square = dot(arm, arm)
+    return np.clip(dot(d, arm) / np.where(square > 0, square, 1.0), -1, 1)
 
 
 def _between_segments(c, u, d, v):
     """The parameters a, b, -1 to 1, at which c + a u and d + b v are nearest to each other."""
     w = c - d
-    uu, vv, uv = (u * u).sum(1), (v * v).sum(1), (u * v).sum(1)
+    uu, vv, uv = dot(u, u), dot(v, v), dot(u, v)
     det = uu * vv - uv * uv
     flat = det > 1e-12 * uu * vv
-    a = np.where(flat, (uv * (w * v).sum(1) - vv * (w * u).sum(1)) / np.where(flat, det, 1.0), 0.0)
+    a = np.where(flat, (uv * dot(w, v) - vv * dot(w, u)) / np.where(flat, det, 1.0), 0.0)
     b = _nearest_on_segment(w + np.clip(a, -1, 1)[:, None] * u, v)
     a = _nearest_on_segment(d + b[:, None] * v - c, u)
     return a, _nearest_on_segment(c + a[:, None] * u - d, v)
@@ -151,28 +152,28 @@ def _between_segments(c, u, d, v):
 
 def _to_box(s: Shapes, j, p):
     """(normal out of the box, distance) of points p."""
-    x = np.einsum("mji,mj->mi", s.axes[j], p - s.center[j])
+    x = apply_transposed(s.axes[j], p - s.center[j])
     q = np.abs(x) - s.half[j]
     out = np.maximum(q, 0)
-    length = np.sqrt((out * out).sum(1))
+    length = norm(out)
     inside = length <= 1e-12
     face = np.zeros_like(x)
     face[np.arange(len(x)), q.argmax(1)] = 1.0
     n = np.where(inside[:, None], face, out / np.where(inside, 1.0, length)[:, None]) * np.where(x < 0, -1.0, 1.0)
     distance = np.where(inside, q.max(1), length)
-    n = np.einsum("mij,mj->mi", s.axes[j], n)
+    n = apply(s.axes[j], n)
     return n, distance
 
 
 def _nearest_to_box(s: Shapes, j, c, arm):
     """The parameter, -1 to 1, of the point of c + t arm nearest to the box, or deepest inside; the distance is convex in t."""
     low, high = np.full(len(c), -1.0), np.full(len(c), 1.0)
-    x, u = (np.einsum("mji,mj->mi", s.axes[j], w) for w in (c - s.center[j], arm))
+    x, u = (apply_transposed(s.axes[j], w) for w in (c - s.center[j], arm))
 
     def distance(t):
         q = np.abs(x + t[:, None] * u) - s.half[j]
         out = np.maximum(q, 0)
-        return np.sqrt((out * out).sum(1)) + np.minimum(q.max(1), 0)
+        return norm(out) + np.minimum(q.max(1), 0)
 
     if not u.any():
         return 0.5 * (low + high)

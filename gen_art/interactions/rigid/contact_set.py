@@ -7,6 +7,7 @@ from gen_art.interactions.rigid.body import STATIC
 from gen_art.interactions.rigid.collider_contacts import RigidColliders, probe_points
 from gen_art.interactions.rigid.collision_detection import MAX_FEATURES, Shapes, detect_contacts
 from gen_art.interactions.rigid.contact_solver import ContactSolver
+from gen_art.interactions.rigid.small_matrices import apply, compose, dot, norm
 
 __all__ = ["ContactSet"]
 
@@ -39,7 +40,7 @@ class ContactSet:
         self._probe_shape = np.repeat(np.array(moving, int), [len(p) for p in points])
         self._probes = np.concatenate(points) if points else np.zeros((0, 3))
         # farthest point of each shape from its body's origin
-        self._extent = np.array([np.linalg.norm(p.center) + np.linalg.norm(p.half) + p.radius for _, p in shapes])
+        self._extent = np.array([norm(p.center) + norm(p.half) + p.radius for _, p in shapes])
         # restitution, kinetic and static friction: first between two bodies, then with each collider
         between_bodies = np.array([[values["restitution"], *values["friction"]]])
         with_colliders = np.column_stack([self.colliders.restitution, self.colliders.friction])
@@ -57,8 +58,8 @@ class ContactSet:
     def _shapes(self, time: float) -> Shapes:
         world, bodies = self.world, len(self.world.members)
         b = np.minimum(self._body, bodies - 1)
-        center = world.x[b] + np.einsum("sij,sj->si", world.R[b], self._center)
-        axes = np.einsum("sij,sjk->sik", world.R[b], self._axes)
+        center = world.x[b] + apply(world.R[b], self._center)
+        axes = compose(world.R[b], self._axes)
         fixed = np.flatnonzero(self._body >= bodies)
         if len(fixed):
             center[fixed] = self._center[fixed] + self.colliders.velocity[self._body[fixed] - bodies] * time
@@ -69,20 +70,20 @@ class ContactSet:
         """(s,) m, the distance from each shape within which another can touch it in the next step."""
         bodies = len(self.world.members)
         b = np.minimum(self._body, bodies - 1)
-        speed = np.sqrt((self.world.v[b] ** 2).sum(1)) + np.sqrt((self.world.w[b] ** 2).sum(1)) * self._extent
+        speed = norm(self.world.v[b]) + norm(self.world.w[b]) * self._extent
         margin = _SPEED_MARGIN * self.dt * speed + _SIZE_MARGIN * self._size
         fixed = self._body >= bodies
-        margin[fixed] = self.dt * np.sqrt((self.colliders.velocity[self._body[fixed] - bodies] ** 2).sum(1))
+        margin[fixed] = self.dt * norm(self.colliders.velocity[self._body[fixed] - bodies])
         return margin
 
     def _probe_contacts(self, time: float, margin: np.ndarray):
         """Contacts with the colliders that are no shapes: probe point (k,), surface (k,), position (k, 3), normal, gap (k,)."""
         shape = self._probe_shape
         body = self._body[shape]
-        points = self.world.x[body] + np.einsum("pij,pj->pi", self.world.R[body], self._probes)
+        points = self.world.x[body] + apply(self.world.R[body], self._probes)
         distance, normals = self.colliders.distances(points, time)
         gap = distance - self._radius[shape][:, None]
-        fastest = self.dt * np.sqrt((self.colliders.velocity**2).sum(1)).max(initial=0.0)
+        fastest = self.dt * norm(self.colliders.velocity).max(initial=0.0)
         p, s = np.nonzero(gap < (margin[shape] + fastest)[:, None])
         g, n = gap[p, s], normals[p, s]
         return p, s, points[p] - (self._radius[shape[p]] + 0.5 * g)[:, None] * n, n, g
@@ -144,7 +145,7 @@ class ContactSet:
         out: dict[str, tuple[np.ndarray, float]] = {}
         for c in np.unique(self.collider[self.collider >= 0]):
             total = given[self.collider == c].sum(0)
-            out[self.colliders.names[c]] = (total, float((total * self.colliders.velocity[c]).sum()))
+            out[self.colliders.names[c]] = (total, float(dot(total, self.colliders.velocity[c])))
         return out
 
     def _last_forces(self) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 
 from gen_art.interactions.rigid import contact_columns as col
 from gen_art.interactions.rigid.body_kernels import contact_kernel
-from gen_art.interactions.rigid.quaternions import cross
+from gen_art.interactions.rigid.small_matrices import apply, apply_transposed, cross, dot, norm
 
 __all__ = ["ContactSolver"]
 
@@ -42,7 +42,7 @@ class ContactSolver:
         axis = np.zeros((k, 3))
         axis[np.arange(k), np.abs(n).argmin(1)] = 1.0
         tangent = cross(n, axis)
-        tangent /= np.sqrt((tangent * tangent).sum(1))[:, None]
+        tangent /= norm(tangent)[:, None]
         self._frame = np.stack([n, tangent, cross(n, tangent)], 1)
         first, second = contacts.first, contacts.second
         self._a, self._b = np.maximum(first, 0), np.maximum(second, 0)
@@ -70,11 +70,11 @@ class ContactSolver:
         was, now = self._contact_velocities(v, w), self._contact_velocities(world.v, world.w)
         self._before = was[0] - was[1] - self._surface_velocity
         self._after = now[0] - now[1] - self._surface_velocity
-        w0, w1 = (self._before * n).sum(1), (self._after * n).sum(1)
+        w0, w1 = dot(self._before, n), dot(self._after, n)
         restitution, kinetic, static = contacts.materials[contacts.collider + 1].T
         steps_per_kick = stage.dt / stage.kick
         # summed over both bodies: the same force may press both against a third body
-        pressing = steps_per_kick * sum(np.abs(((b - a) * n).sum(1)) for a, b in zip(was, now))
+        pressing = steps_per_kick * sum(np.abs(dot(b - a, n)) for a, b in zip(was, now))
         fast = (-restitution * w0 > pressing) & (w0 < 0)
         span = stage.drift if stage.drift > 0 else stage.dt
         self._inelastic = -np.maximum(contacts.gap, 0.0) / span
@@ -82,7 +82,7 @@ class ContactSolver:
         if stage.drift > 0:
             self.bounces = fast & (contacts.gap + span * w1 < 0)
             self._find_lone_impacts(w1, stage)
-            w0 = (self._before * n).sum(1)
+            w0 = dot(self._before, n)
             self._elastic = np.where(self.bounces, w1 - (1 + restitution) * w0, self._inelastic)
         else:
             self.bounces = fast
@@ -90,8 +90,8 @@ class ContactSolver:
             self._inelastic = np.where(fast, col.NO_TARGET, self._inelastic)
             self._elastic = self._inelastic
         slide = self._before - w0[:, None] * n
-        change = steps_per_kick * sum(np.sqrt(((b - a) ** 2).sum(1)) for a, b in zip(was, now))
-        self._friction = np.where((slide * slide).sum(1) <= change**2, static, kinetic)
+        change = steps_per_kick * sum(norm(b - a) for a, b in zip(was, now))
+        self._friction = np.where(dot(slide, slide) <= change**2, static, kinetic)
 
     def _find_lone_impacts(self, w1: np.ndarray, stage) -> None:
         """Find the time of impact of balls that touch nothing but one collider, and their speed at that time.
@@ -126,10 +126,10 @@ class ContactSolver:
         world = self._world
         C = self._contact_array(target)
         C[:, col.FRICTION], C[:, _IMPULSE] = self._friction, start
-        C[:, _SURFACE_SPEED] = (self._frame * self._surface_velocity[:, None]).sum(2)
+        C[:, _SURFACE_SPEED] = apply(self._frame, self._surface_velocity)
         V = self._sweep(C, np.concatenate([world.v, world.w], 1))
         change = self._relative_velocity(V[:, :3], V[:, 3:]) - self._after
-        return C[:, _IMPULSE], (self._frame * change[:, None]).sum(2)
+        return C[:, _IMPULSE], apply(self._frame, change)
 
     def _contact_array(self, target: np.ndarray) -> np.ndarray:
         C = np.zeros((len(target), col.CONTACT_COLUMNS))
@@ -166,7 +166,7 @@ class ContactSolver:
         if self._elastic is self._inelastic or not self.bounces.any():
             return full
         # impulses P gain the energy sum P (before + change / 2), a quadratic on the line from the inelastic ones to `full`
-        before = (self._frame * self._before[:, None]).sum(2)
+        before = apply(self._frame, self._before)
         gained = (full * (before + 0.5 * full_change)).sum()
         if gained <= 0:
             return full
@@ -183,7 +183,7 @@ class ContactSolver:
 
     def apply(self, impulses: np.ndarray) -> np.ndarray:
         """Apply the impulses to the bodies. Returns the impulse on the first body of each pair, (k, 3), N s, in world axes."""
-        given = (self._frame * impulses[:, :, None]).sum(1)
+        given = apply_transposed(self._frame, impulses)
         P, L = np.zeros_like(self._world.v), np.zeros_like(self._world.v)
         sides = ((self._a, self._has_a, self._arm_a, 1.0), (self._b, self._has_b, self._arm_b, -1.0))
         for body, has_body, arm, sign in sides:

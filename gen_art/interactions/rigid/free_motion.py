@@ -15,6 +15,7 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.interactions.rigid.body import AXLED, STATIC
+from gen_art.interactions.rigid.small_matrices import dot
 from gen_art.maths.elementary import cos, sin
 
 __all__ = ["MAX_ANGLE", "inverse_inertia", "rotation_kernel", "splitting_table"]
@@ -41,7 +42,7 @@ def inverse_inertia(inertia: np.ndarray, constraint: np.ndarray, axle: np.ndarra
     out = np.zeros((len(inertia), 3, 3))
     for k in range(3):
         out[:, k, k] = 1 / inertia[:, k]
-    about_axle = np.einsum("bi,bj->bij", axle, axle) / (inertia * axle * axle).sum(1)[:, None, None]
+    about_axle = axle[:, :, None] * axle[:, None, :] / dot(inertia * axle, axle)[:, None, None]
     out = np.where((constraint == AXLED)[:, None, None], about_axle, out)
     out[constraint == STATIC] = 0.0
     return out
@@ -63,7 +64,7 @@ def splitting_table(inertia: np.ndarray, constraint: np.ndarray, axle: np.ndarra
         row[_SPHERICAL] = 1.0 if moments[high] - moments[low] <= 1e-12 * moments[high] else 0.0
         if kind == AXLED:
             row[:] = 0
-            row[_FIRST_AXIS], row[_INVERSE_MOMENT] = _ON_AXLE, 1 / (moments * direction * direction).sum()
+            row[_FIRST_AXIS], row[_INVERSE_MOMENT] = _ON_AXLE, 1 / float(dot(moments * direction, direction))
         if kind == STATIC:
             row[_FIRST_AXIS] = _STATIC
     return table

@@ -6,6 +6,7 @@ from gen_art import arguments
 from gen_art.errors import UsageError
 from gen_art.interactions.rigid.body import STATIC, Body
 from gen_art.interactions.rigid.quaternions import matrices
+from gen_art.interactions.rigid.small_matrices import apply, cross
 
 __all__ = ["ATTRIBUTES", "Group"]
 
@@ -28,14 +29,14 @@ class Group:
         if not self.members:
             raise UsageError("bodies must be a list of at least one ga.body(...)")
         rotations = [matrices(b.attitude) for b in self.members]
-        arms = [b.local @ R.T for b, R in zip(self.members, rotations)]
+        arms = [apply(R, b.local) for b, R in zip(self.members, rotations)]
         self.position = np.concatenate([b.place + arm for b, arm in zip(self.members, arms)])
-        self.velocity = np.concatenate([b.velocity + np.cross(b.spin, arm) for b, arm in zip(self.members, arms)])
+        self.velocity = np.concatenate([b.velocity + cross(b.spin, arm) for b, arm in zip(self.members, arms)])
         self.mass = np.concatenate([b.masses for b in self.members])
         self.radius = np.concatenate([b.radii for b in self.members])
         self.fixed = self._each([b.constraint == STATIC for b in self.members])
         area = np.concatenate([b.areas for b in self.members])
-        normal = np.concatenate([b.normals @ R.T for b, R in zip(self.members, rotations)])
+        normal = np.concatenate([apply(R, b.normals) for b, R in zip(self.members, rotations)])
         shade, tint = np.zeros(len(area)), self._each([b.tint for b in self.members])
         self.attributes = dict(zip(ATTRIBUTES, (area, *normal.T, shade, tint)))
 

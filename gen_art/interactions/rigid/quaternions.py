@@ -1,40 +1,35 @@
 """Rotations of many bodies at once, in NumPy: unit quaternions (w, x, y, z) and their rotation matrices.
 
-Sums are written out or use einsum without BLAS, so that their order, and the bits, never depend on the number of threads.
+Sums are written out, so that their order, and the bits, never depend on the processor.
 """
 
 import numpy as np
 
-__all__ = ["cross", "matrices", "product", "quaternion", "rotation"]
+from gen_art.interactions.rigid.small_matrices import cross, dot
+from gen_art.maths.array_functions import cos, sin
+
+__all__ = ["matrices", "product", "quaternion", "rotation"]
 
 
 def rotation(vectors: np.ndarray) -> np.ndarray:
     """Quaternions (..., 4) of the rotation vectors (..., 3), axis times angle, rad."""
     v = np.asarray(vectors, float)
-    square = (v * v).sum(-1, keepdims=True)
+    square = dot(v, v)[..., None]
     half = 0.5 * np.sqrt(square)
     small = half < 1e-4
-    factor = np.where(small, 0.5 - square / 48, np.sin(half) / np.where(small, 1.0, 2 * half))
-    return np.concatenate([np.cos(half), factor * v], -1)
+    factor = np.where(small, 0.5 - square / 48, sin(half) / np.where(small, 1.0, 2 * half))
+    return np.concatenate([cos(half), factor * v], -1)
 
 
 def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """The rotation q followed by p, as a unit quaternion (..., 4)."""
     a, u, b, v = p[..., :1], p[..., 1:], q[..., :1], q[..., 1:]
-    result = np.concatenate([a * b - (u * v).sum(-1, keepdims=True), a * v + b * u + cross(u, v)], -1)
-    return result / np.sqrt((result * result).sum(-1, keepdims=True))
+    result = np.concatenate([a * b - dot(u, v)[..., None], a * v + b * u + cross(u, v)], -1)
+    return result / np.sqrt(_square(result))[..., None]
 
 
-def cross(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """The cross product along the last axis."""
-    return np.stack(
-        [
-            u[..., 1] * v[..., 2] - u[..., 2] * v[..., 1],
-            u[..., 2] * v[..., 0] - u[..., 0] * v[..., 2],
-            u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0],
-        ],
-        -1,
-    )
+def _square(q: np.ndarray) -> np.ndarray:
+    return q[..., 0] * q[..., 0] + q[..., 1] * q[..., 1] + q[..., 2] * q[..., 2] + q[..., 3] * q[..., 3]
 
 
 def matrices(q: np.ndarray) -> np.ndarray:
@@ -63,4 +58,4 @@ def quaternion(matrix: np.ndarray) -> np.ndarray:
         q[0] = m[l, j] - m[j, l]
         q[1 + i] = 1 + m[i, i] - m[j, j] - m[l, l]
         q[1 + j], q[1 + l] = m[i, j] + m[j, i], m[i, l] + m[l, i]
-    return q / np.linalg.norm(q)
+    return q / np.sqrt(_square(q))

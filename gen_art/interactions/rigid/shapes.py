@@ -11,6 +11,8 @@ import numpy as np
 from gen_art.arguments import shown
 from gen_art.errors import UsageError
 from gen_art.interactions.rigid.quaternions import matrices, rotation
+from gen_art.interactions.rigid.small_matrices import apply, apply_transposed, compose, norm
+from gen_art.maths.array_functions import cos, sin
 from gen_art.registry import suggest
 
 __all__ = ["BALL", "BOX", "CAPSULE", "Part", "parts_of"]
@@ -65,12 +67,12 @@ class Part:
             along = rod * b * b / 3 + ball * (b * b + b * r * (1 if hollow else 0.75) + r * r / (3 if hollow else 5))
             across = rod * r * r / (2 if hollow else 4) + ball * r * r / (3 if hollow else 5)
             squares = np.array([across, along, across]) / (rod + ball)
-        return self.axes @ np.diag(squares) @ self.axes.T
+        return compose(self.axes * squares, self.axes.T)
 
     def distance(self, x: np.ndarray) -> np.ndarray:
         """Distances (n,), m, of points (n, 3) in the body's frame from the surface; negative inside."""
-        q = np.abs((x - self.center) @ self.axes) - self.half
-        return np.linalg.norm(np.maximum(q, 0), axis=-1) + np.minimum(q.max(-1), 0) - self.radius
+        q = np.abs(apply_transposed(self.axes, x - self.center)) - self.half
+        return norm(np.maximum(q, 0)) + np.minimum(q.max(-1), 0) - self.radius
 
     def points(self, draw: str, spacing: float) -> int:
         """The number of points of `surface` ("cloud") or about that of `wires` ("wire"), before any is made."""
@@ -89,7 +91,7 @@ class Part:
             x, n, area = _faces(self.half, spacing)
         else:
             x, n, area = _rounded(float(self.half[1]), self.radius, spacing)
-        return x @ self.axes.T + self.center, n @ self.axes.T, area
+        return apply(self.axes, x) + self.center, apply(self.axes, n), area
 
     def wires(self, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The same along edges and great circles; their area is 0."""
@@ -97,8 +99,8 @@ class Part:
         n = x - np.clip(x, -self.half, self.half)
         if self.kind == BOX:
             n = np.sign(x) * (np.abs(x) > self.half * (1 - 1e-9))
-        n /= np.maximum(np.linalg.norm(n, axis=1, keepdims=True), 1e-300)
-        return x @ self.axes.T + self.center, n @ self.axes.T, np.zeros(len(x))
+        n /= np.maximum(norm(n)[:, None], 1e-300)
+        return apply(self.axes, x) + self.center, apply(self.axes, n), np.zeros(len(x))
 
     def wire_length(self) -> float:
         """The length, m, of the edges and great circles."""
@@ -172,7 +174,7 @@ def _sphere(count: int) -> np.ndarray:
     k = np.arange(count)
     y = 1 - (2 * k + 1) / count
     s = np.sqrt(1 - y * y)
-    return np.stack([s * np.cos(_GOLDEN * k), y, s * np.sin(_GOLDEN * k)], 1)
+    return np.stack([s * cos(_GOLDEN * k), y, s * sin(_GOLDEN * k)], 1)
 
 
 def _round_counts(b: float, r: float, spacing: float) -> tuple[int, int, int]:
@@ -191,7 +193,7 @@ def _rounded(b: float, r: float, spacing: float):
     if b > 0:
         k = np.arange(rings * around)
         angle = 2 * np.pi * (k % around + 0.5 * (k // around % 2)) / around
-        side = np.stack([np.cos(angle), np.zeros(len(k)), np.sin(angle)], 1)
+        side = np.stack([cos(angle), np.zeros(len(k)), sin(angle)], 1)
         y = b * ((2 * (k // around) + 1) / rings - 1)
         x = np.concatenate([x, r * side + np.outer(y, [0, 1, 0])])
         n = np.concatenate([n, side])
@@ -237,7 +239,7 @@ def _edges(half: np.ndarray, spacing: float) -> np.ndarray:
 def _rings(b: float, r: float, spacing: float) -> np.ndarray:
     count = 4 * max(2, round(math.pi * r / 2 / spacing))
     angle = 2 * np.pi * (np.arange(count) + 0.5) / count
-    c, s, o = r * np.cos(angle), r * np.sin(angle), np.zeros(count)
+    c, s, o = r * cos(angle), r * sin(angle), np.zeros(count)
     shift = np.sign(s) * b
     points = [np.stack([c, s + shift, o], 1), np.stack([o, s + shift, c], 1)]
     for y in (-b, b) if b else (0.0,):

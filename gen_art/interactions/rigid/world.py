@@ -7,7 +7,8 @@ from gen_art.interactions.rigid.body import AXLED, FREE, STATIC, Body
 from gen_art.interactions.rigid.body_kernels import particle_kernels
 from gen_art.interactions.rigid.contact_set import ContactSet
 from gen_art.interactions.rigid.free_motion import MAX_ANGLE, inverse_inertia, rotation_kernel, splitting_table
-from gen_art.interactions.rigid.quaternions import cross, matrices, product, rotation
+from gen_art.interactions.rigid.quaternions import matrices, product, rotation
+from gen_art.interactions.rigid.small_matrices import apply, apply_transposed, compose, cross, dot, norm, transposed
 from gen_art.particles.fixed import fixed_lifetimes
 from gen_art.particles.rows import LIFETIME
 
@@ -36,8 +37,8 @@ class World:
         self.inverse_mass = np.where(self.constraint == FREE, 1 / stack(lambda b: b.mass), 0.0)
         self._body_inverse_inertia = inverse_inertia(self.inertia, self.constraint, self.axle)
         R = matrices(self.q)
-        body_spin = np.einsum("bji,bj->bi", R, stack(lambda b: b.spin))
-        self.L = np.einsum("bij,bj->bi", R, self.inertia * body_spin)
+        body_spin = apply_transposed(R, stack(lambda b: b.spin))
+        self.L = apply(R, self.inertia * body_spin)
         self._all_static = bool((self.constraint == STATIC).all())
         self._splitting = splitting_table(self.inertia, self.constraint, self.axle)
         counts = [len(b.local) for b in members]
@@ -47,7 +48,7 @@ class World:
         rows = system.state.channels
         self._rows = np.array([rows.get(k, -1) for k in ("normal_x", "normal_y", "normal_z", "shade")], np.int32)
         lamp = np.array(values["lamp"], float)
-        self._lamp = lamp / np.linalg.norm(lamp)
+        self._lamp = lamp / norm(lamp)
         self._check(system)
         self._update_derived()
         self.contacts = ContactSet(self, colliders, values, dt)
@@ -72,8 +73,8 @@ class World:
     def _update_derived(self) -> None:
         """Update rotation matrices, inverse inertia and spins from attitudes and angular momenta."""
         self.R = matrices(self.q)
-        self.inverse_inertia = np.einsum("bij,bjk,blk->bil", self.R, self._body_inverse_inertia, self.R)
-        self.w = np.einsum("bij,bj->bi", self.inverse_inertia, self.L)
+        self.inverse_inertia = compose(compose(self.R, self._body_inverse_inertia), transposed(self.R))
+        self.w = apply(self.inverse_inertia, self.L)
 
     @property
     def saved_arrays(self) -> dict[str, np.ndarray]:
@@ -111,7 +112,7 @@ class World:
         """(3, n) m, how far the coming drift moves the particles beside their velocities; or 0."""
         if self.displacement is None:
             return 0.0
-        arm = np.einsum("nij,nj->ni", self.R[self._owner], self._table[:, _POSITION])
+        arm = apply(self.R[self._owner], self._table[:, _POSITION])
         by = self.displacement[self._owner]
         return (by[:, :3] + cross(by[:, 3:], arm)).T
 
@@ -124,8 +125,8 @@ class World:
     def _allowed(self, L: np.ndarray) -> np.ndarray:
         """The part of an angular momentum (b, 3) that the bodies' constraints allow."""
         R = self.R
-        axle = np.einsum("bij,bj->bi", R, self.axle)
-        L = np.where((self.constraint == AXLED)[:, None], axle * (axle * L).sum(1)[:, None], L)
+        axle = apply(R, self.axle)
+        L = np.where((self.constraint == AXLED)[:, None], axle * dot(axle, L)[:, None], L)
         L[self.constraint == STATIC] = 0.0
         return L
 
