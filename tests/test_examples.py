@@ -116,6 +116,11 @@ def test_the_flight_simulator_finds_the_phugoid_and_flies_a_file(capsys, monkeyp
     assert len(capsys.readouterr().out.splitlines()) == 12
 
 
+def test_the_double_pendulum(capsys):
+    runpy.run_path(str(EXAMPLES / "double_pendulum.py"), run_name="__main__")
+    assert "m g l off" in capsys.readouterr().out
+
+
 def test_the_submarine_hovers_dives_and_surfaces():
     log = np.array(runpy.run_path(str(EXAMPLES / "submarine.py"))["dive"](seconds=240.0))
     depth = log[:, 1]

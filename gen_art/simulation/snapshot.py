@@ -164,6 +164,10 @@ def _medium(medium: Medium) -> dict:
     return {"density": medium.density, "terms": [_as_dict(t) for t in medium.terms]}
 
 
+def _is_medium(value) -> bool:
+    return isinstance(value, dict) and set(value) == {"density", "terms"}
+
+
 def _definition(system: ParticleSystem) -> dict:
     if system.emitters:
         raise UsageError("a system with emitters made in Python cannot be saved: describe it as a preset")
@@ -190,7 +194,7 @@ def _build(definition: dict) -> ParticleSystem:
         return Medium(entry["density"], field=[build(FORCES, t) for t in entry["terms"]])
 
     def build(registry, entry):
-        values = {k: medium(v) if isinstance(v, dict) else v for k, v in entry["values"].items()}
+        values = {k: medium(v) if _is_medium(v) else v for k, v in entry["values"].items()}
         return registry[entry["name"]](**values)
 
     empty = np.zeros((0, 3))

@@ -66,6 +66,11 @@ class Body:
     name: str = ""
     offset: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
+    @property
+    def reach(self) -> float:
+        """A distance, m, from the origin that no point of the body is beyond."""
+        return max(float(norm(part.center) + norm(part.half) + part.radius) for part in self.parts)
+
 
 def body(
     shape: Mapping[str, Any] | Sequence[Mapping[str, Any]], *, mass: float | None = None, density: float = 1000.0,

@@ -12,7 +12,7 @@ from gen_art.interactions.rigid.box_contacts import contacts_between_boxes
 from gen_art.interactions.rigid.shapes import BALL, BOX
 from gen_art.interactions.rigid.small_matrices import apply, apply_transposed, dot, norm
 
-__all__ = ["MAX_FEATURES", "ContactPoints", "Shapes", "detect_contacts", "near_pairs"]
+__all__ = ["MAX_FEATURES", "ContactPoints", "Shapes", "detect_contacts", "near_pairs", "pair_key"]
 
 MAX_FEATURES = 512  # a contact's key is its pair of shapes times this, plus the number of its feature
 _TERNARY_STEPS = 48  # of the search along a segment: each keeps two thirds, so 4e-9 of the segment is left
@@ -56,8 +56,18 @@ class ContactPoints:
     key: np.ndarray
 
 
-def near_pairs(shapes: Shapes, margin: np.ndarray, movable: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of shapes of different bodies whose bounding boxes, widened by margin (s,), m, overlap; at least one is movable."""
+def pair_key(one, other):
+    """A number for a pair of bodies, whatever their order."""
+    return np.minimum(one, other) * 2**31 + np.maximum(one, other)
+
+
+def near_pairs(
+    shapes: Shapes, margin: np.ndarray, movable: np.ndarray, joined: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of shapes of different bodies whose bounding boxes, widened by margin (s,), m, overlap; at least one is movable.
+
+    joined : pairs of bodies that are left out, as of pair_key
+    """
     extent = apply(np.abs(shapes.axes), shapes.half) + (shapes.radius + margin)[:, None]
     low, high = shapes.center - extent, shapes.center + extent
     order = np.argsort(low[:, 0], kind="stable")
@@ -69,15 +79,23 @@ def near_pairs(shapes: Shapes, margin: np.ndarray, movable: np.ndarray) -> tuple
     for axis in (1, 2):
         keep &= (low[i, axis] <= high[j, axis]) & (low[j, axis] <= high[i, axis])
     i, j = i[keep], j[keep]
+    if len(joined):
+        apart = ~np.isin(pair_key(shapes.body[i], shapes.body[j]), joined)
+        i, j = i[apart], j[apart]
     swap = (shapes.kind[i] > shapes.kind[j]) | ((shapes.kind[i] == shapes.kind[j]) & (i > j))
     i, j = np.where(swap, j, i), np.where(swap, i, j)
     order = np.lexsort((j, i))
     return i[order], j[order]
 
 
-def detect_contacts(shapes: Shapes, margin: np.ndarray, movable: np.ndarray) -> ContactPoints:
+_NONE = np.zeros(0, np.int64)
+
+
+def detect_contacts(
+    shapes: Shapes, margin: np.ndarray, movable: np.ndarray, joined: np.ndarray = _NONE
+) -> ContactPoints:
     """Every contact whose gap is below the sum of the two shapes' margins (s,), m, in the order of the shapes."""
-    i, j = near_pairs(shapes, margin, movable)
+    i, j = near_pairs(shapes, margin, movable, joined)
     s, most = shapes, margin[i] + margin[j]
     found = []
     box_i, box_j = s.kind[i] == BOX, s.kind[j] == BOX  # in a pair the box comes last

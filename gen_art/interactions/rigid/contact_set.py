@@ -5,7 +5,7 @@ import numpy as np
 from gen_art.errors import UsageError
 from gen_art.interactions.rigid.body import STATIC
 from gen_art.interactions.rigid.collider_contacts import RigidColliders, probe_points
-from gen_art.interactions.rigid.collision_detection import MAX_FEATURES, Shapes, detect_contacts
+from gen_art.interactions.rigid.collision_detection import MAX_FEATURES, Shapes, detect_contacts, pair_key
 from gen_art.interactions.rigid.contact_solver import ContactSolver
 from gen_art.interactions.rigid.small_matrices import apply, compose, dot, norm
 
@@ -45,6 +45,9 @@ class ContactSet:
         between_bodies = np.array([[values["restitution"], *values["friction"]]])
         with_colliders = np.column_stack([self.colliders.restitution, self.colliders.friction])
         self.materials = np.concatenate([between_bodies, with_colliders])
+        # pairs of bodies that a joint joins, which do not collide with each other
+        pairs = world.joints.pairs if world.joints else ()
+        self._joined = np.array(sorted(pair_key(one, other) for one, other in pairs), np.int64)
         self._keys = np.zeros(0, np.int64)
         self._forces = np.zeros((0, 3))
 
@@ -91,7 +94,7 @@ class ContactSet:
     def detect(self, time: float) -> None:
         """Find the contacts at the bodies' present positions, at `time`, s."""
         bodies, margin = len(self.world.members), self._margins()
-        found = detect_contacts(self._shapes(time), margin, self._movable)
+        found = detect_contacts(self._shapes(time), margin, self._movable, self._joined)
         p, s, point, normal, gap = self._probe_contacts(time, margin)
         first, second = self._body[found.first], self._body[found.second]
         shape = self._probe_shape[p]

@@ -17,6 +17,7 @@ __all__ = ["ContactSolver"]
 _OVERLAP = 5e-3  # relative to the smaller body's size: overlaps up to this are not corrected
 _CORRECTION = 0.1  # the part of a deeper overlap's excess that one step removes
 _TOLERANCE = 1e-8  # relative to the largest speed: the sweeps end when they change no speed by more
+_PAIRS_BETWEEN_JOINTS = 8  # pairs of sweeps over the contacts before the joints pass their impulses on
 
 # columns of C as slices
 _ARM_A = slice(col.ARM_A, col.ARM_A + 3)
@@ -94,7 +95,7 @@ class ContactSolver:
         self._friction = np.where(dot(slide, slide) <= change**2, static, kinetic)
 
     def _find_lone_impacts(self, w1: np.ndarray, stage) -> None:
-        """Find the time of impact of balls that touch nothing but one collider, and their speed at that time.
+        """Find the time of impact of balls without joints that touch nothing but one collider, and their speed at that time.
 
         All other bodies bounce where they are: other shapes rotate before they arrive, and an eccentric impact spins them.
 
@@ -107,6 +108,8 @@ class ContactSolver:
         alone = touched[np.maximum(first, second)] == 1
         levers = sum(np.abs(cross(arm, contacts.normal)).max(1) for arm in (self._arm_a, self._arm_b))
         central = levers <= 1e-9 * contacts.sizes
+        if self._world.joints is not None:
+            alone &= ~self._world.joints.jointed[np.maximum(first, second)]
         self._lone = self.bounces & alone & central & (contacts.collider >= 0) & (contacts.gap > 0)
         self._wait[self._lone] = -contacts.gap[self._lone] / w1[self._lone]
         self._before += (self._wait / stage.kick)[:, None] * (self._after - self._before)
@@ -137,8 +140,11 @@ class ContactSolver:
         C[:, _FRAME], C[:, col.TARGET_SPEED] = self._frame.reshape(-1, 9), target
         return C
 
-    def _sweep(self, C: np.ndarray, start: np.ndarray) -> np.ndarray:
-        """Velocities and spins (b, 6) after the contacts C have acted on those of `start`; the impulses are left in C."""
+    def _sweep(self, C: np.ndarray, start: np.ndarray, place_only: bool = False) -> np.ndarray:
+        """Velocities and spins (b, 6) after the contacts C have acted on those of `start`; the impulses are left in C.
+
+        place_only : they are displacements
+        """
         contacts, world, bodies = self._contacts, self._world, len(start)
         V, B = np.zeros((bodies + 1, col.VELOCITY_COLUMNS)), np.zeros((bodies + 1, col.BODY_COLUMNS))
         V[:bodies], B[:bodies, col.INVERSE_MASS] = start, world.inverse_mass
@@ -147,7 +153,19 @@ class ContactSolver:
         target = C[:, col.TARGET_SPEED]
         fastest = float(max(np.abs(V).max(), np.abs(target).max(where=target > 0.1 * col.NO_TARGET, initial=0)))
         D, M = np.zeros((len(C), col.DIRECTION_COLUMNS)), np.zeros((len(C), col.SCRATCH_COLUMNS))
-        contact_kernel()(B, V, first, second, C, D, M, contacts.iterations, _TOLERANCE * fastest + 1e-300)
+        tolerance = _TOLERANCE * fastest + 1e-300
+        if world.joints is None:
+            contact_kernel()(B, V, first, second, C, D, M, contacts.iterations, tolerance)
+            return V[:bodies]
+        joined, x = V.copy(), None  # with what the joints have passed on
+        for _ in range(contacts.iterations):
+            V = joined.copy()
+            contact_kernel()(B, V, first, second, C, D, M, _PAIRS_BETWEEN_JOINTS, tolerance)
+            change, x = world.joints.project(V[:bodies], x, place_only)
+            joined[:bodies] += change
+            V[:bodies] += change
+            if np.abs(change).max() <= tolerance:
+                break
         return V[:bodies]
 
     def overlap_correction(self) -> np.ndarray | None:
@@ -157,7 +175,7 @@ class ContactSolver:
         if not deep.any():
             return None
         C = self._contact_array(_CORRECTION * deep - np.maximum(contacts.gap, 0.0))
-        return self._sweep(C, np.zeros((len(self._world.v), 6)))
+        return self._sweep(C, np.zeros((len(self._world.v), 6)), place_only=True)
 
     def impulses(self, start: np.ndarray) -> np.ndarray:
         """The impulses of the contacts, found from the guess `start`."""

@@ -47,18 +47,30 @@ class Rigid(Interaction):
     iterations : largest number of pairs of sweeps over the contacts in a half step
     lamp : the direction that the attribute `shade`, 0 to 1, is lit from
     bodies : those that the system's `body` emitters lay; in Python ga.bodies(...).system(...)
+    joints : by name, one of
+        {ball: [a, b], at: [x, y, z]}, a common point
+        {hinge: [a, b], at, axis}, a common axis; {slider: [a, b], at, axis}, which moves along an axis without turning
+        {weld: [a, b], at}, no motion; {distance: [a, b], at: [point of a, point of b]}, a constant distance
+        a and b are names of bodies, or `world` for b; at, m, and axis are in world coordinates at the start
+        `range: [low, high]` of a hinge in degrees, -180 to 180, of a slider in m, both from the start; of a distance in m
+        `motor: {speed: rad/s, torque: N m}` of a hinge, `{speed: m/s, force: N}` of a slider, of a against b; without torque or
+        force the speed is kept whatever it takes
+    Joints are kept to rounding, g(x) = 0 at the end of each step, with impulses along dg/dx (RATTLE): symplectic, order 2.
+    A bound of a range stops without a bounce. Joined bodies do not collide with each other.
     Colliders of the system act on the shapes, with their own restitution and friction; their action must be to bounce.
     Torque-free rotation has order 4 and keeps L exactly; with leapfrog, contacts and constant forces have order 2. Impulses are
     exchanged at the speeds of the moment, so that a bounce never gains energy; it comes early by up to a step, but at the right
     time where a ball touches only one collider.
     Needs leapfrog, velocity_verlet or semi_implicit_euler. Contacts are dissipative; reciprocal except for bodies that are held.
-    Sources: Catto (2005) for sequential impulses; Andersen (1983) for the velocities at the end of a step (RATTLE).
+    Sources: Catto (2005) for sequential impulses; Andersen (1983) for joints and for the velocities at the
+    end of a step (RATTLE).
     """
 
     restitution: float = param(0.3, min=0, max=1)
     friction: tuple = param((0.5, 0.5), kind="range", min=0, doc="kinetic..static, if they differ")
     iterations: int = param(80, min=1, max=100_000)
     lamp: tuple = param((-0.5, 0.75, 0.45), doc="direction towards the lamp of `shade`")
+    joints: object = param(None, doc="by name; bodies are named as their emitters")
     bodies: object = param(None, doc="arguments of ga.body, in Python; those that emitters lay when left out")
 
     implicit = True

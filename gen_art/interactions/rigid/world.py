@@ -7,6 +7,8 @@ from gen_art.interactions.rigid.body import AXLED, FREE, STATIC, Body
 from gen_art.interactions.rigid.body_kernels import particle_kernels
 from gen_art.interactions.rigid.contact_set import ContactSet
 from gen_art.interactions.rigid.free_motion import MAX_ANGLE, inverse_inertia, rotation_kernel, splitting_table
+from gen_art.interactions.rigid.joint import joints_of
+from gen_art.interactions.rigid.joint_solver import JointSet
 from gen_art.interactions.rigid.quaternions import matrices, product, rotation
 from gen_art.interactions.rigid.small_matrices import apply, apply_transposed, compose, cross, dot, norm, transposed
 from gen_art.particles.fixed import fixed_lifetimes
@@ -51,6 +53,9 @@ class World:
         self._lamp = lamp / norm(lamp)
         self._check(system)
         self._update_derived()
+        self.joints: JointSet | None = None
+        if values["joints"]:
+            self.joints = JointSet(joints_of(values["joints"], members), self, system.name)
         self.contacts = ContactSet(self, colliders, values, dt)
         self.displacement: np.ndarray | None = None
         self.collider_impulses: dict[str, tuple[np.ndarray, float]] = {}
@@ -104,9 +109,34 @@ class World:
         self.v = v + gained[:, :3] * self.inverse_mass[:, None]
         self.L = self._allowed(self.L + gained[:, 3:])
         self._update_derived()
-        self.collider_impulses = self.contacts.solve(v, w, stage)
+        if self.joints is None:
+            self.collider_impulses = self.contacts.solve(v, w, stage)
+        else:
+            self.collider_impulses = self._solve_with_joints(v, w, stage)
         if stage.with_ledger or not stage.drift:
             self._write_particles(state, False)
+
+    def _solve_with_joints(self, v: np.ndarray, w: np.ndarray, stage) -> dict[str, tuple[np.ndarray, float]]:
+        """Impulses of contacts, which joints pass on, then those of the joints; entries of the ledger by name."""
+        joints = self.joints
+        assert joints is not None
+        joints.prepare(stage)
+        entries = self.contacts.solve(v, w, stage)
+        joints.solve(stage, np.concatenate([v, w], 1))
+        return {**entries, **joints.entries}
+
+    def moved(self, h: float) -> tuple[np.ndarray, np.ndarray]:
+        """Places (b, 3) and rotation matrices (b, 3, 3) after a drift of h, s, with the present velocities."""
+        x, q = self._moved(h)
+        return x, matrices(q)
+
+    def _moved(self, h: float) -> tuple[np.ndarray, np.ndarray]:
+        """Places and attitudes (b, 4) after a drift of h, s."""
+        x, q = self.x + h * self.v, self.q.copy()
+        if self.displacement is not None:
+            x, q = x + self.displacement[:, :3], product(rotation(self.displacement[:, 3:]), q)
+        rotation_kernel()(q, self.L, self._splitting, self.axle, h, MAX_ANGLE)
+        return x, q
 
     def particle_displacement(self) -> np.ndarray | float:
         """(3, n) m, how far the coming drift moves the particles beside their velocities; or 0."""
@@ -118,14 +148,23 @@ class World:
 
     def apply_impulse(self, P: np.ndarray, L: np.ndarray) -> None:
         """Apply impulses (b, 3), N s, and angular impulses (b, 3), N m s, about the origins."""
-        self.v = self.v + P * self.inverse_mass[:, None]
-        self.L = self._allowed(self.L + L)
-        self._update_derived()
+        self.set_motion(self.v, self.L, np.concatenate([P, L], 1))
+
+    def set_motion(self, v: np.ndarray, L: np.ndarray, P: np.ndarray, only_to_drift: bool = False) -> None:
+        """Set velocities and angular momenta to v and L, (b, 3), changed by impulses and angular impulses P (b, 6).
+
+        only_to_drift : leave the spins as they are; a drift does not need them
+        """
+        self.v = v + P[:, :3] * self.inverse_mass[:, None]
+        self.L = self._allowed(L + P[:, 3:])
+        if not only_to_drift:
+            self._update_derived()
 
     def _allowed(self, L: np.ndarray) -> np.ndarray:
         """The part of an angular momentum (b, 3) that the bodies' constraints allow."""
-        R = self.R
-        axle = apply(R, self.axle)
+        if not self.constraint.any():
+            return L
+        axle = apply(self.R, self.axle)
         L = np.where((self.constraint == AXLED)[:, None], axle * dot(axle, L)[:, None], L)
         L[self.constraint == STATIC] = 0.0
         return L
@@ -134,11 +173,7 @@ class World:
         """Move the bodies with their present velocities, and find the contacts at their new positions."""
         if self._all_static:
             return
-        self.x = self.x + stage.drift * self.v
-        if self.displacement is not None:
-            self.x += self.displacement[:, :3]
-            self.q = product(rotation(self.displacement[:, 3:]), self.q)
-        rotation_kernel()(self.q, self.L, self._splitting, self.axle, stage.drift, MAX_ANGLE)
+        self.x, self.q = self._moved(stage.drift)
         self._update_derived()
         self._write_particles(state, True)
         self.contacts.detect(stage.time + stage.dt)
