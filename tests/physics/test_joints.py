@@ -452,6 +452,34 @@ def test_a_snapshot_of_joints(tmp_path):
     assert again.digest() == sim.digest()
 
 
+def test_a_closed_loop():
+    """Four bars: two hinges and two balls keep it plane and together; four hinges hold some of it twice and are refused."""
+
+    def loop(top):
+        bar = {"box": [1, 0.05, 0.05]}
+        bars = [
+            ga.body(bar, mass=1, position=x, turn=(0, 0, turn), points=20, name=n)
+            for n, x, turn in (
+                ("left", (0, 0.5, 0), np.pi / 2),
+                ("top", (0.5, 1, 0), 0),
+                ("right", (1, 0.5, 0), np.pi / 2),
+            )
+        ]
+        joints = {
+            "a": {"hinge": ["left", "world"], "at": [0, 0, 0]}, "b": {top: ["left", "top"], "at": [0, 1, 0]},
+            "c": {top: ["top", "right"], "at": [1, 1, 0]}, "d": {"hinge": ["right", "world"], "at": [1, 0, 0]},
+        }  # fmt: skip
+        return jointed(bars, joints, forces=[ga.forces.Gravity(field=(1.0, -G, 0))], dt=1e-3, ledger=True)
+
+    sim = loop("ball")
+    sim.step(400)
+    x = inside(sim).x
+    assert x[1, 0] > 0.55 and x[1] == pytest.approx(x[0] * 2 + [0.5, 0, 0], abs=1e-12)  # a parallelogram
+    assert gap(sim)[0] < 1e-12 and abs(sim.ledger().residual) < 1e-11 * sim.ledger().scale
+    with pytest.raises(ga.UsageError, match="joint 'd' holds what is held already by the others"):
+        loop("hinge")
+
+
 def test_a_preset_with_joints():
     """Bodies are named as their emitters; those of a grid have their number behind."""
     preset = {
@@ -516,6 +544,7 @@ def test_refusals():
         ({"distance": ["one", "two"], "at": here}, "a point of each body"),
         ({"distance": ["one", "two"], "at": [here, here]}, "the two points of `at` are the same"),
         ({"hinj": ["one", "two"], "at": here}, "did you mean 'hinge'"),
+        ({"hinge": ["one", "two"], "at": here, "range": [-30]}, "range must be 2 numbers"),
         ({"x": {"hinge": ["one", "two"], "at": here}, "y": {"weld": ["two", "one"], "at": here}}, "joint 'y' holds what is held already"),
     ]:  # fmt: skip
         with pytest.raises(ga.UsageError, match=message.replace("(", r"\(").replace("[", r"\[")):
