@@ -54,6 +54,7 @@ class ContactSolver:
         self._surface_velocity = np.zeros((k, 3))
         met = contacts.collider >= 0
         self._surface_velocity[met] = contacts.colliders.velocity[contacts.collider[met]] * self.sign[met]
+        self._kick = stage.kick
         self._set_targets(v, w, stage)
 
     def _contact_velocities(self, v, w):
@@ -157,7 +158,9 @@ class ContactSolver:
         if world.joints is None:
             contact_kernel()(B, V, first, second, C, D, M, contacts.iterations, tolerance)
             return V[:bodies]
-        joined, x = V.copy(), None  # with what the joints have passed on
+        joined = V.copy()  # with what the joints have passed on
+        change, x = world.joints.first_guess(0.0 if place_only else self._kick)
+        joined[:bodies] += change
         for _ in range(contacts.iterations):
             V = joined.copy()
             contact_kernel()(B, V, first, second, C, D, M, _PAIRS_BETWEEN_JOINTS, tolerance)

@@ -32,6 +32,7 @@ class JointSet:
 
     pairs : the pairs of bodies that are joined, which do not collide with each other
     jointed : (b,), whether a body has a joint
+    forces : (m,) N or N m, along the rows in the last solve: the first guess while contacts and joints are solved in turn
     entries : by joint, the impulse of the world on the bodies, N s, and the motor's work, J, in the last solve
     """
 
@@ -64,6 +65,7 @@ class JointSet:
         m, n = len(rows), len(rows) - len(held)
         self._K, self._F, self._P = np.zeros((m, m)), np.zeros((m, m)), np.zeros(m, np.int32)
         self._Y, self._S = np.zeros((n + 1, max(m, 1))), np.zeros((n + 1, n + 1))
+        self.forces = np.zeros(m)
         self._check_start(name)
 
     # -- the rows
@@ -175,20 +177,27 @@ class JointSet:
             self._most[self._lower] = np.where(to_low <= touch[self._lower], math.inf, 0.0)
             self._least[self._upper] = np.where(to_high >= -touch[self._upper], -math.inf, 0.0)
 
-    def project(self, V: np.ndarray, x: np.ndarray | None, place_only: bool) -> tuple[np.ndarray, np.ndarray]:
+    def first_guess(self, kick: float) -> tuple[np.ndarray, np.ndarray]:
+        """The change of velocities and spins (b, 6) by the forces of the last solve over `kick`, s, and their impulses (m,)."""
+        x = np.clip(self.forces * kick, self._least, self._most)
+        return self._response(x), x
+
+    def _response(self, x: np.ndarray) -> np.ndarray:
+        P, world = self._impulses(x), self.world
+        return np.concatenate([P[:, :3] * world.inverse_mass[:, None], apply(world.inverse_inertia, P[:, 3:])], 1)
+
+    def project(self, V: np.ndarray, before: np.ndarray, place_only: bool) -> tuple[np.ndarray, np.ndarray]:
         """The change of V (b, 6) by impulses that give the rows the speeds they may have, and all impulses so far (m,).
 
-        x : the impulses that V has already, None at first
+        before : the impulses that V has already
         place_only : V are displacements, which motors and bounds leave as they are
         """
-        before = np.zeros(len(self._kind)) if x is None else x
         x, r, none = before.copy(), self._speeds(V), np.zeros(len(self._kind))
         if place_only:
             self._solve(r, none, none, x)
         else:
             self._solve(r + self._room, self._least, self._most, x)
-        P, world = self._impulses(x - before), self.world
-        return np.concatenate([P[:, :3] * world.inverse_mass[:, None], apply(world.inverse_inertia, P[:, 3:])], 1), x
+        return self._response(x - before), x
 
     def solve(self, stage, V0: np.ndarray) -> None:
         """Give the bodies the joints' impulses of this part of the step.
@@ -205,6 +214,7 @@ class JointSet:
                 r = self._speeds(np.concatenate([world.v, world.w], 1)) + self._room
                 self._solve(r, self._least, self._most, x)
                 world.set_motion(v, L, self._impulses(x))
+        self.forces = x / stage.kick
         self._record(x, V0)
 
     def _meet_after_drift(self, stage, x: np.ndarray) -> None:

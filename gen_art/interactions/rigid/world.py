@@ -83,11 +83,14 @@ class World:
 
     @property
     def saved_arrays(self) -> dict[str, np.ndarray]:
-        return {"x": self.x, "q": self.q, "v": self.v, "L": self.L, **self.contacts.saved_arrays}
+        joints = {"joints": self.joints.forces} if self.joints is not None else {}
+        return {"x": self.x, "q": self.q, "v": self.v, "L": self.L, **joints, **self.contacts.saved_arrays}
 
     def restore_arrays(self, saved_arrays: dict[str, np.ndarray], time: float) -> None:
         self.x, self.q, self.v, self.L = (saved_arrays[k].copy() for k in ("x", "q", "v", "L"))
         self._update_derived()
+        if self.joints is not None:
+            self.joints.forces = saved_arrays["joints"].copy()
         self.contacts.restore_arrays(saved_arrays)
         self.contacts.detect(time)
 
