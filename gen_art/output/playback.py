@@ -114,6 +114,7 @@ class Playback:
         actions: dict[int, list[Callable]] = {}  # by step
 
         def paint():
+            self.sim.check_finite()
             picture = self.painter.paint(self.sim, self._film_time())
             if not pictures and self._subframes > 1:
                 pictures.append(np.array(picture))

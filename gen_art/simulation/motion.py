@@ -53,7 +53,19 @@ class MotionSample:
             self.ids, self._slots = self.ids[same], slots[same]
             self._velocities = [v[:, same] for v in self._velocities]
         self._key = key
-        self._velocities = [*self._velocities[-2:], state.floats[VELOCITY, self._slots]]
+        whole = len(self._slots) == state.count  # a slice is copied faster than chosen columns
+        velocities = state.floats[VELOCITY, : state.count].copy() if whole else state.floats[VELOCITY, self._slots]
+        self._velocities = [*self._velocities[-2:], velocities]
+
+    def count_above(self, limit: float) -> int:
+        """The number of particles for which the ratio of `measure` is above a limit; the dead and unsettled count too."""
+        if len(self._velocities) < 3:
+            return 0
+        v0, v1, v2 = self._velocities
+        with np.errstate(all="ignore"):
+            change = v2 - 2 * v1 + v0
+            above = np.einsum("ci,ci->i", change, change) > limit * limit * np.einsum("ci,ci->i", v1, v1)
+            return int(np.count_nonzero(above))
 
     def measure(self, time: float, dt: float) -> tuple[np.ndarray, np.ndarray]:
         """(abs(v2 - 2 v1 + v0) / abs(v1), slots) of the particles that live at `time` and have moved; empty without three states.

@@ -291,6 +291,10 @@ class Simulation:
                 self._coupled.forget()
                 self._steppers[name].run(first, 1, self.dt, new.start, -math.inf)
 
+    def check_finite(self) -> None:
+        """Raise DivergedError if a living particle's position or velocity is not finite."""
+        self._watch.check_finite()
+
     def diagnostics(self) -> "Diagnostics":
         """The sums over all living particles now, in float64: see ga.Diagnostics.
 

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 __all__ = ["MODES", "Watch"]
 
 MODES = ("warn", "error", "none")
-_FINITE_EVERY = 16  # steps between two looks for numbers that are not finite, at least
+_FINITE_EVERY = 64  # steps between two looks for numbers that are not finite, at most
 # A sample is three states at consecutive steps. Samples begin at these steps, then at each multiple of the last one.
-_SAMPLES = (0, 4, 64, 256, 1024)
+_SAMPLES = (0, 4, 64, 256, 1024, 4096)
 _SAMPLE = 256  # particles in a sample
 _TOO_FAST = 1.0  # rad a step, squared
 _FEW, _FEW_PAIRED = 0.1, 1e-3  # of a sample that may be too fast: a picture does not depend on them
@@ -45,6 +45,7 @@ class Watch:
         self._sim, self._mode = sim, mode
         self._said: dict[tuple[str, str], str] = {}  # by system and cause
         self._checked_at = 0  # the step of the last look for numbers that are not finite
+        self._due = 0  # the next step at which there is anything to look at
         self._samples, self._paired = {}, {}
         for name, system in sim.members.items() if mode != "none" else ():
             if system.interactions and is_smooth(system):
@@ -87,16 +88,23 @@ class Watch:
     def look(self) -> None:
         """Look at the state after a launch. Raises DivergedError for numbers that are not finite."""
         sim, done = self._sim, self._sim.steps_done
+        if done < self._due:
+            return
         if done - self._checked_at >= _FINITE_EVERY:
             self.check_finite()
+        into = done - _latest_sample(done)
+        self._due = self._checked_at + _FINITE_EVERY
         if self._mode == "none":
             return
+        self._due = min(self._due, done + 1 if into < 2 else _next_sample(done))
+        if self._paired:
+            self._due = min(self._due, done - done % _STRIDE + _STRIDE)
         for name, sample in self._paired.items() if done % _STRIDE == 0 else ():
             sample.record()
-            changes, slots = sample.measure(sim.time, sim.dt)
-            if (changes > _TOO_FAST_PAIRED).sum() > _FEW_PAIRED * len(changes):
-                self._say_too_fast(name, changes, slots, _STRIDE)
-        into = done - _latest_sample(done)
+            if sample.count_above(_TOO_FAST_PAIRED) > _FEW_PAIRED * len(sample.ids):
+                changes, slots = sample.measure(sim.time, sim.dt)
+                if (changes > _TOO_FAST_PAIRED).sum() > _FEW_PAIRED * len(changes):
+                    self._say_too_fast(name, changes, slots, _STRIDE)
         if into > 2:
             return
         for name, sample in self._samples.items():
