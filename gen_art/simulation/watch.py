@@ -87,7 +87,7 @@ class Watch:
 
     def look(self) -> None:
         """Look at the state after a launch. Raises DivergedError for numbers that are not finite."""
-        sim, done = self._sim, self._sim.steps_done
+        done = self._sim.steps_done
         if done < self._due:
             return
         if done - self._checked_at >= _FINITE_EVERY:
@@ -99,17 +99,30 @@ class Watch:
         self._due = min(self._due, done + 1 if into < 2 else _next_sample(done))
         if self._paired:
             self._due = min(self._due, done - done % _STRIDE + _STRIDE)
-        for name, sample in self._paired.items() if done % _STRIDE == 0 else ():
+        if into == 0:  # particles that were born since are among those that are chosen now
+            for sample in (*self._samples.values(), *self._paired.values()):
+                sample.restart()
+        if done % _STRIDE == 0:
+            self._look_at_pairs()
+        if into <= 2:
+            self._look_at_samples()
+        if into == 0:
+            self._ask_interactions()
+
+    def _look_at_pairs(self) -> None:
+        """Take the next state of systems whose particles act on each other."""
+        sim = self._sim
+        for name, sample in self._paired.items():
             sample.record()
             if sample.count_above(_TOO_FAST_PAIRED) > _FEW_PAIRED * len(sample.ids):
                 changes, slots = sample.measure(sim.time, sim.dt)
                 if (changes > _TOO_FAST_PAIRED).sum() > _FEW_PAIRED * len(changes):
                     self._say_too_fast(name, changes, slots, _STRIDE)
-        if into > 2:
-            return
+
+    def _look_at_samples(self) -> None:
+        """Take the next state of every system's sample, and judge those that have three."""
+        sim = self._sim
         for name, sample in self._samples.items():
-            if into == 0:
-                sample.restart()
             sample.record()
             changes, slots = sample.measure(sim.time, sim.dt)
             if not len(changes):
@@ -119,13 +132,14 @@ class Watch:
                 continue
             if (changes > _TOO_FAST).sum() > _FEW * len(changes):
                 self._say_too_fast(name, changes, slots, 1)
-            if sim.dtype == np.float32 and done > _SAMPLES[2]:
+            if sim.dtype == np.float32 and sim.steps_done > _SAMPLES[2]:
                 self._judge_precision(name, float(np.median(sample.rounding(slots, sim.dt))))
-        if into == 0:
-            for name, system in sim.members.items():
-                for interaction in system.interactions:
-                    for sentence in interaction.advice(system.state):
-                        self.say(name, interaction.name, sentence)
+
+    def _ask_interactions(self) -> None:
+        for name, system in self._sim.members.items():
+            for interaction in system.interactions:
+                for sentence in interaction.advice(system.state):
+                    self.say(name, interaction.name, sentence)
 
     def _say_too_fast(self, name: str, changes: np.ndarray, slots: np.ndarray, stride: int) -> None:
         sim, system = self._sim, self._sim.members[name]
