@@ -2,13 +2,14 @@
 
 import inspect
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from gen_art.arguments import instances
+from gen_art.arguments import instances, shown
 from gen_art.errors import UsageError
 from gen_art.interactions.base import Interaction, interaction
 from gen_art.particles.storage import Particles
@@ -82,6 +83,11 @@ class Rigid(Interaction):
         lamp = np.array(self.values["lamp"])
         if not lamp.any():
             raise UsageError("rigid: lamp must not be the zero vector")
+        joints = self.values["joints"]
+        if joints is not None and not isinstance(joints, Mapping):
+            raise UsageError(
+                f"joints must be a mapping, such as {{elbow: {{ball: [a, b], at: [0, 1, 0]}}}}, not {shown(joints)}"
+            )
         bodies = self.values["bodies"]
         if bodies is not None:
             self._given = [_built(spec) for spec in instances("bodies", bodies, dict, "the arguments of ga.body")]

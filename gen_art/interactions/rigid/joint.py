@@ -4,11 +4,13 @@ A row is a function of the places and attitudes of two bodies, which a joint kee
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from gen_art.arguments import shown
 from gen_art.errors import UsageError
 from gen_art.interactions.rigid.body import STATIC, Body
 from gen_art.interactions.rigid.quaternions import matrices
@@ -70,17 +72,15 @@ class Joint:
     limit: float
 
 
-def joints_of(specs: Any, members: list[Body]) -> list[Joint]:
+def joints_of(specs: Mapping[str, Any], members: list[Body]) -> list[Joint]:
     """The joints that `specs` describe, by name (see Rigid). Raises UsageError."""
-    if not isinstance(specs, dict):
-        raise UsageError(f"joints must be a mapping, such as {{elbow: {{ball: [a, b], at: [0, 1, 0]}}}}, not {specs!r}")
     return [_joint(str(name), spec, members) for name, spec in specs.items()]
 
 
 def _joint(name: str, spec, members: list[Body]) -> Joint:
     where = f"joint '{name}'"
     if not isinstance(spec, dict):
-        raise UsageError(f"{where} must be a mapping, such as {{ball: [a, b], at: [0, 1, 0]}}, not {spec!r}")
+        raise UsageError(f"{where} must be a mapping, such as {{ball: [a, b], at: [0, 1, 0]}}, not {shown(spec)}")
     kinds = [key for key in spec if key in _KINDS]
     if len(kinds) != 1:
         known = [*_KINDS, "at", "axis", "range", "motor"]
@@ -141,7 +141,9 @@ def _joint(name: str, spec, members: list[Body]) -> Joint:
 def _bodies(where: str, pair, members: list[Body]) -> tuple[int, int]:
     """The indices of the two bodies; the world comes second."""
     if not isinstance(pair, (list, tuple)) or len(pair) != 2 or not all(isinstance(n, str) for n in pair):
-        raise UsageError(f"{where} must name two bodies, or a body and {WORLD}, such as [arm, {WORLD}]; not {pair!r}")
+        raise UsageError(
+            f"{where} must name two bodies, or a body and {WORLD}, such as [arm, {WORLD}]; not {shown(pair)}"
+        )
     names = [member.name for member in members]
     found = []
     for name in pair:
@@ -165,7 +167,7 @@ def _vector(where: str, what: str, value) -> np.ndarray:
     except (TypeError, ValueError):
         vector = np.zeros(0)
     if vector.shape != (3,) or not np.isfinite(vector).all():
-        raise UsageError(f"{where}: {what} must be three numbers [x, y, z], not {value!r}")
+        raise UsageError(f"{where}: {what} must be three numbers [x, y, z], not {shown(value)}")
     return vector
 
 
@@ -202,7 +204,7 @@ def _numbers(where: str, what: str, value, count: int) -> list[float]:
     except (TypeError, ValueError):
         numbers = []
     if len(numbers) != count or any(math.isnan(c) for c in numbers):
-        raise UsageError(f"{where}: {what} must be {count} numbers, not {value!r}")
+        raise UsageError(f"{where}: {what} must be {count} numbers, not {shown(value)}")
     return numbers
 
 
@@ -228,7 +230,7 @@ def _bounds(where: str, kind: str, value, at_start: float) -> tuple[float, float
 def _motor(where: str, kind: str, value) -> tuple[float, float]:
     key, unit = _MOVING[kind]
     if not isinstance(value, dict) or "speed" not in value:
-        raise UsageError(f"{where}: motor must be {{speed: ..., {key}: ...}}, not {value!r}")
+        raise UsageError(f"{where}: motor must be {{speed: ..., {key}: ...}}, not {shown(value)}")
     for other in value:
         if other not in ("speed", key):
             raise UsageError(f"{where}: a motor of a {kind} has no '{other}'{suggest(other, ['speed', key])}")
@@ -238,6 +240,6 @@ def _motor(where: str, kind: str, value) -> tuple[float, float]:
         speed = limit = math.nan
     if not math.isfinite(speed) or not limit >= 0:
         raise UsageError(
-            f"{where}: the motor's speed must be a finite number and its {key} at least 0 {unit}, not {value!r}"
+            f"{where}: the motor's speed must be a finite number and its {key} at least 0 {unit}, not {shown(value)}"
         )
     return speed, limit
