@@ -102,7 +102,8 @@ def _joint(name: str, spec, members: list[Body]) -> Joint:
     for point in points:
         _refuse_far(where, point, [members[k] for k in (first, second) if k >= 0])
     frames = [_frame(members, k) for k in (first, second)]
-    anchors = tuple(apply_transposed(R, point - x) for (x, R), point in zip(frames, points))
+    (x0, R0), (x1, R1) = frames
+    anchors = apply_transposed(R0, points[0] - x0), apply_transposed(R1, points[1] - x1)
     inward = [lambda v, R=R: apply_transposed(R, v) for _, R in frames]
     axis = _vector(where, "axis", spec.get("axis", (0, 0, 1)))
     if not norm(axis) > 0:
@@ -135,7 +136,7 @@ def _joint(name: str, spec, members: list[Body]) -> Joint:
         raise UsageError(
             f"{where} has a motor and a range: give the motor a largest {key}, or it would push without end"
         )
-    return Joint(name, kind, first, second, anchors, held, length, free, bounds, speed, limit)  # type: ignore[arg-type]
+    return Joint(name, kind, first, second, anchors, held, length, free, bounds, speed, limit)
 
 
 def _bodies(where: str, pair, members: list[Body]) -> tuple[int, int]:
