@@ -1,4 +1,4 @@
-"""How fast the velocities of a system's particles change, from three states at equal distances in time."""
+"""How fast the velocities of a system's particles change, from states at equal distances in time."""
 
 from typing import TYPE_CHECKING
 
@@ -21,14 +21,14 @@ def is_smooth(system: "ParticleSystem") -> bool:
 
 
 class MotionSample:
-    """The velocities of some particles of one system at up to three times, the latest last.
+    """The velocities of some particles of one system at the latest times, at most `states`, the latest last.
 
     most : the largest number of particles; they lie evenly among all
     ids : of the particles
     """
 
-    def __init__(self, system: "ParticleSystem", most: int):
-        self.system, self._most = system, most
+    def __init__(self, system: "ParticleSystem", most: int, states: int = 3):
+        self.system, self._most, self._states = system, most, states
         # drag is solved exactly, however strong: a newborn particle may take its medium's velocity within a step
         self._settles = bool(system.composition.dampings) and system.scheme.kind == "splitting"
         self.restart()
@@ -55,27 +55,41 @@ class MotionSample:
         self._key = key
         whole = len(self._slots) == state.count  # a slice is copied faster than chosen columns
         velocities = state.floats[VELOCITY, : state.count].copy() if whole else state.floats[VELOCITY, self._slots]
-        self._velocities = [*self._velocities[-2:], velocities]
+        self._velocities = [*self._velocities[1 - self._states :], velocities]
 
-    def count_above(self, limit: float) -> int:
-        """The number of particles for which the ratio of `measure` is above a limit; the dead and unsettled count too."""
+    @property
+    def is_full(self) -> bool:
+        return len(self._velocities) == self._states
+
+    def keep(self, states: int) -> None:
+        """Forget all but the latest states."""
+        self._velocities = self._velocities[-states:]
+
+    def count_above(self, limit: float) -> np.ndarray:
+        """For each three states in succession the number of particles for which the ratio of `measure` is above a limit.
+
+        The dead and unsettled count too.
+        """
         if len(self._velocities) < 3:
-            return 0
-        v0, v1, v2 = self._velocities
+            return np.zeros(0, int)
+        v = np.stack(self._velocities)
         with np.errstate(all="ignore"):
-            change = v2 - 2 * v1 + v0
-            above = np.einsum("ci,ci->i", change, change) > limit * limit * np.einsum("ci,ci->i", v1, v1)
-            return int(np.count_nonzero(above))
+            change = v[2:] - 2 * v[1:-1] + v[:-2]
+            speed = v[1:-1]
+            above = np.einsum("kci,kci->ki", change, change) > limit * limit * np.einsum("kci,kci->ki", speed, speed)
+        return np.count_nonzero(above, axis=1)
 
-    def measure(self, time: float, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    def measure(self, time: float, dt: float, before: int = 0) -> tuple[np.ndarray, np.ndarray]:
         """(abs(v2 - 2 v1 + v0) / abs(v1), slots) of the particles that live at `time` and have moved; empty without three states.
 
+        before : number of states after v2
         v0, v1, v2 : the three velocities; for an oscillation or a gyration by the angle a between them the ratio is
         2 (1 - cos a), and a^2 for small angles
         """
         if len(self._velocities) < 3 or not len(self.ids):
             return np.zeros(0), np.zeros(0, int)
-        v0, v1, v2 = self._velocities
+        last = len(self._velocities) - before
+        v0, v1, v2 = self._velocities[last - 3 : last]
         change, speed = v2 - 2 * v1 + v0, v1
         with np.errstate(all="ignore"):
             change, speed = np.sqrt((change * change).sum(0)), np.sqrt((speed * speed).sum(0))

@@ -293,14 +293,14 @@ class Simulation:
 
     def check_finite(self) -> None:
         """Raise DivergedError if a living particle's position or velocity is not finite."""
-        self._watch.check_finite()
+        self._watch.check()
 
     def diagnostics(self) -> "Diagnostics":
         """The sums over all living particles now, in float64: see ga.Diagnostics.
 
         Raises DivergedError if a position or a velocity is not finite.
         """
-        self._watch.check_finite()
+        self._watch.check()
         from gen_art.simulation.diagnostics import diagnose
 
         return diagnose(self)
@@ -318,7 +318,7 @@ class Simulation:
         Raises DivergedError if a position or a velocity is not finite, UsageError for an unknown system.
         """
         names = sorted(self.members) if system is None else [self[system].name]
-        self._watch.check_finite()
+        self._watch.check()
         h = hashlib.sha256(f"{self.precision} {self.steps_done} {self.dt!r} {self.seed}".encode())
         for name in names:
             state, living = self.members[name].state, self.living(name)
@@ -335,7 +335,7 @@ class Simulation:
 
         Raises OutputError when the file cannot be written, DivergedError if a position or a velocity is not finite.
         """
-        self._watch.check_finite()
+        self._watch.check()
         from gen_art.simulation.snapshot import write
 
         write(self, path, self._unprocessed_ids)

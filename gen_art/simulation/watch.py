@@ -28,9 +28,10 @@ _SAMPLES = (0, 4, 64, 256, 1024, 4096)
 _SAMPLE = 256  # particles in a sample
 _TOO_FAST = 1.0  # rad a step, squared
 _FEW, _FEW_PAIRED = 0.1, 1e-3  # of a sample that may be too fast: a picture does not depend on them
-# Particles that act on each other meet for a few steps only: all are looked at, every _STRIDE steps.
-_MOST_PAIRED = 20_000
+# Particles that act on each other meet for a few steps only: these many of them are looked at, every _STRIDE steps.
+_MOST_PAIRED = 1_000
 _STRIDE = 4
+_PAIRED_STATES = 18  # are judged together: one by one, most of the time would go into calls
 _TOO_FAST_PAIRED = 1.0  # of 2 (1 - cos a), for the angle a in _STRIDE steps: 0.26 rad a step
 _ADVISED = 0.15  # rad a step of the step that is advised
 _COARSE = 4e-3  # rounding over the median path in a step, in two samples after another
@@ -46,10 +47,11 @@ class Watch:
         self._said: dict[tuple[str, str], str] = {}  # by system and cause
         self._checked_at = 0  # the step of the last look for numbers that are not finite
         self._due = 0  # the next step at which there is anything to look at
+        self._sample_at = self._next_at = 0  # the steps at which the present sample began and the next one will
         self._samples, self._paired = {}, {}
         for name, system in sim.members.items() if mode != "none" else ():
             if system.interactions and is_smooth(system):
-                self._paired[name] = MotionSample(system, _MOST_PAIRED)
+                self._paired[name] = MotionSample(system, _MOST_PAIRED, _PAIRED_STATES)
             self._samples[name] = MotionSample(system, _SAMPLE)
         self._coarse: set[str] = set()  # systems whose last sample was
 
@@ -82,8 +84,13 @@ class Watch:
         if not self._samples:
             return 2**62
         done = self._sim.steps_done
-        into = done - _latest_sample(done)
-        return 1 if into < 2 else _next_sample(done) - done
+        return 1 if self._into_sample(done) < 2 else self._next_at - done
+
+    def _into_sample(self, done: int) -> int:
+        """The number of steps since the latest sample began."""
+        if done >= self._next_at:
+            self._sample_at, self._next_at = _samples_around(done)
+        return done - self._sample_at
 
     def look(self) -> None:
         """Look at the state after a launch. Raises DivergedError for numbers that are not finite."""
@@ -92,32 +99,45 @@ class Watch:
             return
         if done - self._checked_at >= _FINITE_EVERY:
             self.check_finite()
-        into = done - _latest_sample(done)
+        into = self._into_sample(done)
         self._due = self._checked_at + _FINITE_EVERY
         if self._mode == "none":
             return
-        self._due = min(self._due, done + 1 if into < 2 else _next_sample(done))
+        self._due = min(self._due, done + 1 if into < 2 else self._next_at)
         if self._paired:
             self._due = min(self._due, done - done % _STRIDE + _STRIDE)
-        if into == 0:  # particles that were born since are among those that are chosen now
+        if into == 0:
+            self._judge_pairs()
+            # particles that were born since are among those that are chosen now
             for sample in (*self._samples.values(), *self._paired.values()):
                 sample.restart()
         if done % _STRIDE == 0:
-            self._look_at_pairs()
+            for sample in self._paired.values():
+                sample.record()
+            if any(sample.is_full for sample in self._paired.values()):
+                self._judge_pairs()
         if into <= 2:
             self._look_at_samples()
         if into == 0:
             self._ask_interactions()
 
-    def _look_at_pairs(self) -> None:
-        """Take the next state of systems whose particles act on each other."""
+    def check(self) -> None:
+        """Say what was noticed of particles that act on each other, and raise DivergedError as check_finite does."""
+        self._judge_pairs()
+        self.check_finite()
+
+    def _judge_pairs(self) -> None:
+        """Judge the states of systems whose particles act on each other since the last time."""
         sim = self._sim
         for name, sample in self._paired.items():
-            sample.record()
-            if sample.count_above(_TOO_FAST_PAIRED) > _FEW_PAIRED * len(sample.ids):
-                changes, slots = sample.measure(sim.time, sim.dt)
+            counts = sample.count_above(_TOO_FAST_PAIRED)
+            for k in np.flatnonzero(counts > _FEW_PAIRED * len(sample.ids)):
+                before = len(counts) - 1 - int(k)
+                time = sim.time - sim.dt * (sim.steps_done % _STRIDE + before * _STRIDE)
+                changes, slots = sample.measure(time, sim.dt, before)
                 if (changes > _TOO_FAST_PAIRED).sum() > _FEW_PAIRED * len(changes):
-                    self._say_too_fast(name, changes, slots, _STRIDE)
+                    self._say_too_fast(name, time, changes, slots, _STRIDE)
+            sample.keep(2)
 
     def _look_at_samples(self) -> None:
         """Take the next state of every system's sample, and judge those that have three."""
@@ -131,7 +151,7 @@ class Watch:
             if not is_smooth(sim.members[name]):
                 continue
             if (changes > _TOO_FAST).sum() > _FEW * len(changes):
-                self._say_too_fast(name, changes, slots, 1)
+                self._say_too_fast(name, sim.time, changes, slots, 1)
             if sim.dtype == np.float32 and sim.steps_done > _SAMPLES[2]:
                 self._judge_precision(name, float(np.median(sample.rounding(slots, sim.dt))))
 
@@ -141,7 +161,7 @@ class Watch:
                 for sentence in interaction.advice(system.state):
                     self.say(name, interaction.name, sentence)
 
-    def _say_too_fast(self, name: str, changes: np.ndarray, slots: np.ndarray, stride: int) -> None:
+    def _say_too_fast(self, name: str, time: float, changes: np.ndarray, slots: np.ndarray, stride: int) -> None:
         sim, system = self._sim, self._sim.members[name]
         worst = int(np.argmax(changes))
         if not math.isfinite(changes[worst]):
@@ -152,7 +172,7 @@ class Watch:
         soften = f", or give {bare[0]} a softening" if bare else ""
         self.say(
             name, "step",
-            f"a step of {sim.dt:g} s is too long for particle {system.state.id[slots[worst]]} at {sim.time:.6g} s: its velocity "
+            f"a step of {sim.dt:g} s is too long for particle {system.state.id[slots[worst]]} at {time:.6g} s: its velocity "
             f"changes as in an oscillation of {angle:.2g} rad a step; use a step of at most {better:.2g} s{soften}",
         )  # fmt: skip
 
@@ -192,6 +212,7 @@ class Watch:
             living = sim.living(name)
             lost = living[~np.isfinite(rows[:, living]).all(axis=0)]
             if len(lost):
+                self._judge_pairs()  # may say why
                 first = f"particle {state.id[lost[0]]}"
                 who = first if len(lost) == 1 else f"{len(lost):,} particles, {first} the first of them,"
                 raise DivergedError(
@@ -226,14 +247,8 @@ def _depth_of_caller() -> int:
     return depth
 
 
-def _latest_sample(step: int) -> int:
-    """The step at which the latest sample until `step` begins."""
-    if step >= _SAMPLES[-1]:
-        return step - step % _SAMPLES[-1]
-    return max(first for first in _SAMPLES if first <= step)
-
-
-def _next_sample(step: int) -> int:
-    """The step at which the first sample after `step` begins."""
-    later = [first for first in _SAMPLES if first > step]
-    return later[0] if later else step - step % _SAMPLES[-1] + _SAMPLES[-1]
+def _samples_around(step: int) -> tuple[int, int]:
+    """The steps at which the latest sample until `step` begins, and the first one after it."""
+    last = _SAMPLES[-1]
+    starts = [*_SAMPLES, step - step % last, step - step % last + last]
+    return max(s for s in starts if s <= step), min(s for s in starts if s > step)
