@@ -18,7 +18,7 @@ from gen_art.simulation.advice import KNOWN_MAGNETIC_FIELDS, gyration_advice
 from gen_art.simulation.diagnostics import Diagnostics
 from gen_art.simulation.ledger import Ledger
 
-__all__ = ["FILM_TIME", "PARTICLES", "Audit", "audit"]
+__all__ = ["FILM_TIME", "PARTICLES", "Audit", "audit", "default_time", "span"]
 
 # Film time of an audit when none is given, s. Half of it where bodies attract each other, because they soon scatter, and
 # where stiff springs are solved, because that takes hundreds of kernel launches a step.
@@ -120,9 +120,7 @@ def audit(preset, time=None, precision="f32", threads=None, particles=PARTICLES,
     clock = preset.clock
     if particles < 1:
         raise UsageError(f"particles must be at least 1, not {particles}")
-    mutual = any(i.source_system is None for system in preset.systems.values() for i in system.interactions)
-    stiff = any(map(has_stiff_springs, preset.systems.values()))
-    time, steps = _span(clock, time, FILM_TIME / 2 if mutual or stiff else FILM_TIME)
+    time, steps = span(clock, time, default_time(preset))
     few, changes = thinned(preset, steps * clock.step, particles)
     refuse_if_too_large(few, "f64", until=steps * clock.step)
     with warnings.catch_warnings(record=True) as caught:
@@ -180,7 +178,14 @@ def _gyration_warnings(preset, turns: dict[str, float]) -> list[str]:
     return sentences
 
 
-def _span(clock, time, default: float) -> tuple[float, int]:
+def default_time(preset) -> float:
+    """Film time that is audited when none is given, s."""
+    mutual = any(i.source_system is None for system in preset.systems.values() for i in system.interactions)
+    stiff = any(map(has_stiff_springs, preset.systems.values()))
+    return FILM_TIME / 2 if mutual or stiff else FILM_TIME
+
+
+def span(clock, time, default: float) -> tuple[float, int]:
     """(film time, steps from the start of the simulation) of an audit to film time `time`."""
     if time is None:
         time = min(default, (clock.frames - 1) / clock.fps)

@@ -20,7 +20,10 @@ from gen_art.simulation.diagnostics import (
 )
 from gen_art.simulation.ledger import Ledger
 
-__all__ = ["MOMENTS", "QUANTITIES", "ROUND_OFF", "RunHistory", "AuditRun", "Trend", "kink_scatter", "positions", "run"]
+__all__ = [
+    "MOMENTS", "QUANTITIES", "ROUND_OFF", "AuditRun", "RunHistory", "Trend", "conserved_sums", "gain_by_ledger", "kink_scatter",
+    "positions", "run",
+]  # fmt: skip
 
 ROUND_OFF = 2e-12  # relative; below it a float64 sum over many steps has no order to measure
 TOLERANCE = 0.5  # how far below the expected order a measured one may be
@@ -140,7 +143,7 @@ def run(preset, steps: int, dt: float, precision: str, threads, division: int = 
     from gen_art.simulation import Simulation
 
     sim = Simulation(preset, dt=dt / division, precision=precision, threads=threads, ledger=True)
-    start, before = sim.diagnostics(), {name: _sums(sim, name) for name in preset.systems}
+    start, before = sim.diagnostics(), {name: conserved_sums(sim, name) for name in preset.systems}
     residuals: dict = {(name, quantity): None for name in preset.systems for quantity in LEDGER_FIELDS}
     drifts: dict = {(name, quantity): None for name in preset.systems for quantity in QUANTITIES}
     last = {}
@@ -152,12 +155,12 @@ def run(preset, steps: int, dt: float, precision: str, threads, division: int = 
         snapshots.append(_snapshot(sim, sim.diagnostics(), ledger.residual))
         for name in preset.systems:
             turns[name] = max(turns[name], largest_turn(sim, name))
-            now = _sums(sim, name)
+            now = conserved_sums(sim, name)
             for quantity in QUANTITIES:
                 (old, old_size), (new, new_size) = before[name][quantity], now[quantity]
                 _update_largest(drifts, (name, quantity), new - old, max(old_size, new_size))
                 if quantity in LEDGER_FIELDS:
-                    gained, moved = _gain_by_ledger(ledger, name, quantity)
+                    gained, moved = gain_by_ledger(ledger, name, quantity)
                     scale = max(old_size, new_size, moved)
                     _update_largest(residuals, (name, quantity), new - old - gained, scale)
                     if quantity == "energy":
@@ -193,7 +196,7 @@ def _update_largest(largest: dict, key, difference, scale: float) -> None:
         largest[key] = max(largest[key] or 0.0, float(np.abs(difference).max() / scale))
 
 
-def _sums(sim, name: str) -> dict[str, tuple]:
+def conserved_sums(sim, name: str) -> dict[str, tuple]:
     """By conserved quantity of one system's living particles: its value, and the sum of its parts' absolute values."""
     slots = sim.living(name)
     total, pairs = sums(sim, name, slots), energy_of_pairs(sim, name, slots)
@@ -209,7 +212,7 @@ def _sums(sim, name: str) -> dict[str, tuple]:
     }
 
 
-def _gain_by_ledger(ledger: Ledger, name: str, quantity: str) -> tuple:
+def gain_by_ledger(ledger: Ledger, name: str, quantity: str) -> tuple:
     """(the gain of one system according to the ledger, the largest entry)."""
     entries = lambda column: [amount for key, amount in column.items() if key.startswith(name + ".")]  # noqa: E731
     gains, losses = LEDGER_FIELDS[quantity]

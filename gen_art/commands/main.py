@@ -34,6 +34,7 @@ COMMANDS = (
     "validate",
     "inspect",
     "audit",
+    "check",
     "digests",
     "gallery",
     "bench",

@@ -137,6 +137,12 @@ class Interaction(Parametric):
     def restore_arrays(self, saved_arrays: dict[str, np.ndarray], time: float) -> None:
         raise NotImplementedError
 
+    def disturb(self, share: float, push: np.ndarray) -> None:
+        """Move velocities that are not the particles' own towards `push`, (3,) m/s, by a share: v <- (1 - share) v + share push.
+
+        `gen-art check` does this to see whether a claim notices it.
+        """
+
     def break_bonds(self, state: Particles, precision: str) -> float | None:
         """Break bonds that are overstretched at the present positions; their energy, J, or None if none breaks."""
         raise NotImplementedError

@@ -312,7 +312,7 @@ def rerun(
     with tempfile.TemporaryDirectory(prefix="gen-art-") as scratch:
         token = FOLDER.set(find_files(recipe, folders, Path(scratch) if folder is None else None))
         try:
-            preset = _load({**recipe["preset"], "name": recipe["name"]})
+            preset = _load({**recipe["preset"], "name": recipe["name"]}).take_verdict(recipe)
         finally:
             FOLDER.reset(token)
         return _rerun(recipe, preset, picture, out, threads, overwrite, progress, plugins)

@@ -1,7 +1,8 @@
 """The recipe of a picture or film: everything that is needed to make it again, as JSON inside the file.
 
-It holds the resolved preset and seed, the version, what was rendered (time or frames, size, precision, quality), and the
-name and sha256 of each plugin and file. It also holds the bytes of small files, but never those of plugins, which are code.
+It holds the resolved preset and seed, the version, what was rendered (time or frames, size, precision, quality), the verdict
+on the preset's `expect:`, and the name and sha256 of each plugin and file. It also holds the bytes of small files, but never
+those of plugins, which are code.
 """
 
 import base64
@@ -17,6 +18,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 
 from gen_art.errors import UsageError
 from gen_art.files import below, sha256
+from gen_art.preset.verdicts import verdict_of
 
 __all__ = ["FORMAT", "KEY", "check_complete", "encode", "find_files", "make_recipe", "verify", "version"]
 
@@ -38,11 +40,13 @@ def version() -> str:
 
 def make_recipe(preset, *, plugins=(), **job) -> dict:
     """The recipe of a picture or film of `preset`; `job` says what was rendered."""
+    verdict = verdict_of(preset, version())
     return {
         "format": FORMAT,
         "gen_art": version(),
         "name": preset.name,
         **job,
+        **({"expect": verdict} if verdict is not None else {}),
         "plugins": [{"name": p.name, "sha256": p.sha256} for p in plugins],
         "files": _file_entries(preset.files),
         "preset": preset.resolved(),

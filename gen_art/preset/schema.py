@@ -11,6 +11,7 @@ from gen_art.preset.camera import CameraSpec
 from gen_art.preset.clock import Clock
 from gen_art.preset.develop import DevelopSpec
 from gen_art.preset.emitter import EmitterSpec, ParticleSpec
+from gen_art.preset.expect import Expect
 from gen_art.preset.fields import NotNegative, NotNegativeRange, Number, Parsed, Positive
 from gen_art.preset.files import FOLDER, PresetFile
 from gen_art.preset.look import Look
@@ -144,9 +145,11 @@ class Preset(Model):
     camera: CameraSpec | None = about(None, "the camera; when left out, one that has all particles in its view")
     develop: DevelopSpec = about(DevelopSpec(), "how light becomes a picture")
     gallery: Gallery = about(Gallery(), "the moments that represent the preset")
+    expect: Expect | None = about(None, "what must hold of its motion; `gen-art check` runs it")
     _name: str = PrivateAttr("preset")
     _written: dict = PrivateAttr(default_factory=dict)
     _folder: Path = PrivateAttr(Path())
+    _verdict: dict | None = PrivateAttr(None)
 
     @classmethod
     def known_keys(cls) -> list[str]:
@@ -164,6 +167,16 @@ class Preset(Model):
     def keep(self, name: str, written: dict) -> "Preset":
         """Store the name, the folder that is being read and the plain data from which this was made."""
         self._name, self._written, self._folder = name, written, FOLDER.get()
+        return self
+
+    @property
+    def verdict(self) -> dict | None:
+        """The verdict on `expect` from the recipe of the picture that is made again; None otherwise."""
+        return self._verdict
+
+    def take_verdict(self, recipe: dict) -> "Preset":
+        """Take over the verdict of a recipe."""
+        self._verdict = recipe.get("expect")
         return self
 
     @property

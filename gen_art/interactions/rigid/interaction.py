@@ -176,6 +176,9 @@ class Rigid(Interaction):
     def restore_arrays(self, saved_arrays, time):
         self._world.restore_arrays(saved_arrays, time)
 
+    def disturb(self, share, push):
+        self._world.disturb(share, push)
+
     def solve(self, state, stage):
         self._world.solve(state, stage)
 

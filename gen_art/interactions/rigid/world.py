@@ -94,6 +94,13 @@ class World:
         self.contacts.restore_arrays(saved_arrays)
         self.contacts.detect(time)
 
+    def disturb(self, share: float, push: np.ndarray) -> None:
+        """Move the velocities of free bodies towards `push`, m/s, by a share, and lessen their angular momenta by it."""
+        free, turning = self.constraint == FREE, self.constraint != STATIC
+        self.v[free] = (1 - share) * self.v[free] + share * push
+        self.L[turning] *= 1 - share
+        self._update_derived()
+
     def _frames(self) -> np.ndarray:
         return np.concatenate([self.x, self.R.reshape(-1, 9), self.v, self.w], 1)
 
