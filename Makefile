@@ -7,7 +7,7 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
 INSTALLED := $(VENV)/installed-$(shell cat requirements.lock pyproject.toml | cksum | cut -d' ' -f1)
 BENCH := $(VENV)/installed-bench-$(shell cat requirements-bench.lock | cksum | cut -d' ' -f1)
 
-.PHONY: demo test proofs check golden bench gallery lock clean
+.PHONY: demo test proofs verdicts check golden bench gallery lock clean
 
 demo: $(INSTALLED)
 	@mkdir -p out
@@ -19,6 +19,10 @@ test: $(INSTALLED)
 
 proofs: $(INSTALLED)
 	$(BIN)/python -m pytest -m proof --numprocesses 2
+
+# checks what every shipped preset expects, and keeps the verdicts that their pictures carry
+verdicts: $(INSTALLED)
+	$(BIN)/gen-art check
 
 check: $(INSTALLED)
 	$(BIN)/ruff format --check .

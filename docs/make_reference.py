@@ -12,7 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from gen_art.integrators import INTEGRATORS
-from gen_art.preset import camera, clock, develop, emitter, look, schema
+from gen_art.preset import camera, clock, develop, emitter, expect, look, schema
 from gen_art.preset.registered import in_degrees, is_field, parameters, registry
 
 FOLDER = Path(__file__).resolve().parent
@@ -108,6 +108,13 @@ DOCUMENTED = {  # class: heading of its table
     develop.DevelopSpec: "develop:",
     develop.Bloom: "bloom: of develop",
     develop.AutoExposure: "auto_exposure: of develop",
+    expect.Expect: "expect:",
+    expect.Drift: "energy:, momentum:, angular_momentum:, mass:, charge: of expect (one or a list)",
+    expect.LedgerGap: "ledger: of expect (one or a list)",
+    expect.Quantity: "keys of a period, a value and a range of expect",
+    expect.Period: "period: of expect (one or a list)",
+    expect.Value: "value: of expect (one or a list)",
+    expect.Range: "range: of expect (one or a list)",
 }
 
 
@@ -243,7 +250,7 @@ def field_default(field) -> str:
 
 def model(cls, where: str) -> str:
     rows = []
-    own = [name for base in cls.__mro__[1:2] if base is emitter.Attributes for name in base.model_fields]
+    own = [n for base in cls.__mro__[1:2] if base in (emitter.Attributes, expect.Quantity) for n in base.model_fields]
     for name, field in cls.model_fields.items():
         if field.exclude or name in own:
             continue

@@ -80,16 +80,18 @@ class QuantityClaim:
         return (times - self.clock.preroll) / self.clock.speed
 
     def measure(self, times: np.ndarray, values: np.ndarray) -> float:
-        """The number to compare: of a range the value that is farthest out."""
-        spec = self.spec
+        """The number to compare: of a range the value that is farthest out. Moments without particles do not count."""
+        spec, living = self.spec, ~np.isnan(values)
+        times, values = times[living], values[living]
+        if not len(values):
+            return math.nan
         if isinstance(spec, Period):
             return period(times, values)
         film = self.film_time(times)
         if isinstance(spec, Value):
             return float(values[-1] if spec.at is None else np.interp(spec.at, film, values))
         kept = values if spec.after is None else values[film >= spec.after - 1e-9]
-        outside = np.array([self.error(value) for value in kept])
-        return float(kept[int(np.argmax(outside))]) if len(kept) and not np.isnan(outside).any() else math.nan
+        return float(kept[np.argmax([self.error(value) for value in kept])]) if len(kept) else math.nan
 
     def error(self, measured: float) -> float:
         spec = self.spec

@@ -220,7 +220,7 @@ def resolve_collisions(
                         potential = (x - x1).dot(ti.Vector([C.c0[j], C.c1[j], C.c2[j]])) * (m / h)
                         extra = 0.5 * m * (v.dot(v) - v1.dot(v1)) + dissipated - work - potential
                     for c, entry in ti.static(enumerate(terms.colliders)):
-                        if last == c:
-                            add_entry(B, b, entry.ledger_row, work + extra, dissipated, x * 0.0)
+                        if last == c:  # after MAX_IMPACTS the forces of the time left do not act
+                            add_entry(B, b, entry.ledger_row, work + extra, dissipated, a * (-m * left))
                 X.x0[j], X.x1[j], X.x2[j] = x[0], x[1], x[2]
                 X.v0[j], X.v1[j], X.v2[j] = v[0], v[1], v[2]

@@ -106,7 +106,10 @@ class CoupledSystems:
         if mover is None:
             stepper.stage(first, self.dt, 1, 2, numbers)
         elif drift > 0:
+            before = state.floats[VELOCITY, : state.count].copy() if self.ledger else None
             mover.drift(state, stage)
+            if self.ledger and before is not None:
+                self.ledger.record_turn(name, mover, state, before)
 
     def _sum_pair_forces(self, stepper: Stepper, g: int) -> None:
         """Compute the accelerations of the forces between particles at stage g, for one system."""

@@ -185,6 +185,15 @@ class LedgerKeeper:
             dissipated += work
         row[_DISSIPATED] += dissipated
 
+    def record_turn(self, name: str, interaction, state, before: np.ndarray) -> None:
+        """Add the impulse of pivots and axles while bodies turn about them, which does no work.
+
+        before : (3, n) velocities before the drift, m/s
+        """
+        mass = state.floats[MASS, : state.count].astype(np.float64)
+        change = state.floats[VELOCITY, : state.count].astype(np.float64) - before
+        self._implicit_row(f"{name}.{interaction.name}")[_IMPULSE] += change @ mass
+
     def _conservative_work(self, name: str, state, displacement: np.ndarray) -> float:
         """The work of conservative forces over a displacement (3, n), m, with its middle at the particles' positions, J.
 
@@ -206,17 +215,11 @@ class LedgerKeeper:
         """Add the entries of births, at their exact times and before the particles move."""
         self._add_transfers(self._born, name, np.arange(new.start, new.stop))
 
-    def record_deaths(self, t0: float, t1: float, unprocessed_ids: dict[str, tuple[int, int]]) -> None:
-        """Add the entries of the deaths from time t0 to t1, s; dead particles are still where they died.
-
-        unprocessed_ids : by system, ids from..to of the particles that were born at the end of the previous step
-        """
+    def record_deaths(self, t0: float, t1: float) -> None:
+        """Add the entries of the deaths after t0 until t1, s; dead particles are still where they died."""
         for name, system in self.sim.members.items():
-            state = system.state
-            death, ids = state.death(), state.id[: state.count]
-            begin, end = unprocessed_ids[name]
-            not_handled = (death > t0) | ((ids >= begin) & (ids < end))
-            self._add_transfers(self._died, name, np.flatnonzero((death <= t1) & not_handled))
+            death = system.state.death()
+            self._add_transfers(self._died, name, np.flatnonzero((death > t0) & (death <= t1)))
 
     def _add_transfers(self, entries: Entries, name: str, slots: np.ndarray) -> None:
         """Add the particles in these slots to the entries of their emitters."""

@@ -233,7 +233,6 @@ class Simulation:
         for system in self.members.values():
             if system.state.tidy(t0, system.name in self._coupled.steppers):
                 self._coupled.forget()
-        unprocessed = self._unprocessed_ids
         for name, system in self.members.items():
             new = give_birth(
                 system.state, [b for e in system.emitters for b in scheduled_births(e, t1)], self.precision
@@ -261,7 +260,7 @@ class Simulation:
         else:
             self._unprocessed_ids = {name: (s.state.next_id, s.state.next_id) for name, s in self.members.items()}
         if self._ledger:
-            self._ledger.record_deaths(t0, t1, unprocessed)
+            self._ledger.record_deaths(t0, t1)
         self._watch.look()
         return steps
 

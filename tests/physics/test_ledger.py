@@ -116,3 +116,42 @@ def test_a_simulation_without_it_says_how_to_keep_it():
     sim = ga.Simulation({"s": system("leapfrog", [F.Gravity()])}, dt=0.01)
     with pytest.raises(ga.UsageError, match="ledger=True"):
         sim.ledger()
+
+
+def test_momentum_closes_where_a_particle_gets_stuck():
+    """Between two walls it meets more often in a step than is followed, and stays for the rest of the step."""
+    walls = [ga.colliders.Plane(point=(x, 0, 0), normal=(1 - 2 * x * 1e4, 0, 0), restitution=1.0) for x in (0.0, 1e-4)]
+    one = ga.ParticleSystem(
+        position=[(5e-5, 0, 0)], velocity=[(1, 0, 0)], mass=2.0, radius=0.0, forces=[F.Gravity()], colliders=walls
+    )
+    sim = ga.Simulation({"s": one}, dt=0.01, precision="f64", ledger=True, advice="none")
+    sim.step(20)
+    assert sim["s"].velocity[0, 1] > -0.9 * 9.81 * sim.time  # it did get stuck
+    assert np.abs(sim.ledger().momentum_residual).max() < 1e-12 * 2.0 * 9.81 * sim.time
+
+
+def test_a_death_in_the_step_of_its_birth_counts_once():
+    """Sparks of a burst that strike the floor at once."""
+    data = {
+        "version": 1, "clock": {"duration": 1, "step": "1/60"}, "forces": {"gravity": [0, -9.81, 0]},
+        "systems": {
+            "shells": {
+                "particle": {"mass": 1, "lifetime": 0.503},
+                "emitters": {"one": {"count": 5, "shape": {"box": {"min": [-1, 1.3, 0], "max": [1, 1.3, 0]}}}},
+            },
+            "sparks": {
+                "particle": {"mass": 0.1, "radius": 0}, "colliders": {"plane": {"action": "kill"}},
+                "emitters": {
+                    "burst": {"from": {"event": "shells.death"}, "count": 40, "velocity": {"sphere": "0..50"}},
+                    "many": {"count": 3000, "shape": {"point": [0, 99, 0]}},  # few dead are not cleared away at once
+                },
+            },
+        },
+    }  # fmt: skip
+    sim = ga.Simulation(ga.load_preset(data), precision="f64", ledger=True, advice="none")
+    sim.step(31)
+    assert 3000 < sim["sparks"].count < 3200
+    sim.step(20)
+    born, died = sim.ledger().born, sim.ledger().died
+    assert born["sparks.burst"].count == 200
+    assert died["sparks.burst"].count == 3200 - sim["sparks"].count

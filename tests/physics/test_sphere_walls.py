@@ -81,9 +81,12 @@ def test_a_sphere_that_spins_comes_to_roll():
     assert sim["s"].attribute("spin_z")[0] * 0.1 == pytest.approx(-1.0, rel=2 * g * T * T / np.pi**2 / 0.1)
 
 
-def gas(integrator, per_side, steps, dt, duration):
-    """Spheres of masses 1 and 100 in a unit box; the largest relative change of the energy, sampled ten times."""
-    n, r = per_side**3, 0.3 / per_side
+def gas(integrator, per_side, steps, dt, duration, share=0.3):
+    """Spheres of masses 1 and 100 in a unit box; the largest relative change of the energy, sampled ten times.
+
+    share : of a sphere's radius in its cell at the start
+    """
+    n, r = per_side**3, share / per_side
     at = np.linspace(1.2 * r, 1 - 1.2 * r, per_side)
     x = np.stack(np.meshgrid(at, at, at, indexing="ij"), -1).reshape(-1, 3)
     v = np.random.default_rng(1).normal(size=(n, 3))
@@ -99,10 +102,15 @@ def gas(integrator, per_side, steps, dt, duration):
     return max(errors)
 
 
-@pytest.mark.parametrize("integrator", ["semi_implicit_euler", "leapfrog"])
-def test_a_gas_between_walls_keeps_its_energy(integrator):
-    """Light spheres are squeezed between heavy ones and walls; walls that struck at an instant gave 3 % here."""
-    assert gas(integrator, 6, 6000, 1e-4, 1.2e-3) < 0.01
+@pytest.mark.parametrize("integrator, bound", [("semi_implicit_euler", 0.03), ("leapfrog", 0.015)])
+def test_a_gas_between_walls_keeps_its_energy(integrator, bound):
+    """Light spheres are squeezed between heavy ones and walls.
+
+    semi_implicit_euler keeps H - dt/2 F.v: with 12 steps a contact each of some 60 contacts is off by up to 13 % of its
+    energy, with random signs, so the sum by 0.8 % (one sigma). Leapfrog's error is of the next order. Walls that strike at
+    an instant multiply the energy by thousands with the first, and change it by 2 to 6 % with the second.
+    """
+    assert gas(integrator, 5, 6000, 1e-4, 1.2e-3, share=0.42) < bound
 
 
 @pytest.mark.proof
