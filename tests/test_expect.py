@@ -8,6 +8,9 @@ import pytest
 import gen_art as ga
 from gen_art.audit.expectations import check
 from gen_art.audit.observables import period, value_of
+from gen_art.output.recipe import version
+from gen_art.preset.shipped import course_names, preset_names
+from gen_art.preset.verdicts import verdict_of
 
 K = math.pi**2  # of a mass of 1 kg: a period of 2 s
 
@@ -43,6 +46,11 @@ def test_a_period_and_its_order():
         angle = math.pi / 120 / division
         assert measured == pytest.approx(2.0 * (1 - angle**2 / 24), abs=2 * angle**3)
     assert one.mutant_error == pytest.approx(1 - 1 / math.sqrt(1.1), rel=0.01)
+
+
+def test_what_cannot_be_measured_is_said():
+    short = check(bob({"time": 2, "period": {"of": "bob.x", "is": 2.0}, "mutant": STIFFER}))
+    assert short.findings[0].verdict == "does not hold" and "give a longer expect.time" in short.text()
 
 
 def test_a_claim_that_is_wrong_does_not_hold():
@@ -195,3 +203,10 @@ def test_what_only_a_run_can_tell():
         check(bob({"value": {"of": "bob.x", "is": 1, "at": 5}, "mutant": STIFFER}))
     with pytest.raises(ga.UsageError, match="the mutant of preset is no preset"):
         check(bob({"time": 9, "period": {"of": "bob.x", "is": 2.0}, "mutant": {"forces.sprnig.stiffness": 1}}))
+
+
+@pytest.mark.parametrize("name", [*preset_names(), *course_names()])
+def test_every_shipped_preset_is_checked(name):
+    """By `make verdicts`, since its physics or the version changed; continuous integration runs the checks themselves."""
+    verdict = verdict_of(ga.load_preset(name), version())
+    assert verdict and verdict["verdict"] == "good", f"{name}: run make verdicts"

@@ -33,6 +33,7 @@ class SumClaim:
         what = "follows the ledger within" if with_ledger else "stays within"
         self.words = f"{self.quantity}{whose} {what} {amount}"
         self.changes: dict | None = None
+        self.unmeasured = "the sums are not finite"
         self.disturbs = "matter" if quantity in _MATTER else "motion"
         share = f"{DISTURBANCE:.0%}"
         self.mutant_words = (
@@ -66,7 +67,9 @@ class QuantityClaim:
     def __init__(self, spec, changes: dict, clock):
         self.spec, self.clock, self.changes = spec, clock, changes
         self.bound, over = getattr(spec, "within", 0.0), "" if spec.over == "mean" else f"{spec.over} "
+        self.unmeasured = "no particle of it lives then"
         if isinstance(spec, Period):
+            self.unmeasured = "the quantity passes its middle upwards less than twice; give a longer expect.time"
             self.words = f"period of {over}{spec.of} is {spec.is_:g} s within {spec.within:g} of it"
         elif isinstance(spec, Value):
             at = "at the end" if spec.at is None else f"at {spec.at:g} s"

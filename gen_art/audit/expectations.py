@@ -38,6 +38,7 @@ class Finding:
     errors : at dt, dt/2 and dt/4; NaN where nothing could be measured
     mutant : the mutant in words
     mutant_error : the error of the mutant at dt; infinite if it left the finite numbers
+    unmeasured : why a measured value is NaN, where one is
     """
 
     claim: str
@@ -46,6 +47,7 @@ class Finding:
     errors: tuple[float, ...]
     mutant: str
     mutant_error: float
+    unmeasured: str = ""
 
     @property
     def holds(self) -> bool:
@@ -102,6 +104,8 @@ class Check:
             measured = "  ".join(f"{value:.7g}" for value in one.measured)
             lines.append(f"  {one.verdict:14}{one.claim}")
             lines.append(f"  {'':14}at dt, dt/2, dt/4: {measured}; with {one.mutant}: error {one.mutant_error:.2g}")
+            if any(map(math.isnan, one.measured)):
+                lines.append(f"  {'':14}not measured: {one.unmeasured}")
         return "\n".join(lines)
 
     def as_dict(self) -> dict:
@@ -143,7 +147,9 @@ def check(preset, threads=None) -> Check:
         errors = tuple(claim.error(value) for value in measured)
         mutated = wrong[claim.mutant_words].get(claim)
         mutant_error = math.inf if mutated is None else claim.error(mutated)
-        findings.append(Finding(claim.words, claim.bound, measured, errors, claim.mutant_words, mutant_error))
+        findings.append(
+            Finding(claim.words, claim.bound, measured, errors, claim.mutant_words, mutant_error, claim.unmeasured)
+        )
     return Check(few.name, few.seed, film_time, clock.step, steps, changes, findings)
 
 
