@@ -42,6 +42,10 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
         echo(f"  {'conserved':13} {', '.join(system['should_hold']) or 'nothing by itself'}")
         for quantity, reason in system["booked"].items():
             echo(f"  {'in the ledger':13} {quantity}: {reason}")
+    if facts["expect"]:
+        echo(f"\nexpects ({facts['expect']['verdict']}; `gen-art check` runs it)")
+        for claim in facts["expect"]["claims"]:
+            echo(f"  {claim}")
     for sentence in facts["advice"]:
         echo(f"\nwarning: {sentence}")
     from gen_art.preset.estimate import megabytes
@@ -95,10 +99,21 @@ def _facts(preset, size, precision) -> dict:
             "film": _count(expected.process(size, CODECS["h264"].memory)),
         },
         "systems": systems,
+        "expect": _expectations(preset),
         "advice": list(
             dict.fromkeys([*silent_parts(preset), *undrawn_systems(preset), *advice(preset), *step_advice(preset)])
         ),
     }
+
+
+def _expectations(preset) -> dict | None:
+    """The claims of `expect:` in words, and their verdict; None without any."""
+    from gen_art.audit.claims import claims_of
+    from gen_art.output.recipe import version
+    from gen_art.preset.verdicts import verdict_of
+
+    verdict = verdict_of(preset, version())
+    return verdict and {"verdict": verdict["verdict"], "claims": [claim.words for claim in claims_of(preset)]}
 
 
 def _collider_text(collider) -> str:
