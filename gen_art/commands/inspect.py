@@ -34,6 +34,8 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
         f"{preset.name}: {clock['frames']} frames at {clock['fps']:g} a second, {clock['steps_per_frame']} steps of "
         f"{clock['step']:.6g} a frame, {clock['preroll_steps']} before the first; seed {preset.seed}"
     )
+    if preset.domain is not None:
+        echo(f"domain: {preset.domain.box}")
     for name, system in facts["systems"].items():
         echo(f"\n{name}: {system['integrator']}, {system['born']:,} born, at most about {system['peak']:,} at once")
         for label in ("forces", "interactions", "colliders", "medium", "emitters"):
@@ -88,6 +90,7 @@ def _facts(preset, size, precision) -> dict:
             "steps_per_frame": clock.steps_per_frame,
             "preroll_steps": clock.preroll_steps,
         },
+        "domain": None if preset.domain is None else {"periodic": preset.domain.box.as_dict()},
         "particles": _count(expected.particles),
         "memory": {
             "state": _count(expected.memory),

@@ -4,6 +4,7 @@ It repeats the step of step_kernels.py on local copies, with the same functions 
 state. It records the work m a.(v0 + v1)/2 h of each term (stage weights in Runge-Kutta), the energy that drag takes and that
 its medium gives, and all impulses. With a speed of light the momentum is m u, u = gamma v, and the work is the impulse times
 (u0 + u1) / (gamma0 + gamma1): the change of (gamma - 1) m c^2 is exactly m (u1 - u0) times it.
+The sides of a periodic box have a row where forces have potentials: a potential jumps where a particle is wrapped.
 
 The one-letter names in kernels are in docs/glossary.md.
 """
@@ -28,9 +29,11 @@ from gen_art.integrators.particle_tile import (
     kick,
     lane_steps,
     load,
+    place,
     repeats,
     stage_view,
     tile,
+    view,
 )
 from gen_art.integrators.pushers import gamma_at
 from gen_art.integrators.schemes import AHEAD, DRIFT, FIRST_DRIFT, KICK, STAGE, TIME, WEIGHT
@@ -53,7 +56,7 @@ def _add_kick_entries(
             if ti.static(len(terms.mass_loss_terms) > 0):
                 m = L.m[j]
             h = fraction * L.h[j]
-            x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
+            x = place(terms, X, Q, j)
             new = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
             old = ti.Vector([O.v0[j], O.v1[j], O.v2[j]])
             mean = new
@@ -127,6 +130,30 @@ def drift_with_exhaust(
     drift(L, X, fraction)
     if ti.static(len(terms.mass_loss_terms) > 0):
         add_exhaust_entries(terms, B, b, L, X, S, K, Q, i, n, tau + fraction, 0.5 * fraction)
+
+
+@ti.func
+def _add_boundary_entries(
+    terms: ti.template(), B: ti.template(), b, L: ti.template(), X: ti.template(),
+    S: ti.template(), K: ti.template(), Q: ti.template(), i, n,
+):  # fmt: skip
+    """Record by how much the potentials change where the end X of the step is wrapped: the work of the sides of the box."""
+    for j in range(WIDTH):
+        if i + j < n and L.h[j] > 0.0:
+            x, inside = ti.Vector([X.x0[j], X.x1[j], X.x2[j]]), place(terms, X, Q, j)
+            if (inside - x).norm() > 0.0:
+                v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
+                m, age, t = S[MASS, i + j], L.age[j] + L.h[j], L.t[j] + L.h[j]
+                if ti.static(len(terms.mass_loss_terms) > 0):
+                    m -= L.h[j] * L.w[j]
+                before = view(terms, S, K, i + j, x, v, age, None, m, (L.age[j], L.h[j]))
+                after = view(terms, S, K, i + j, inside, v, age, None, m, (L.age[j], L.h[j]))
+                gain = m * 0.0
+                for term in ti.static(terms.potentials):
+                    for repeat in range(repeats(Q, term.count_offset)):
+                        q = parameters(Q, term.force, term.offset, repeat)
+                        gain += term.force.potential(after, t, q) - term.force.potential(before, t, q)
+                add_entry(B, b, terms.boundary_row, gain, 0.0, x * 0.0)
 
 
 @cache
@@ -203,12 +230,17 @@ def make_ledger_kernel(
                     if ti.static(len(terms.colliders) > 0):
                         for j in range(WIDTH):
                             M[0, i + j], M[1, i + j], M[2, i + j] = C.c0[j], C.c1[j], C.c2[j]
+                    if ti.static(len(terms.colliders) > 0 or terms.boundary_row >= 0):
                         if stage1 == (P.shape[0] - 1) // STAGE:
                             if ti.static(not splitting):
-                                copy(G, X)
+                                if ti.static(len(terms.colliders) > 0):
+                                    copy(G, X)
                                 for j in range(WIDTH):
                                     X.x0[j], X.x1[j], X.x2[j] = X.x0[j] + Z.x0[j], X.x1[j] + Z.x1[j], X.x2[j] + Z.x2[j]
                                     X.v0[j], X.v1[j], X.v2[j] = X.v0[j] + Z.v0[j], X.v1[j] + Z.v1[j], X.v2[j] + Z.v2[j]
-                            resolve_collisions(terms, L, G, X, S, Q, i, n, B, b, C, True)
+                            if ti.static(len(terms.colliders) > 0):
+                                resolve_collisions(terms, L, G, X, S, Q, i, n, B, b, C, True)
+                            if ti.static(terms.boundary_row >= 0):
+                                _add_boundary_entries(terms, B, b, L, X, S, K, Q, i, n)
 
     return runtime.kernel(ledger_kernel, precision)

@@ -4,7 +4,7 @@ from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
 from gen_art.forces.base import term_acceleration, term_mass_rate
 from gen_art.integrators.ledger_rows import add_entry
-from gen_art.integrators.particle_tile import WIDTH, repeats, view
+from gen_art.integrators.particle_tile import WIDTH, place, repeats, view
 from gen_art.particles.rows import MASS
 
 __all__ = ["add_exhaust_entries", "compute_mass_loss", "apply_mass_loss"]
@@ -44,7 +44,7 @@ def add_exhaust_entries(
     """
     for j in range(WIDTH):
         if i + j < n and L.h[j] > 0.0:
-            x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
+            x = place(terms, X, Q, j)
             v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
             m = S[MASS, i + j] - tau * L.h[j] * L.w[j]
             age, t = L.age[j] + tau * L.h[j], L.t[j] + tau * L.h[j]

@@ -4,7 +4,8 @@ import numpy as np
 
 from gen_art.backend.memory import available_memory
 from gen_art.errors import MemoryRefused
-from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, RADIUS
+from gen_art.particles.periodic_box import PeriodicBox
+from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, POSITION, RADIUS
 
 __all__ = ["BASE_ROWS", "PADDING", "Particles"]
 
@@ -23,13 +24,18 @@ class Particles:
     id : (capacity,) int64, never reused
     source : (capacity,) int32, index into `sources`
     count : number of used slots, [0, count), in the order of their ids
+    box : the periodic box that all positions are in between steps; None in open space
     A particle is dead when birth + lifetime <= time; `tidy` removes the dead and keeps the order.
     """
 
-    def __init__(self, dtype, attributes: tuple[str, ...] = (), sources: tuple = (), capacity: int = 1024):
+    def __init__(
+        self, dtype, attributes: tuple[str, ...] = (), sources: tuple = (), capacity: int = 1024,
+        box: PeriodicBox | None = None,
+    ):  # fmt: skip
         self.channels = {**BASE_ROWS, **{name: FIRST_ATTRIBUTE + k for k, name in enumerate(attributes)}}
         self.attributes = tuple(attributes)
         self.sources = list(sources)
+        self.box = box
         self.count = 0
         self.next_id = 0
         self.may_die = False
@@ -95,6 +101,11 @@ class Particles:
     def alive(self, time: float) -> np.ndarray:
         """Bools: which used slots have a particle that is alive at `time`."""
         return (self.death() > time) & (self.birth[: self.count] <= time)
+
+    def wrap(self, slots: slice) -> None:
+        """Move these particles into the periodic box, if there is one."""
+        if self.box is not None:
+            self.box.wrap(self.floats[POSITION, slots])
 
     def tidy(self, time: float, at_once: bool) -> bool:
         """Remove the dead particles when there may be many, keeping the order; returns whether slots have changed.

@@ -125,7 +125,11 @@ def _impacts(here: tuple, source: Any, data: dict, systems: dict) -> Problems:
 
 
 def unbound(preset) -> Problems:
-    """(path, problem) of every force of a Preset that needs something its medium does not have, such as a density."""
+    """(path, problem) of what a Preset's forces and interactions need and do not have, such as a density, or an open space."""
+    for name, system in preset.systems.items():
+        for interaction in system.interactions if preset.domain is not None else ():
+            if (problem := interaction.problem_in(preset.domain.box, _largest_radius(system))) is not None:
+                yield ("systems", name, "interactions", interaction.name), problem
     for name, system in preset.systems.items():
         medium = system.medium or preset.medium
         shared = preset.forces if system.inherit_forces else ()
@@ -135,6 +139,12 @@ def unbound(preset) -> Problems:
                     force.bound_numbers(medium)
                 except UsageError as error:
                     yield (*here, force.name), str(error)
+
+
+def _largest_radius(system) -> float:
+    """The largest radius, m, that the keys of a system give its particles; 0 where none gives any."""
+    births = [birth for emitter in system.emitters.values() for birth in (emitter, *emitter.choose.values())]
+    return max((keys.radius.hi for keys in (system.particle, *births) if keys.radius is not None), default=0.0)
 
 
 def _sources(here: tuple, interaction: Any, systems: dict) -> Problems:

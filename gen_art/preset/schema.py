@@ -10,6 +10,7 @@ from gen_art.errors import UsageError
 from gen_art.preset.camera import CameraSpec
 from gen_art.preset.clock import Clock
 from gen_art.preset.develop import DevelopSpec
+from gen_art.preset.domain import Domain
 from gen_art.preset.emitter import EmitterSpec, ParticleSpec
 from gen_art.preset.fields import NotNegative, NotNegativeRange, Number, Parsed, Positive
 from gen_art.preset.files import FOLDER, PresetFile
@@ -137,6 +138,7 @@ class Preset(Model):
     )
     units: Units = about(Units(), "units of the numbers")
     clock: Clock = about(..., "duration, frames and time step")
+    domain: Domain | None = about(None, "the space of all systems; open without limits when left out")
     medium: MediumSpec = about(MediumSpec(), "the fluid in which the particles move")
     forces: Annotated[Any, Many("forces")] = about((), "forces that act on every system")
     colliders: Annotated[Any, Many("colliders")] = about((), "colliders of every system")

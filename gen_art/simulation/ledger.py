@@ -5,6 +5,8 @@ energy of the living particles; with a speed of light the kinetic energy is (gam
 Conservative forces have no entry of work: the residual is the scheme's error. Every force has an entry of its impulse.
 The entry of a collider holds the energy that it dissipates, its work if it moves, and by how much an impact changes the
 work of the other forces in the rest of the step.
+The entry `periodic_boundary` holds by how much potentials change where particles leave a periodic box on one side and come in
+at the other: wrapping changes no velocity, so it has no impulse.
 """
 
 from dataclasses import dataclass, field
@@ -34,6 +36,14 @@ __all__ = ["Entries", "LedgerKeeper", "Ledger", "Transfer"]
 _WORK, _DISSIPATED, _IMPULSE = 0, 1, slice(2, 5)
 # an engine has two rows: energy, mass and momentum of the exhaust, then its angular momentum
 _EXHAUST_ENERGY, _EXHAUST_MASS, _EXHAUST_VECTOR = 0, 1, slice(2, 5)
+
+
+BOUNDARY = "periodic_boundary"  # the name of the sides of a periodic box
+
+
+def _has_boundary(system) -> bool:
+    """Whether the ledger has a row for the sides of a periodic box, where the potentials of the forces on a system jump."""
+    return system.box is not None and bool(system.composition.potentials)
 
 
 class Entries(dict):
@@ -122,6 +132,7 @@ class LedgerKeeper:
         for name, system in sim.members.items():
             rows = len(system.composition.terms) + sum(len(interaction.parts) for interaction in system.interactions)
             rows += len(system.composition.colliders) + 2 * len(system.composition.mass_loss_terms)
+            rows += _has_boundary(system)
             self._rows_of[name] = np.zeros((rows, LEDGER_COLUMNS))
         # by system, (3, capacity): what the ledger kernel of a system with colliders stores between the stages of a step
         self._impact_states: dict[str, np.ndarray] = {}
@@ -277,6 +288,8 @@ class LedgerKeeper:
                     0, exhaust[_EXHAUST_MASS], 0.0, exhaust[_EXHAUST_VECTOR].copy(), angular[_EXHAUST_VECTOR].copy(),
                     float(exhaust[_EXHAUST_ENERGY]),
                 )  # fmt: skip
+            if _has_boundary(system):
+                work[f"{name}.{BOUNDARY}"] = float(self._rows_of[name][-1][_WORK])
         for key, row in self._implicit_rows.items():
             impulse[key] = impulse.get(key, np.zeros(3)) + row[_IMPULSE]
             dissipated[key] = dissipated.get(key, 0.0) + float(row[_DISSIPATED])

@@ -65,6 +65,11 @@ class Snapshot:
 
         return load_preset(self.head["preset"])
 
+    @property
+    def domain(self) -> dict | None:
+        """The space of systems that are not a preset's; None where it is open, or the preset has it."""
+        return self.head.get("domain")
+
     def restore_systems(self, members, time: float) -> None:
         """Put the saved particles into systems that were built from `definition`.
 
@@ -93,6 +98,8 @@ def write(sim, path, unprocessed_ids: dict[str, tuple[int, int]]) -> None:
         "format": _FORMAT, "precision": sim.precision, "dt": sim.dt, "seed": sim.seed, "steps": sim.steps_done,
         "preset": None if sim.preset is None else {**sim.preset.resolved(), "name": sim.preset.name}, "systems": {},
     }  # fmt: skip
+    if sim.preset is None and sim.box is not None:
+        head["domain"] = {"periodic": sim.box.as_dict()}
     for name, system in sim.members.items():
         state = system.state
         head["systems"][name] = {

@@ -18,6 +18,7 @@ from gen_art.integrators.schemes import charged
 from gen_art.interactions import Interaction
 from gen_art.kernel_methods import PARTICLE, attributes_read, is_own
 from gen_art.particles.fixed import FIXED
+from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.rows import FIRST_ATTRIBUTE, LIFETIME, POSITION, VELOCITY
 from gen_art.particles.storage import Particles
 from gen_art.registry import suggest
@@ -98,13 +99,15 @@ class ParticleSystem:
                         f"{force.name} takes mass, but the mass of a body of {mover.name} cannot change: "
                         "push it with `propeller` instead"
                     )
+        self._by_kernel, self._collider_names = by_kernel, names
         self.composition = KernelTerms(self.forces, self.medium, by_kernel, names)
+        self.box: PeriodicBox | None = None
         self.emitters: list[ActiveEmitter] = arguments.instances(
             "emitters", emitters, ActiveEmitter, "the emitters that a preset makes"
         )
         self.look = _checked_look(look)
         self._initial = self._checked_arrays(position, velocity, mass, charge, radius, attributes)
-        self.least_mass, self.largest_charge = self._extremes()
+        self.least_mass, self.largest_charge, self.largest_radius = self._extremes()
         for force in self.forces:
             force.check_mass(self.least_mass)
         self.name = ""
@@ -131,17 +134,29 @@ class ParticleSystem:
         self._state: Particles | None = None
         self._time = lambda: 0.0
 
-    def _extremes(self) -> tuple[float, float]:
-        """(least mass, kg, inf without particles; largest absolute charge, C) of the particles of the start and of births."""
+    def enter(self, box: PeriodicBox) -> None:
+        """Move into a periodic box, before a simulation takes the system.
+
+        Raises UsageError for an interaction that does not act across its sides, or reaches too far for it.
+        """
+        for interaction in self.interactions:
+            interaction.enter(box, self.largest_radius)
+        self.box = box
+        self.composition = KernelTerms(self.forces, self.medium, self._by_kernel, self._collider_names, box)
+
+    def _extremes(self) -> tuple[float, float, float]:
+        """(least mass, kg, inf without particles; largest absolute charge, C; largest radius, m) at the start and of births."""
         kinds = [kind.attributes for emission in self.emitters for kind in emission.kinds]
         masses = [
             k["density"][0] * 4 / 3 * np.pi * k["radius"][0] ** 3 if "density" in k else k["mass"][0] for k in kinds
         ]
         charges = [abs(c) for k in kinds for c in k["charge"]]
+        radii = [k["radius"][1] for k in kinds]
         if self._initial:
             masses.append(self._initial["mass"].min(initial=np.inf))
             charges.append(np.abs(self._initial["charge"]).max(initial=0.0))
-        return float(min(masses, default=np.inf)), float(max(charges, default=0.0))
+            radii.append(self._initial["radius"].max(initial=0.0))
+        return float(min(masses, default=np.inf)), float(max(charges, default=0.0)), float(max(radii, default=0.0))
 
     def may_have(self, attribute: str) -> bool:
         """Whether a particle of the start or of a birth may have this attribute other than 0; True where that is not known."""
@@ -238,7 +253,7 @@ class ParticleSystem:
                 kind.channels = channels
                 sources.append(ParticleOrigin(emission.name, kind.tag, kind.name))
         count = len(self._initial["mass"]) if self._initial else 0
-        self._state = state = Particles(dtype, names, tuple(sources), max(1024, count))
+        self._state = state = Particles(dtype, names, tuple(sources), max(1024, count), self.box)
         if self._initial:
             keys = derive(derive(key, channel_of("initial")), np.arange(count))
             new = state.append(np.zeros(count), keys, np.zeros(count, np.int32))
@@ -248,6 +263,7 @@ class ParticleSystem:
             state.floats[LIFETIME, self._fixed] = FIXED
             for name in ("mass", "charge", "radius", *self._attributes):
                 state.floats[state.channels[name], new] = self._initial[name]
+            state.wrap(new)
         self._initial = {}
         state.may_die = state.may_die or any(collider.values["action"] == "kill" for collider in self.colliders)
 
