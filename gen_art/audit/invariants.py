@@ -10,7 +10,11 @@ _KINKED_FIELDS = {"curl_noise": 3}  # fields with kinks in their second derivati
 _QUADRATIC_DRAG = 3  # because its rate is taken at a predicted midpoint
 _IMPACTS = 2  # because of the path inside a step
 _BOUNDARY = "the periodic boundary"
-_UNIFORM = ("gravity", "electric_field")  # forces whose `field` is the same everywhere
+# forces and fields that are the same everywhere: others jump at the sides of a periodic box, which are crossed within a step
+_UNIFORM = (
+    "damping", "drag", "driver", "electric_field", "gravity", "langevin", "lift", "magnetic_field", "panel", "thrust", "wind",
+)  # fmt: skip
+_JUMPS = 1
 _BIRTHS_ALONG_PATHS = 3  # because children are born on a cubic through their parent's step
 
 
@@ -49,7 +53,7 @@ def invariants(preset, system) -> tuple[list[str], dict[str, str]]:
     turning = list(external)
     if preset.domain is not None:
         turning.append(_BOUNDARY)
-        if any(_jumps(force, preset.domain.box) for force in forces):
+        if any(_potential_jumps(force, preset.domain.box) for force in forces):
             working.append(_BOUNDARY)
     changing = [name for name, emitter in system.emitters.items() if _has_births_or_deaths(system, emitter)]
     conserved, booked = [], {}
@@ -69,7 +73,7 @@ def invariants(preset, system) -> tuple[list[str], dict[str, str]]:
     return conserved, booked
 
 
-def _jumps(force, box) -> bool:
+def _potential_jumps(force, box) -> bool:
     """Whether the potential of a force changes where a particle is wrapped; that of a uniform field may be the same."""
     if not force.provides("potential"):
         return False
@@ -119,6 +123,8 @@ def expected_order(preset, name: str, seen: tuple = ()) -> int:
         order = min(order, _IMPACTS)
     fields = (*forces_of(preset, system), *(system.medium or preset.medium).terms)
     order = min([order, *(_KINKED_FIELDS.get(field.name, order) for field in fields)])
+    if preset.domain is not None and any(field.name not in _UNIFORM for field in fields):
+        order = min(order, _JUMPS)
     for emitter in system.emitters.values():
         if emitter.source is not None and emitter.source.system not in (*seen, name):
             order = min(order, expected_order(preset, emitter.source.system, (*seen, name)))
