@@ -5,7 +5,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from gen_art.errors import UsageError
 from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.storage import Particles
 from gen_art.registry import Parametric, Registry
@@ -96,19 +95,13 @@ class Interaction(Parametric):
     breaks: bool = False
     moves_particles: ClassVar[bool] = False
     periodic: ClassVar[bool] = False
-    box: PeriodicBox | None = None  # of the system; None in open space
+    box: PeriodicBox | None = None  # of the simulation that has taken its system; None in open space
     smooth: ClassVar[bool] = False  # whether forces vary with the distances as smoothly as the motion does
 
     @property
     def source_system(self) -> str | None:
         """The other system whose particles exert the forces; None if the system's particles act on each other."""
         return self.values.get("sources")
-
-    def enter(self, box: PeriodicBox, largest_radius: float) -> None:
-        """Act in a periodic box, between particles of up to this radius, m. Raises UsageError where that is impossible."""
-        if (problem := self.problem_in(box, largest_radius)) is not None:
-            raise UsageError(problem)
-        self.box = box
 
     def problem_in(self, box: PeriodicBox, largest_radius: float) -> str | None:
         """Why this cannot act in a periodic box, between particles of up to this radius, m; None if it can."""

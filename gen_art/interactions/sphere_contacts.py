@@ -166,8 +166,9 @@ class Contacts(Interaction):
         radius = float(floats[RADIUS, :n].max())
         if radius <= 0:
             return None
-        if self.box is not None:
-            self.enter(self.box, radius)  # spheres that are born may be larger than those of the start
+        # spheres that are born may be larger than those of the start
+        if self.box is not None and (problem := self.problem_in(self.box, radius)) is not None:
+            raise UsageError(problem)
         return sort_into_grid(rows, floats, n, 2 * radius * (1 + 1e-6), precision, self.box)
 
     def _in_box(self, request: ForceRequest) -> ForceRequest:

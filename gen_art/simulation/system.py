@@ -137,10 +137,14 @@ class ParticleSystem:
     def enter(self, box: PeriodicBox) -> None:
         """Move into a periodic box, before a simulation takes the system.
 
-        Raises UsageError for an interaction that does not act across its sides, or reaches too far for it.
+        Raises UsageError for an interaction that does not act across its sides, or reaches too far for it, and for a system that
+        a simulation has already.
         """
+        if self._state is not None:
+            raise UsageError(f"system '{self.name}' is already part of a simulation: make another ParticleSystem")
         for interaction in self.interactions:
-            interaction.enter(box, self.largest_radius)
+            if (problem := interaction.problem_in(box, self.largest_radius)) is not None:
+                raise UsageError(problem)
         self.box = box
         self.composition = KernelTerms(self.forces, self.medium, self._by_kernel, self._collider_names, box)
 
@@ -240,6 +244,8 @@ class ParticleSystem:
         if self._state is not None:
             raise UsageError(f"system '{name}' is already part of a simulation: make another ParticleSystem")
         self.name, self._time = name, time
+        for interaction in self.interactions:
+            interaction.box = self.box
         sources = []
         names = self.attribute_names
         channels = {attribute: FIRST_ATTRIBUTE + k for k, attribute in enumerate(names)}

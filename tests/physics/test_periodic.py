@@ -609,3 +609,21 @@ def test_a_preset_has_its_own_domain():
     assert preset.resolved()["domain"]["periodic"]["axes"] == "yx"  # so recipes and snapshots have it
     with pytest.raises(ga.UsageError, match="a preset has its space in itself"):
         ga.Simulation(preset, domain=domain())
+
+
+def test_a_system_keeps_the_space_of_its_simulation():
+    """A system that a simulation has is not moved into a box by another one, and a box is not left behind in an interaction."""
+    contacts = Contacts(duration=0.02)
+    first = ga.Simulation(
+        {"s": ga.ParticleSystem(position=[[0, 0.5, 2.5]], radius=0.05, interactions=[contacts])},
+        dt=1e-3,
+        domain=domain(),
+    )
+    with pytest.raises(ga.UsageError, match="already part of a simulation"):
+        ga.Simulation({"s": first["s"]}, dt=1e-3, domain=domain("x"))
+    assert first["s"].box == first.box and first.box.axes == "xyz"
+    x = [[-0.29, 0.5, 2.5], [0.89, 0.5, 2.5]]  # apart in open space, in touch across the side of the box
+    again = ga.ParticleSystem(position=x, radius=0.05, interactions=[contacts])
+    sim = ga.Simulation({"s": again}, dt=1e-3)
+    sim.step(5)
+    assert not sim["s"].velocity.any()
