@@ -40,6 +40,8 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
             if system[label]:
                 echo(f"  {label:13} {', '.join(system[label])}")
         echo(f"  {'conserved':13} {', '.join(system['should_hold']) or 'nothing by itself'}")
+        if system["joules"]:
+            echo(f"  {'joules shown':13} {', '.join(system['joules'])}; this keeps the ledger, one launch a step")
         for quantity, reason in system["booked"].items():
             echo(f"  {'in the ledger':13} {quantity}: {reason}")
     for sentence in facts["advice"]:
@@ -74,6 +76,7 @@ def _facts(preset, size, precision) -> dict:
             "emitters": list(system.emitters),
             "should_hold": conserved,
             "booked": booked,
+            "joules": [entry.title for entry in _entries(system)],
         }
     return {
         "preset": preset.name,
@@ -99,6 +102,11 @@ def _facts(preset, size, precision) -> dict:
             dict.fromkeys([*silent_parts(preset), *undrawn_systems(preset), *advice(preset), *step_advice(preset)])
         ),
     }
+
+
+def _entries(system) -> tuple:
+    """The entries of the ledger that a system's look goes by."""
+    return system.look.ledger_entries(system.particle.attributes) if system.look is not None else ()
 
 
 def _collider_text(collider) -> str:

@@ -16,7 +16,7 @@ from gen_art.backend.runtime import ti
 from gen_art.forces.base import term_acceleration
 from gen_art.integrators.collisions import resolve_collisions
 from gen_art.integrators.kernel_terms import KernelTerms
-from gen_art.integrators.ledger_rows import LEDGER_COLUMNS, add_entry
+from gen_art.integrators.ledger_rows import LEDGER_COLUMNS, add_entry, ledger_arrays
 from gen_art.integrators.mass_loss import add_exhaust_entries, compute_mass_loss
 from gen_art.integrators.particle_tile import (
     STATE,
@@ -70,7 +70,7 @@ def _add_kick_entries(
                 a = ti.Vector([A[3 * k, i + j], A[3 * k + 1, i + j], A[3 * k + 2, i + j]])
                 impulse = a * (m * h)
                 rest -= impulse
-                add_entry(B, b, terms.count + k, impulse.dot(mean), 0.0, impulse)
+                add_entry(B, b, i + j, terms.count + k, impulse.dot(mean), 0.0, impulse)
                 if ti.static(len(terms.colliders) > 0 and terms.mutual[k]):
                     C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
             for term in ti.static(terms.accelerations):
@@ -80,22 +80,22 @@ def _add_kick_entries(
                     a = term_acceleration(term.force, seen, t, parameters(Q, term.force, term.offset, repeat))
                     impulse = a * (m * h)
                     rest -= impulse
-                    add_entry(B, b, term.ledger_row, impulse.dot(mean), 0.0, impulse)
+                    add_entry(B, b, i + j, term.ledger_row, impulse.dot(mean), 0.0, impulse)
                     if ti.static(len(terms.colliders) > 0 and term.force.conservative):
                         C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
             if ti.static(len(terms.noises) > 0 and kicked):
                 impulse = ti.Vector([L.n0[j], L.n1[j], L.n2[j]]) * m
                 rest -= impulse
-                add_entry(B, b, terms.noises[0].ledger_row, impulse.dot(mean), 0.0, impulse)
+                add_entry(B, b, i + j, terms.noises[0].ledger_row, impulse.dot(mean), 0.0, impulse)
             for term in ti.static(terms.magnetics):
                 for repeat in range(repeats(Q, term.count_offset)):
                     field = term.force.magnetic(p, t, parameters(Q, term.force, term.offset, repeat))
                     impulse = mean.cross(field) * (S[CHARGE, i + j] * h)
                     rest -= impulse
-                    add_entry(B, b, term.ledger_row, 0.0, 0.0, impulse)
+                    add_entry(B, b, i + j, term.ledger_row, 0.0, 0.0, impulse)
             if ti.static(terms.magnetic_without_damping and kicked):
                 # the pusher's rotation differs from the sum over the fields
-                add_entry(B, b, terms.magnetics[0].ledger_row, 0.0, 0.0, rest)
+                add_entry(B, b, i + j, terms.magnetics[0].ledger_row, 0.0, 0.0, rest)
             if ti.static(len(terms.dampings) > 0):
                 total = h * 0.0
                 drive = ti.Vector([0.0, 0.0, 0.0])
@@ -113,7 +113,7 @@ def _add_kick_entries(
                     k = L.at("k", d)[j] + L.at("q", d)[j] * (mean - u).norm()
                     impulse = (u - drag_velocity) * (k * m * h)
                     work = impulse.dot(u)
-                    add_entry(B, b, term.ledger_row, work, work - impulse.dot(mean), impulse)
+                    add_entry(B, b, i + j, term.ledger_row, work, work - impulse.dot(mean), impulse)
 
 
 @ti.func
@@ -131,13 +131,16 @@ def drift_with_exhaust(
 
 @cache
 def make_ledger_kernel(
-    composition: KernelTerms, kind: str, rotation: tuple, mutual: tuple, staged: bool, channels: tuple, precision: str
-):
-    """The ledger kernel of one system: as make_step's kernel, for one step, with two more arrays at the end.
+    composition: KernelTerms, kind: str, rotation: tuple, mutual: tuple, staged: bool, channels: tuple, precision: str,
+    shares: tuple = (),
+):  # fmt: skip
+    """The ledger kernel of one system: as make_step's kernel, for one step, with three more arrays at the end.
 
     mutual : for each array of pair accelerations, whether it is conservative
-    B (blocks, rows x LEDGER_COLUMNS) f64 : the entries
+    shares : what is booked of each row for each particle, see LedgerArrays
+    T (blocks, rows x LEDGER_COLUMNS) f64 : the entries
     M (3, capacity) : with colliders, the change of velocity by conservative forces in the stages so far
+    W (entries, capacity) f64 : the booked joules of each particle
     """
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
@@ -150,8 +153,9 @@ def make_ledger_kernel(
     def ledger_kernel(
         S: matrix, birth: ti.types.ndarray(ti.f64, 1), K: ti.types.ndarray(ti.u32, 2), A: matrix, R: matrix, Q: vector,
         P: vector, begin: ti.i32, n: ti.i32, first: ti.f64, dt: ti.f64, earliest: ti.f64, stage0: ti.i32, stage1: ti.i32,
-        B: ti.types.ndarray(ti.f64, 2), M: matrix,
+        T: ti.types.ndarray(ti.f64, 2), M: matrix, W: ti.types.ndarray(ti.f64, 2),
     ):  # fmt: skip
+        B = ledger_arrays(T, W, shares)
         ti.loop_config(block_dim=1)
         for b in range((n - begin + BLOCK - 1) // BLOCK):
             for s in range(BLOCK // WIDTH):

@@ -57,7 +57,7 @@ def add_exhaust_entries(
                     dm = rate * share * L.h[j]
                     exhaust_velocity = v + u
                     extra = dm * (0.5 * u.dot(u) + u.dot(v))
-                    add_entry(B, b, engine.ledger_row, extra, 0.0, u * dm)
+                    add_entry(B, b, i + j, engine.ledger_row, extra, 0.0, u * dm)
                     row = ti.static(terms.exhaust_row + 2 * k)
                     energy = 0.5 * dm * exhaust_velocity.dot(exhaust_velocity)
                     for term in ti.static(terms.potentials):
@@ -65,5 +65,5 @@ def add_exhaust_entries(
                         for repeat in range(repeats(Q, term.count_offset)):
                             numbers = parameters(Q, term.force, term.offset, repeat)
                             energy += term.force.potential(p, t, numbers) - term.force.potential(lighter, t, numbers)
-                    add_entry(B, b, row, energy, dm, exhaust_velocity * dm)
-                    add_entry(B, b, row + 1, 0.0, 0.0, x.cross(exhaust_velocity) * dm)
+                    add_entry(B, b, i + j, row, energy, dm, exhaust_velocity * dm)
+                    add_entry(B, b, i + j, row + 1, 0.0, 0.0, x.cross(exhaust_velocity) * dm)

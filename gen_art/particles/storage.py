@@ -1,9 +1,12 @@
 """Structure-of-arrays storage of one system's particles."""
 
+import math
+
 import numpy as np
 
 from gen_art.backend.memory import available_memory
 from gen_art.errors import MemoryRefused
+from gen_art.particles.entries import LedgerEntry
 from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, RADIUS
 
 __all__ = ["BASE_ROWS", "PADDING", "Particles"]
@@ -23,13 +26,21 @@ class Particles:
     id : (capacity,) int64, never reused
     source : (capacity,) int32, index into `sources`
     count : number of used slots, [0, count), in the order of their ids
+    booked : (entries, capacity) f64, J: the share of each particle in the `entries` of the ledger since its birth. It is no
+        part of the state: the ledger writes it, and no force reads it
+    removed : by entry, J: the sum of the shares of the particles that were removed
     A particle is dead when birth + lifetime <= time; `tidy` removes the dead and keeps the order.
     """
 
-    def __init__(self, dtype, attributes: tuple[str, ...] = (), sources: tuple = (), capacity: int = 1024):
+    def __init__(
+        self, dtype, attributes: tuple[str, ...] = (), sources: tuple = (), capacity: int = 1024,
+        entries: tuple[LedgerEntry, ...] = (),
+    ):  # fmt: skip
         self.channels = {**BASE_ROWS, **{name: FIRST_ATTRIBUTE + k for k, name in enumerate(attributes)}}
         self.attributes = tuple(attributes)
         self.sources = list(sources)
+        self.entries = tuple(entries)
+        self.removed = [0.0] * len(self.entries)
         self.count = 0
         self.next_id = 0
         self.may_die = False
@@ -47,20 +58,25 @@ class Particles:
             self.key = np.zeros((2, size), np.uint32)
             self.id = np.zeros(size, np.int64)
             self.source = np.zeros(size, np.int32)
+            self.booked = np.zeros((len(self.entries), size), np.float64)
         except MemoryError:
             raise MemoryRefused(f"there is no memory for {capacity:,} particles") from None
         self.floats[MASS] = 1.0  # lanes past the end are computed too and must not divide by zero
         self.capacity = capacity
 
     def columns(self):
-        """Every array, with the particle on the last axis."""
+        """Every array of the state, with the particle on the last axis."""
         return (self.floats, self.birth, self.key, self.id, self.source)
+
+    def _arrays(self):
+        """Every array, with the particle on the last axis."""
+        return (*self.columns(), self.booked)
 
     def reserve(self, extra: int) -> None:
         """Make room for `extra` more particles. If the capacity grows, it grows by at least half."""
         if self.count + extra <= self.capacity:
             return
-        old, n = self.columns(), self.count
+        old, n = self._arrays(), self.count
         capacity = max(self.count + extra, self.capacity * 3 // 2)
         needed, free = capacity * self.nbytes / self.capacity, available_memory()
         if needed > free:
@@ -69,7 +85,7 @@ class Particles:
                 "free: lower a rate, a count or a lifetime"
             )
         self._allocate(self.floats.dtype, capacity)
-        for new, previous in zip(self.columns(), old):
+        for new, previous in zip(self._arrays(), old):
             new[..., :n] = previous[..., :n]
 
     def append(self, birth, key, source) -> slice:
@@ -83,6 +99,7 @@ class Particles:
         self.key[1, new] = key & np.uint64(0xFFFFFFFF)
         self.id[new] = np.arange(self.next_id, self.next_id + m)
         self.source[new] = source
+        self.booked[:, new] = 0.0
         self.next_id += m
         self.count += m
         return new
@@ -113,11 +130,23 @@ class Particles:
         keep = np.flatnonzero(self.death() > time)
         if len(keep) == self.count or (not at_once and len(keep) > self.count * (1.0 - _TOLERATED)):
             return False
-        for column in self.columns():
+        if self.entries:
+            gone = np.setdiff1d(np.arange(self.count), keep)
+            self.removed = [math.fsum([sum_, *row[gone]]) for sum_, row in zip(self.removed, self.booked)]
+        for column in self._arrays():
             column[..., : len(keep)] = column[..., keep]
         self.count = len(keep)
         return True
 
+    def forget_booked(self) -> None:
+        """Set every share to 0: a ledger begins."""
+        self.booked[:] = 0.0
+        self.removed = [0.0] * len(self.entries)
+
+    def booked_total(self, k: int) -> float:
+        """The sum of entry k over all particles that ever were, J, correctly rounded: it depends on no order."""
+        return math.fsum([self.removed[k], *self.booked[k, : self.count]])
+
     @property
     def nbytes(self) -> int:
-        return sum(column.nbytes for column in self.columns())
+        return sum(column.nbytes for column in self._arrays())

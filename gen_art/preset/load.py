@@ -82,7 +82,7 @@ def load_preset(
 
 def validate(data: dict, name: str, source: SourceText, set_paths: list[tuple]) -> "Preset":
     """The Preset of plain data. Raises PresetError with every problem and its place in `source` or its `--set`."""
-    from gen_art.preset.references import references, unbound
+    from gen_art.preset.references import references, unbooked, unbound
     from gen_art.preset.registered import GRAVITATION
     from gen_art.preset.schema import Preset
 
@@ -99,6 +99,7 @@ def validate(data: dict, name: str, source: SourceText, set_paths: list[tuple]) 
     found += references(filled)
     if preset is not None:
         found += unbound(preset)
+        found += unbooked(preset)
     problems = source.problems + [_located(data, source, set_paths, path, text) for path, text in found]
     problems = _distinct(problems)
     if problems or preset is None:

@@ -9,10 +9,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from gen_art.errors import UsageError
+from gen_art.forces.medium import Medium
+from gen_art.interactions.ledger_labels import check_entry, composition_of, ledger_rows
 from gen_art.preset.look import Color
 from gen_art.registry import suggest
 
-__all__ = ["references", "unbound"]
+__all__ = ["references", "unbooked", "unbound"]
 
 LONGEST_NAME = 100  # characters of a name that a preset defines
 MOST_ATTRIBUTES = 64
@@ -135,6 +137,29 @@ def unbound(preset) -> Problems:
                     force.bound_numbers(medium)
                 except UsageError as error:
                     yield (*here, force.name), str(error)
+
+
+def unbooked(preset) -> Problems:
+    """(path, problem) of every `by` of a look that names an entry which the ledger of its system does not have."""
+    for name, system in preset.systems.items():
+        wanted = system.look.ledger_ramps(system.particle.attributes) if system.look is not None else {}
+        if not wanted:
+            continue
+        forces = [*(preset.forces if system.inherit_forces else ()), *system.forces]
+        colliders = [*(preset.colliders if system.inherit_colliders else ()), *system.colliders]
+        medium = system.medium if system.medium is not None else preset.medium
+        try:
+            composition = composition_of(
+                forces, Medium(density=medium.density, field=medium.terms), colliders, system.interactions
+            )
+        except UsageError:
+            continue  # check_preset reports it
+        rows = ledger_rows(composition, system.interactions)
+        for path, (entry, _) in wanted.items():
+            try:
+                check_entry(entry, rows, system.interactions)
+            except UsageError as error:
+                yield ("systems", name, "look", *path, "by", *([entry.kind] if entry.name else [])), str(error)
 
 
 def _sources(here: tuple, interaction: Any, systems: dict) -> Problems:

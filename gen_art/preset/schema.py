@@ -58,6 +58,13 @@ class Units(Model):
     # the value of CODATA 2018, m^3 kg^-1 s^-2
     G: Number = about(6.67430e-11, "constant of gravitation in these units")
 
+    @property
+    def energy(self) -> str:
+        """Label of energies: J in SI, otherwise composed of the other labels."""
+        if (self.length, self.time, self.mass, self.velocity) in (("m", "s", "kg", None), ("m", "s", "kg", "m/s")):
+            return "J"
+        return f"{self.mass} ({self.velocity})^2" if self.velocity else f"{self.mass} {self.length}^2/{self.time}^2"
+
 
 class MediumSpec(Model):
     """The fluid in which the particles move: its density and its velocity, the sum of wind, curl_noise and other fields."""

@@ -74,7 +74,7 @@ class RibbonHistory:
         floats[RADIUS, :n] *= width
         system_copy = SimpleNamespace(
             floats=floats, birth=birth, key=system.key, id=system.id, source=system.source, sources=system.sources,
-            count=n, channels=system.channels,
+            count=n, channels=system.channels, entries=system.entries, booked=system.booked,
         )  # fmt: skip
         taper, tail = end_width / max(width, 1e-9), end_light / max(light, 1e-9)
         return Segment(system_copy, newer_time, newer_time - older_time, width, light, taper, tail)

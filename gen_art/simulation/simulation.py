@@ -24,6 +24,7 @@ from gen_art.simulation.system import ParticleSystem
 from gen_art.simulation.watch import Watch
 
 if TYPE_CHECKING:
+    from gen_art.particles.entries import LedgerEntry
     from gen_art.preset.schema import Preset
     from gen_art.simulation.diagnostics import Diagnostics
     from gen_art.simulation.ledger import Ledger, LedgerKeeper
@@ -74,7 +75,8 @@ class Simulation:
     precision : "f32" or "f64"
     arch : "cpu"
     threads : None for all; fixed by the first Simulation of the process
-    ledger : keep a ledger of work, dissipation, births and deaths; the state's bits are the same with and without it
+    ledger : keep a ledger of work, dissipation, births and deaths; the state's bits are the same with and without it. A
+        system whose look goes by joules (`by: {work: drag}`), or whose `booked` names some, makes it keep one anyway
     advice : what happens when a step, a scheme or a precision cannot carry the motion, at the start and during the run: "warn"
         gives an AdviceWarning, once a cause; "error" raises UsageError; "none" says nothing. See docs/when_physics_says_no.md
     Raises UsageError for anything that cannot be simulated, and DivergedError, from a step on, where numbers leave the
@@ -138,7 +140,7 @@ class Simulation:
         check_potentials(self)
         self._watch.look()
         self._ledger: LedgerKeeper | None = None
-        if ledger:
+        if ledger or any(system.entries for system in members.values()):
             self.keep_ledger()
 
     def keep_ledger(self) -> None:
@@ -311,6 +313,17 @@ class Simulation:
             raise UsageError("there is no ledger: make the simulation with ledger=True")
         return self._ledger.report()
 
+    def joules(self) -> "dict[str, dict[LedgerEntry, float]]":
+        """By system, those entries of the ledger, J, of which its particles keep their shares: see ParticleSystem.booked."""
+        if self._ledger is None:
+            return {}
+        totals = self._ledger.total
+        return {
+            name: {entry: totals(name, entry) for entry in system.entries}
+            for name, system in self.members.items()
+            if system.entries
+        }
+
     def digest(self, system: str | None = None) -> str:
         """SHA-256 of the state: the clock, and every living particle of every system, by name.
 
@@ -331,14 +344,14 @@ class Simulation:
         return h.hexdigest()
 
     def save(self, path: str | os.PathLike) -> None:
-        """Write the whole state, bit for bit, to a snapshot (.gas).
+        """Write the whole state and the ledger, bit for bit, to a snapshot (.gas).
 
         Raises OutputError when the file cannot be written, DivergedError if a position or a velocity is not finite.
         """
         self._watch.check()
         from gen_art.simulation.snapshot import write
 
-        write(self, path, self._unprocessed_ids)
+        write(self, path, self._unprocessed_ids, None if self._ledger is None else self._ledger.saved())
 
     @classmethod
     def restore(cls, path: str | os.PathLike) -> "Simulation":
@@ -350,10 +363,18 @@ class Simulation:
 
         snapshot = read(path)
         try:
-            sim = cls(snapshot.definition, dt=snapshot.dt, seed=snapshot.seed, precision=snapshot.precision)
+            sim = cls(
+                snapshot.definition,
+                dt=snapshot.dt,
+                seed=snapshot.seed,
+                precision=snapshot.precision,
+                ledger=snapshot.ledger is not None,
+            )
             sim.steps_done = snapshot.steps_done
             snapshot.restore_systems(sim.members, sim.time)
             sim._unprocessed_ids = snapshot.unprocessed_ids
+            if sim._ledger is not None and snapshot.ledger is not None:
+                sim._ledger.restore(snapshot.ledger)
         except GenArtError:
             raise
         except (TypeError, ValueError, LookupError, AttributeError, OverflowError) as error:

@@ -13,10 +13,11 @@ from gen_art.errors import UsageError
 from gen_art.forces.base import Force, loses_mass
 from gen_art.forces.medium import Medium
 from gen_art.integrators import scheme
-from gen_art.integrators.kernel_terms import KernelTerms, collider_names
 from gen_art.integrators.schemes import charged
 from gen_art.interactions import Interaction
+from gen_art.interactions.ledger_labels import LedgerRow, check_entry, composition_of, ledger_rows
 from gen_art.kernel_methods import PARTICLE, attributes_read, is_own
+from gen_art.particles.entries import LedgerEntry
 from gen_art.particles.fixed import FIXED
 from gen_art.particles.rows import FIRST_ATTRIBUTE, LIFETIME, POSITION, VELOCITY
 from gen_art.particles.storage import Particles
@@ -47,6 +48,8 @@ class ParticleSystem:
     fixed : the particles that no force moves: indices, or (n,) bool
     emitters : ActiveEmitter objects (a preset makes them)
     look : how it is drawn: a ga.Look, or a mapping of its keys as in YAML; white points when left out
+    booked : entries of the ledger of which each particle keeps its share, beside those that its look goes by: {"work": "drag"},
+        {"dissipated": "drag"} or "dissipated"
     Raises UsageError for arrays of the wrong shape or with numbers that are not finite, and for unknown forces.
 
     In a simulation: count, ids, keys, emitter, position, velocity, mass, charge, radius, age are read-only NumPy copies of
@@ -72,6 +75,7 @@ class ParticleSystem:
         fixed: ArrayLike | None = None,
         emitters: Iterable[ActiveEmitter] = (),
         look: "Look | Mapping[str, Any] | None" = None,
+        booked: "Iterable[LedgerEntry | str | dict[str, str]]" = (),
     ) -> None:
         self.colliders = arguments.instances("colliders", colliders, Collider, "ga.colliders.Plane(...)")
         self.forces = arguments.instances("forces", forces, Force, "ga.forces.Gravity(...)")
@@ -88,9 +92,7 @@ class ParticleSystem:
         self.scheme = charged(
             scheme(integrator), self.forces, speed_of_light, exact_gyration, self.interactions, self.colliders
         )
-        by_kernel, names = self.colliders, collider_names(self.colliders)
-        for interaction in self.interactions:
-            by_kernel = interaction.take_colliders(by_kernel, names)
+        self.composition = composition_of(self.forces, self.medium, self.colliders, self.interactions)
         for mover in (interaction for interaction in self.interactions if interaction.moves_particles):
             for force in self.forces:
                 if loses_mass(force):
@@ -98,7 +100,6 @@ class ParticleSystem:
                         f"{force.name} takes mass, but the mass of a body of {mover.name} cannot change: "
                         "push it with `propeller` instead"
                     )
-        self.composition = KernelTerms(self.forces, self.medium, by_kernel, names)
         self.emitters: list[ActiveEmitter] = arguments.instances(
             "emitters", emitters, ActiveEmitter, "the emitters that a preset makes"
         )
@@ -128,8 +129,25 @@ class ParticleSystem:
                         f"{type(force).__name__}.{method} reads p.{read}, which the particles do not have"
                         f"{suggest(read, (*PARTICLE, *self.attribute_names)) or ': declare it as an attribute'}"
                     )
+        self.entries = self._checked_entries(booked)
         self._state: Particles | None = None
         self._time = lambda: 0.0
+
+    @property
+    def ledger_rows(self) -> list[LedgerRow]:
+        """The rows of its ledger, in the order of the ledger kernel."""
+        return ledger_rows(self.composition, self.interactions)
+
+    def _checked_entries(self, booked) -> tuple[LedgerEntry, ...]:
+        """The entries of the ledger of which each particle keeps its share. Raises UsageError for one that does not exist."""
+        if isinstance(booked, (str, Mapping, LedgerEntry)) or not isinstance(booked, Iterable):
+            raise UsageError(f'booked must be a list such as [{{"work": "drag"}}], not {arguments.shown(booked)}')
+        entries = [LedgerEntry.of(one) for one in booked]
+        if self.look is not None:
+            entries += self.look.ledger_entries(self.attribute_names)
+        for entry in entries:
+            check_entry(entry, self.ledger_rows, self.interactions)
+        return tuple(dict.fromkeys(entries))
 
     def _extremes(self) -> tuple[float, float]:
         """(least mass, kg, inf without particles; largest absolute charge, C) of the particles of the start and of births."""
@@ -238,7 +256,7 @@ class ParticleSystem:
                 kind.channels = channels
                 sources.append(ParticleOrigin(emission.name, kind.tag, kind.name))
         count = len(self._initial["mass"]) if self._initial else 0
-        self._state = state = Particles(dtype, names, tuple(sources), max(1024, count))
+        self._state = state = Particles(dtype, names, tuple(sources), max(1024, count), self.entries)
         if self._initial:
             keys = derive(derive(key, channel_of("initial")), np.arange(count))
             new = state.append(np.zeros(count), keys, np.zeros(count, np.int32))
@@ -307,6 +325,29 @@ class ParticleSystem:
         if arguments.text("the name of an attribute", name) not in self.state.channels:
             raise UsageError(f"system '{self.name}' has no attribute '{name}'{suggest(name, self.state.channels)}")
         return self._copy(self.state.floats[self.state.channels[name], self._living()])
+
+    def booked(self, kind: str, name: str = "") -> np.ndarray:
+        """(n,) J: each living particle's share of an entry of the ledger since its birth.
+
+        kind : "work" or "dissipated"
+        name : the force as the ledger names it, without the system's name; left out for all that is dissipated
+        Raises UsageError unless the particles keep it: their look goes by it, or `booked` of the system names it.
+        """
+        return self._copy(self.state.booked[self._entry_index(kind, name), self._living()])
+
+    def booked_total(self, kind: str, name: str = "") -> float:
+        """The sum of `booked` over all particles that ever were, the dead too, J: to round-off the entry of `sim.ledger()`."""
+        return self.state.booked_total(self._entry_index(kind, name))
+
+    def _entry_index(self, kind: str, name: str) -> int:
+        entry = LedgerEntry.of({kind: name} if name else kind)
+        if entry not in self.state.entries:
+            check_entry(entry, self.ledger_rows, self.interactions)
+            raise UsageError(
+                f"the particles of '{self.name}' keep no share of {entry}: give the system booked=[{entry.plain!r}], or a look "
+                "that goes by it"
+            )
+        return self.state.entries.index(entry)
 
     @property
     def mass(self) -> np.ndarray:
