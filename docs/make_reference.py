@@ -99,6 +99,7 @@ DOCUMENTED = {  # class: heading of its table
     look.KeyLight: "light: of a look",
     look.Trail: "trail: of a look",
     look.Ribbon: "ribbon: of a look",
+    look.Legend: "legend: of a look",
     camera.CameraSpec: "camera:",
     camera.CameraKey: "path: of the camera, a list of",
     camera.CameraOrbit: "orbit: of the camera",

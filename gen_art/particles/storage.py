@@ -29,6 +29,7 @@ class Particles:
     booked : (entries, capacity) f64, J: the share of each particle in the `entries` of the ledger since its birth. It is no
         part of the state: the ledger writes it, and no force reads it
     removed : by entry, J: the sum of the shares of the particles that were removed
+    launches, count_at : launches since the dead were counted, and the next id above which they are counted again
     A particle is dead when birth + lifetime <= time; `tidy` removes the dead and keeps the order.
     """
 
@@ -44,8 +45,8 @@ class Particles:
         self.count = 0
         self.next_id = 0
         self.may_die = False
-        self._launches = 0  # since the dead were counted
-        self._count_at = 0  # the next id above which they are counted again
+        self.launches = 0
+        self.count_at = 0
         self._allocate(np.dtype(dtype), capacity)
 
     def _allocate(self, dtype, capacity: int) -> None:
@@ -119,14 +120,14 @@ class Particles:
         at_once : remove them even if there are few
         Keeping a few dead particles costs less than removing them at every step. It does not change any result.
         """
-        self._launches += 1
+        self.launches += 1
         if (
             not self.may_die
             or not self.count
-            or not (at_once or self._launches >= _PATIENCE or self.next_id > self._count_at)
+            or not (at_once or self.launches >= _PATIENCE or self.next_id > self.count_at)
         ):
             return False
-        self._launches, self._count_at = 0, self.next_id + max(int(_TOLERATED * self.count), 1024)
+        self.launches, self.count_at = 0, self.next_id + max(int(_TOLERATED * self.count), 1024)
         keep = np.flatnonzero(self.death() > time)
         if len(keep) == self.count or (not at_once and len(keep) > self.count * (1.0 - _TOLERATED)):
             return False

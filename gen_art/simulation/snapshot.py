@@ -84,6 +84,8 @@ class Snapshot:
             for column in _COLUMNS:
                 getattr(state, column)[..., : entry["count"]] = self.columns[name, column]
             state.count, state.next_id, state.may_die = entry["count"], entry["next_id"], entry["may_die"]
+            # the dead are then removed when they would have been, which decides the order of the ledger's sums
+            state.launches, state.count_at = entry.get("launches", 0), entry.get("count_at", 0)
             if name in self.booked:
                 state.booked[:, : entry["count"]] = self.booked[name]
                 state.removed = [float(sum_) for sum_ in entry["removed"]]
@@ -111,7 +113,7 @@ def write(sim, path, unprocessed_ids: dict[str, tuple[int, int]], ledger: dict |
             "count": state.count, "next_id": state.next_id, "may_die": state.may_die, "attributes": state.attributes,
             "done": [e.done for e in system.emitters], _UNPROCESSED: unprocessed_ids[name],
             _SAVED: [list(interaction.saved_arrays) for interaction in system.interactions],
-            "removed": state.removed if state.entries else None,
+            "removed": state.removed if state.entries else None, "launches": state.launches, "count_at": state.count_at,
             "definition": None if sim.preset is not None else _definition(system),
         }  # fmt: skip
     path = Path(path)
