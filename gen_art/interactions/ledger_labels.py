@@ -10,7 +10,7 @@ from gen_art.forces.medium import Medium
 from gen_art.integrators.kernel_terms import KernelTerms, collider_names
 from gen_art.integrators.ledger_rows import DISSIPATED, WORK
 from gen_art.interactions.base import Interaction
-from gen_art.particles.entries import LedgerEntry
+from gen_art.particles.entries import KINDS, LedgerEntry
 from gen_art.registry import suggest
 
 __all__ = ["LedgerRow", "check_entry", "composition_of", "ledger_rows", "shares_of"]
@@ -93,14 +93,13 @@ def check_entry(entry: LedgerEntry, rows: Sequence[LedgerRow], interactions: Ite
         raise UsageError(
             f"the ledger has no entry {entry}: no force on this system {_VERBS[entry.kind]} energy that it books"
         )
+    hint = suggest(entry.name, known) or "; there are " + ", ".join(known)
     if any(row.label == entry.name for row in rows):
-        raise UsageError(
-            f"the ledger books no {entry.title}, because its work is the change of its potential energy; it books "
-            f"{', '.join(known)}"
-        )
-    raise UsageError(
-        f"the ledger has no entry {entry}{suggest(entry.name, known) or '; there are ' + ', '.join(known)}"
-    )
+        other = LedgerEntry(next(kind for kind in KINDS if kind != entry.kind), entry.name)
+        hint = ": the work of a conservative force is the change of potential energy; there are " + ", ".join(known)
+        if any(row.label == entry.name and row.parts(other.kind) for row in rows):
+            hint = f"; there is {other}"
+    raise UsageError(f"the ledger has no entry {entry}{hint}")
 
 
 _VERBS = {"work": "adds", "dissipated": "takes"}

@@ -1,5 +1,6 @@
 """The keys of `look:`, which say how a system is drawn. Frozen pydantic models; attribute names are the YAML keys."""
 
+from collections.abc import Collection
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
@@ -284,6 +285,20 @@ class Picture(Model):
         return value if isinstance(value, (Picture, dict)) else {"image": value}
 
 
+LONGEST_LABEL = 60
+
+
+def _label(value) -> str:
+    """The words of a legend: its font has no other characters than those of ASCII."""
+    if not isinstance(value, str) or not value.strip():
+        raise UsageError(f"must be text, not {shown(value)}")
+    if len(value) > LONGEST_LABEL or not (value.isascii() and value.isprintable()):
+        raise UsageError(
+            f"must be at most {LONGEST_LABEL} characters of ASCII, which the legend's font has, not {shown(value)}"
+        )
+    return value
+
+
 class Legend(Model):
     """A legend in the finished picture: the colours with the joules at their ends, and the ledger's total at that time.
 
@@ -293,7 +308,9 @@ class Legend(Model):
     place: Literal["top left", "top right", "bottom left", "bottom right"] = about(
         "bottom left", "the corner of the picture"
     )
-    label: str | None = about(None, "words before the total; the entry's own, such as `work of drag`, when left out")
+    label: Annotated[str, Parsed(_label, {"type": "string", "maxLength": LONGEST_LABEL})] | None = about(
+        None, "words before the total; the entry's own, such as `work of drag`, when left out"
+    )
 
     short_form = {"enum": [True, *CORNERS], "description": "true, or a corner"}
 
@@ -369,7 +386,9 @@ class Look(Model):
         """Whether any number or colour depends on this quantity."""
         return any(ramp.by == quantity for ramp in self.ramps().values())
 
-    def ledger_ramps(self, attributes=()) -> "dict[tuple[str, ...], tuple[LedgerEntry, Ramp | Color]]":
+    def ledger_ramps(
+        self, attributes: Collection[str] = ()
+    ) -> "dict[tuple[str, ...], tuple[LedgerEntry, Ramp | Color]]":
         """The numbers and colours that go by joules of the ledger: (entry, ramp) by their keys.
 
         attributes : names that the particles declare; one called `dissipated` is not the ledger's
@@ -379,7 +398,7 @@ class Look(Model):
         }
         return {path: (entry, ramp) for path, (entry, ramp) in found.items() if entry is not None}
 
-    def ledger_entries(self, attributes=()) -> tuple[LedgerEntry, ...]:
+    def ledger_entries(self, attributes: Collection[str] = ()) -> tuple[LedgerEntry, ...]:
         """The entries of the ledger that numbers and colours go by."""
         return tuple(dict.fromkeys(entry for entry, _ in self.ledger_ramps(attributes).values()))
 

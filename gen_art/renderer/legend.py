@@ -4,6 +4,7 @@ They are drawn in sRGB after development, so that exposure and tone map change n
 stands on a plate of half-transparent black, which keeps white text readable on any picture and does not flicker in a film.
 """
 
+import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -20,7 +21,8 @@ __all__ = ["LegendEntry", "draw_legends", "joules_text", "legend_of"]
 PLATE = 0.62  # opacity of the plate: white text on it has a contrast of 5 to 1 on a white picture
 TEXT = (245, 245, 245)
 ROWS_PER_TEXT = 36  # the picture's height divided by that of the text
-LEAST_TEXT, SMALLEST_TEXT = 11, 6  # pixels: the least height of the text, and that to which a narrow picture shrinks it
+LEAST_TEXT, SMALLEST_TEXT = 12, 6  # pixels: the least height of the text, and that to which a narrow picture shrinks it
+FINER = 3  # plates are drawn this many times larger and averaged, or else whole pixels would crowd the letters of small text
 BAR_WIDTH, BAR_HEIGHT, PADDING, GAP = 13.0, 0.7, 0.7, 0.35  # in heights of the text
 _RAMPS = {
     ("emission", "color"): COLOR, ("emission", "blackbody"): KELVIN, ("emission", "intensity"): INTENSITY,
@@ -75,8 +77,16 @@ def legend_of(look: Look, tables: LookTables, totals: dict, unit: str, attribute
         colours, heights = np.repeat(colours[:1], TABLE, axis=0), np.abs(curve) / max(np.abs(curve).max(), 1e-300)
     low, high = domain(ramp)
     title = f"{look.legend.label or entry.title}: {joules_text(totals[entry], unit)} in all"
+    low_text, high_text = (_drawable(joules_text(end, unit, 6)) for end in (low, high))
     srgb = np.clip(encode_srgb(np.clip(colours, 0.0, 1.0)), 0.0, 1.0)
-    return LegendEntry(look.legend.place, title, joules_text(low, unit, 6), joules_text(high, unit, 6), srgb, heights)
+    return LegendEntry(look.legend.place, _drawable(title), low_text, high_text, srgb, heights)
+
+
+def _drawable(text: str) -> str:
+    """The text in characters that the font has, ASCII: accents are left out, and what has no likeness is a question mark."""
+    plain = unicodedata.normalize("NFKD", text).replace("\N{GREEK SMALL LETTER MU}", "u")
+    plain = "".join(c for c in plain if not unicodedata.combining(c))
+    return plain.encode("ascii", "replace").decode("ascii")
 
 
 @lru_cache(8)
@@ -91,6 +101,7 @@ def _width(font, text: str) -> int:
 
 def _plate(legend: LegendEntry, size: int) -> Image.Image:
     """The legend as an RGBA image with text of `size` pixels."""
+    size *= FINER
     font = _font(size)
     pad, gap, bar_height = (max(1, round(part * size)) for part in (PADDING, GAP, BAR_HEIGHT))
     ends = _width(font, legend.low) + _width(font, legend.high) + size
@@ -106,7 +117,7 @@ def _plate(legend: LegendEntry, size: int) -> Image.Image:
     below = top + bar_height + gap
     draw.text((pad, below), legend.low, fill=TEXT, font=font)
     draw.text((pad + width - _width(font, legend.high), below), legend.high, fill=TEXT, font=font)
-    return image
+    return image.reduce(FINER)
 
 
 def _bar(legend: LegendEntry, width: int, height: int) -> Image.Image:
@@ -114,8 +125,8 @@ def _bar(legend: LegendEntry, width: int, height: int) -> Image.Image:
     at = np.round(np.linspace(0, TABLE - 1, width)).astype(int)
     filled = np.arange(height)[::-1, None] < np.round(legend.heights[at] * height)[None]
     pixels = np.where(filled[..., None], np.round(255 * legend.colours[at]), 60).astype(np.uint8)
-    pixels[[0, -1]] = np.maximum(pixels[[0, -1]], 90)
-    pixels[:, [0, -1]] = np.maximum(pixels[:, [0, -1]], 90)
+    for rim in (np.s_[:FINER], np.s_[-FINER:], np.s_[:, :FINER], np.s_[:, -FINER:]):
+        pixels[rim] = np.maximum(pixels[rim], 90)
     return Image.fromarray(pixels)
 
 

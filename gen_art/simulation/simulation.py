@@ -143,13 +143,15 @@ class Simulation:
         if ledger or any(system.entries for system in members.values()):
             self.keep_ledger()
 
-    def keep_ledger(self) -> None:
-        """Keep the ledger from now on."""
+    def keep_ledger(self, saved: "dict | None" = None) -> None:
+        """Keep the ledger from now on; or go on with what another has `saved`, if it is given."""
         from gen_art.simulation.ledger import LedgerKeeper
 
         self._ledger = self._coupled.ledger = LedgerKeeper(self)
         for stepper in self._steppers.values():
             stepper.ledger = self._ledger
+        if saved is not None:
+            self._ledger.restore(saved)
 
     @property
     def time(self) -> float:
@@ -363,18 +365,12 @@ class Simulation:
 
         snapshot = read(path)
         try:
-            sim = cls(
-                snapshot.definition,
-                dt=snapshot.dt,
-                seed=snapshot.seed,
-                precision=snapshot.precision,
-                ledger=snapshot.ledger is not None,
-            )
+            sim = cls(snapshot.definition, dt=snapshot.dt, seed=snapshot.seed, precision=snapshot.precision)
+            if snapshot.ledger is not None:
+                sim.keep_ledger(snapshot.ledger)
             sim.steps_done = snapshot.steps_done
             snapshot.restore_systems(sim.members, sim.time)
             sim._unprocessed_ids = snapshot.unprocessed_ids
-            if sim._ledger is not None and snapshot.ledger is not None:
-                sim._ledger.restore(snapshot.ledger)
         except GenArtError:
             raise
         except (TypeError, ValueError, LookupError, AttributeError, OverflowError) as error:
