@@ -9,6 +9,7 @@ from gen_art.registry import suggest
 __all__ = ["DISSIPATED", "KINDS", "LedgerEntry"]
 
 KINDS = ("work", "dissipated")
+LONGEST_NAME = 100
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class LedgerEntry:
             raise UsageError(
                 f"an entry of the ledger is of {' or '.join(KINDS)}, not {shown(kind)}{suggest(kind, KINDS)}"
             )
-        if not isinstance(name, str) or not name:
+        if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= LONGEST_NAME:
             raise UsageError(f"{kind} needs the name of a force, not {shown(name)}")
         return cls(kind, name)
 

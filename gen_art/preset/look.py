@@ -312,7 +312,7 @@ class Legend(Model):
         None, "words before the total; the entry's own, such as `work of drag`, when left out"
     )
 
-    short_form = {"enum": [True, *CORNERS], "description": "true, or a corner"}
+    short_form = {"enum": [True, False, *CORNERS], "description": "true, or a corner; false for none"}
 
     @classmethod
     def from_short(cls, value):

@@ -16,7 +16,7 @@ from gen_art.preset.look import Look, Ramp
 from gen_art.renderer.colour import TABLE, encode_srgb
 from gen_art.renderer.look_tables import ALBEDO, COLOR, INTENSITY, KELVIN, OPACITY, SIZE, LookTables, domain
 
-__all__ = ["LegendEntry", "draw_legends", "joules_text", "legend_of"]
+__all__ = ["DrawnLegend", "draw_legends", "joules_text", "legend_of"]
 
 PLATE = 0.62  # opacity of the plate: white text on it has a contrast of 5 to 1 on a white picture
 TEXT = (245, 245, 245)
@@ -31,7 +31,7 @@ _RAMPS = {
 
 
 @dataclass(frozen=True)
-class LegendEntry:
+class DrawnLegend:
     """What one legend shows.
 
     place : the corner of the picture
@@ -57,7 +57,7 @@ def joules_text(value: float, unit: str = "J", digits: int = 3) -> str:
     return f"{text} {unit}"
 
 
-def legend_of(look: Look, tables: LookTables, totals: dict, unit: str, attributes=()) -> LegendEntry | None:
+def legend_of(look: Look, tables: LookTables, totals: dict, unit: str, attributes=()) -> DrawnLegend | None:
     """The legend of a look; None where it has none, or none of its joules are booked.
 
     totals : by LedgerEntry, the ledger's entries, J
@@ -79,7 +79,7 @@ def legend_of(look: Look, tables: LookTables, totals: dict, unit: str, attribute
     title = f"{look.legend.label or entry.title}: {joules_text(totals[entry], unit)} in all"
     low_text, high_text = (_drawable(joules_text(end, unit, 6)) for end in (low, high))
     srgb = np.clip(encode_srgb(np.clip(colours, 0.0, 1.0)), 0.0, 1.0)
-    return LegendEntry(look.legend.place, _drawable(title), low_text, high_text, srgb, heights)
+    return DrawnLegend(look.legend.place, _drawable(title), low_text, high_text, srgb, heights)
 
 
 def _drawable(text: str) -> str:
@@ -99,7 +99,7 @@ def _width(font, text: str) -> int:
     return round(font.getlength(text))
 
 
-def _plate(legend: LegendEntry, size: int) -> Image.Image:
+def _plate(legend: DrawnLegend, size: int) -> Image.Image:
     """The legend as an RGBA image with text of `size` pixels."""
     size *= FINER
     font = _font(size)
@@ -120,7 +120,7 @@ def _plate(legend: LegendEntry, size: int) -> Image.Image:
     return image.reduce(FINER)
 
 
-def _bar(legend: LegendEntry, width: int, height: int) -> Image.Image:
+def _bar(legend: DrawnLegend, width: int, height: int) -> Image.Image:
     """The bar, filled to its height at each column, on dark grey, so that black ends are seen."""
     at = np.round(np.linspace(0, TABLE - 1, width)).astype(int)
     filled = np.arange(height)[::-1, None] < np.round(legend.heights[at] * height)[None]
@@ -130,7 +130,7 @@ def _bar(legend: LegendEntry, width: int, height: int) -> Image.Image:
     return Image.fromarray(pixels)
 
 
-def draw_legends(picture: np.ndarray, legends: Iterable[LegendEntry]) -> None:
+def draw_legends(picture: np.ndarray, legends: Iterable[DrawnLegend]) -> None:
     """Draw legends into a developed picture, in place; those of one corner stand one above the other.
 
     picture : (height, width, 3 or 4) uint8 or uint16, sRGB, with straight alpha if it has four channels

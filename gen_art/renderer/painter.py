@@ -12,7 +12,7 @@ from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
 from gen_art.renderer.framebuffer import FrameBuffer, splat
-from gen_art.renderer.legend import LegendEntry, legend_of
+from gen_art.renderer.legend import DrawnLegend, legend_of
 from gen_art.renderer.look_tables import LookTables, kernel_numbers
 from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import ProjectedParticles, shade
@@ -142,7 +142,7 @@ class Painter:
             self._tables[name] = LookTables.of(look, dict(system.channels), system.entries)
         return self._tables[name], raw
 
-    def legends(self, sim) -> list[LegendEntry]:
+    def legends(self, sim) -> list[DrawnLegend]:
         """The legends of the simulation's current state, in the order of its systems."""
         unit = sim.preset.units.energy if sim.preset is not None else "J"
         found = []

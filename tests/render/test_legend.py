@@ -16,7 +16,7 @@ from gen_art.output import job
 from gen_art.output.read_recipe import read_recipe
 from gen_art.particles.entries import LedgerEntry
 from gen_art.preset.load import load_preset
-from gen_art.renderer.legend import LegendEntry, draw_legends, joules_text, legend_of
+from gen_art.renderer.legend import DrawnLegend, draw_legends, joules_text, legend_of
 from gen_art.renderer.look_tables import LookTables
 from gen_art.renderer.painter import Painter
 from tests.render.particles import scene, state
@@ -176,7 +176,7 @@ def test_numbers_in_words(value, text):
 
 def sample(place="bottom left", title="work of driver: -3.21 J in all"):
     ramp = np.linspace(0, 1, 256)
-    return LegendEntry(place, title, "0 J", "0.02 J", np.repeat(ramp[:, None], 3, axis=1), np.ones(256))
+    return DrawnLegend(place, title, "0 J", "0.02 J", np.repeat(ramp[:, None], 3, axis=1), np.ones(256))
 
 
 def luminance(code):
@@ -308,6 +308,16 @@ def test_a_look_that_cannot_be_is_a_sentence(look, sentence):
     assert sentence in str(error.value)
 
 
+def test_joules_that_are_too_many_are_a_sentence(tmp_path):
+    fast = {"cone": [0, 1, 0], "angle": 1, "speed": 1e10}
+    heavy = piece(
+        systems__dust__particle__density=1e30, systems__dust__emitters__jet__velocity=fast, forces={"drag": {"linear": 1e25}}
+    )  # fmt: skip
+    with pytest.raises(ga.PresetError, match=r"dissipated by drag in system 'dust' is .*too large"):
+        job.still(heavy, tmp_path / "a.png", 0.1)
+    assert not list(tmp_path.iterdir())
+
+
 def test_inspect_and_the_schema_know_it(tmp_path, capsys):
     import jsonschema
 
@@ -319,6 +329,10 @@ def test_inspect_and_the_schema_know_it(tmp_path, capsys):
     check = jsonschema.Draft202012Validator(json_schema())
     plain = piece().resolved()
     check.validate(plain)
+    for legend in (True, False, "top right", {"label": "lost"}):
+        plain["systems"]["dust"]["look"]["legend"] = legend
+        check.validate(plain)
+        load_preset(plain)
     for by in ("dissipated", {"work": "drag"}):
         plain["systems"]["dust"]["look"]["emission"]["color"]["by"] = by
         check.validate(plain)
