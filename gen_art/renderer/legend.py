@@ -18,7 +18,7 @@ from gen_art.renderer.look_tables import ALBEDO, COLOR, INTENSITY, KELVIN, OPACI
 
 __all__ = ["DrawnLegend", "draw_legends", "joules_text", "legend_of"]
 
-PLATE = 0.62  # opacity of the plate: white text on it has a contrast of 5 to 1 on a white picture
+PLATE = 0.75  # opacity of the plate: white text on it has a contrast of 9 to 1 on a white picture
 TEXT = (245, 245, 245)
 ROWS_PER_TEXT = 36  # the picture's height divided by that of the text
 LEAST_TEXT, SMALLEST_TEXT = 12, 6  # pixels: the least height of the text, and that to which a narrow picture shrinks it
@@ -49,9 +49,12 @@ class DrawnLegend:
     heights: np.ndarray
 
 
-def joules_text(value: float, unit: str = "J", digits: int = 3) -> str:
-    """A value with a few digits and its unit: 3.21 J, 48210 J, 1.3e-06 J."""
-    text = f"{value:.{digits}g}"
+def joules_text(value: float, unit: str = "J", digits: int = 3, zeros: bool = True) -> str:
+    """A value with a few digits and its unit: 3.20 J, 48210 J, 1.30e-06 J.
+
+    zeros : keep zeros at the end, so that a number that changes from frame to frame keeps its length
+    """
+    text = f"{value:{'#' if zeros and value else ''}.{digits}g}".rstrip(".")
     if "e" in text and 1.0 <= abs(value) < 1e6:
         text = f"{value:.0f}"
     return f"{text} {unit}"
@@ -77,7 +80,7 @@ def legend_of(look: Look, tables: LookTables, totals: dict, unit: str, attribute
         colours, heights = np.repeat(colours[:1], TABLE, axis=0), np.abs(curve) / max(np.abs(curve).max(), 1e-300)
     low, high = domain(ramp)
     title = f"{look.legend.label or entry.title}: {joules_text(totals[entry], unit)} in all"
-    low_text, high_text = (_drawable(joules_text(end, unit, 6)) for end in (low, high))
+    low_text, high_text = (_drawable(joules_text(end, unit, 6, zeros=False)) for end in (low, high))
     srgb = np.clip(encode_srgb(np.clip(colours, 0.0, 1.0)), 0.0, 1.0)
     return DrawnLegend(look.legend.place, _drawable(title), low_text, high_text, srgb, heights)
 
@@ -106,6 +109,7 @@ def _plate(legend: DrawnLegend, size: int) -> Image.Image:
     pad, gap, bar_height = (max(1, round(part * size)) for part in (PADDING, GAP, BAR_HEIGHT))
     ends = _width(font, legend.low) + _width(font, legend.high) + size
     width = max(round(BAR_WIDTH * size), _width(font, legend.title), ends)
+    width += -width % size  # the plate of a film does not follow every change of a digit's width
     line = sum(font.getmetrics())
     image = Image.new(
         "RGBA", (width + 2 * pad, 2 * line + bar_height + 2 * gap + 2 * pad), (0, 0, 0, round(255 * PLATE))

@@ -16,7 +16,7 @@ from gen_art.output import job
 from gen_art.output.read_recipe import read_recipe
 from gen_art.particles.entries import LedgerEntry
 from gen_art.preset.load import load_preset
-from gen_art.renderer.legend import DrawnLegend, draw_legends, joules_text, legend_of
+from gen_art.renderer.legend import PLATE, DrawnLegend, draw_legends, joules_text, legend_of
 from gen_art.renderer.look_tables import LookTables
 from gen_art.renderer.painter import Painter
 from tests.render.particles import scene, state
@@ -109,7 +109,7 @@ def test_the_legend_s_total_is_the_ledger_s(tmp_path, time):
     ]
     painter = Painter((320, 180), None, {"dust": piece().systems["dust"].look})
     (legend,) = painter.legends(sim)
-    assert legend.title == f"dissipated by drag: {entry:.3g} J in all" and entry > 0.1
+    assert legend.title == f"dissipated by drag: {joules_text(entry)} in all" and entry > 0.1
     assert (legend.low, legend.high) == ("0 J", "0.02 J")
     sim.step(1)
     assert painter.legends(sim)[0].title != legend.title  # the mutant: a step too late
@@ -167,7 +167,7 @@ def test_units_of_a_preset(tmp_path):
 @pytest.mark.parametrize(
     "value,text",
     [
-        (0.0, "0 J"), (-3.2149, "-3.21 J"), (48213.4, "48213 J"), (1.26e-6, "1.26e-06 J"), (2.5e9, "2.5e+09 J"), (999.6, "1000 J"),
+        (0.0, "0 J"), (-3.2149, "-3.21 J"), (48213.4, "48213 J"), (1.26e-6, "1.26e-06 J"), (2.5e9, "2.50e+09 J"), (999.6, "1000 J"), (2.4, "2.40 J"), (100.0, "100 J"),
     ],
 )  # fmt: skip
 def test_numbers_in_words(value, text):
@@ -224,7 +224,7 @@ def test_transparent_pictures_and_deep_ones():
     )
     for picture in (clear, deep, plain):
         draw_legends(picture, [sample()])
-    assert clear[-8, 8, 3] == round(255 * 0.62) and clear[10, 10, 3] == 0
+    assert clear[-8, 8, 3] == round(255 * PLATE) and clear[10, 10, 3] == 0
     assert np.abs(deep / 257 - plain.astype(float)).max() <= 0.5 + 1e-9
     assert np.abs(clear[..., :3] * (clear[..., 3:] / 255.0) - plain).max() <= 2  # light over nothing is the same light
 
@@ -244,7 +244,7 @@ def test_the_bar_has_the_gradient_or_the_curve():
     )
     assert (colour.place, colour.title, colour.low, colour.high) == (
         "top left",
-        "work of wind: 2 J in all",
+        "work of wind: 2.00 J in all",
         "-2 J",
         "2 J",
     )
@@ -254,7 +254,9 @@ def test_the_bar_has_the_gradient_or_the_curve():
         number.heights, np.linspace(0, 1, 256), atol=1e-6
     )
     size = bar(size={"by": "dissipated", "curve": [[0, 1], [8, 2]]}, legend={"label": "lost"})
-    assert (size.title, size.high, size.place) == ("lost: 2 J in all", "8 J", "bottom left") and size.heights[0] == 0.5
+    assert (size.title, size.high, size.place) == ("lost: 2.00 J in all", "8 J", "bottom left") and size.heights[
+        0
+    ] == 0.5
     assert bar(legend=None, size={"by": "dissipated"}) is None
 
 
