@@ -138,7 +138,8 @@ class Playback:
         return pictures[0] if len(painted) == 1 else pictures[0] / np.float32(len(painted))
 
     def legends(self) -> list[DrawnLegend]:
-        """The legends of the last picture."""
+        """The legends of the last picture. Raises PresetError for a total that is not finite."""
+        self.joules()
         return self.painter.legends(self.sim)
 
     def joules(self) -> list[dict]:

@@ -17,6 +17,14 @@ _TOLERATED = 0.2  # share of dead slots up to which keeping them is cheaper than
 _PATIENCE = 32  # launches after which the dead slots are counted
 
 
+def _sum(values: list[float]) -> float:
+    """The sum, correctly rounded, so that it depends on no order; not finite where that of the values is not."""
+    try:
+        return math.fsum(values)
+    except (OverflowError, ValueError):  # beyond float64; or inf - inf
+        return float(np.sum(values))
+
+
 class Particles:
     """The state of one system's particles as arrays with the particle (slot) on the last axis.
 
@@ -133,7 +141,7 @@ class Particles:
             return False
         if self.entries:
             gone = np.setdiff1d(np.arange(self.count), keep)
-            self.removed = [math.fsum([sum_, *row[gone]]) for sum_, row in zip(self.removed, self.booked)]
+            self.removed = [_sum([sum_, *row[gone]]) for sum_, row in zip(self.removed, self.booked)]
         for column in self._arrays():
             column[..., : len(keep)] = column[..., keep]
         self.count = len(keep)
@@ -146,7 +154,7 @@ class Particles:
 
     def booked_total(self, k: int) -> float:
         """The sum of entry k over all particles that ever were, J, correctly rounded: it depends on no order."""
-        return math.fsum([self.removed[k], *self.booked[k, : self.count]])
+        return _sum([self.removed[k], *self.booked[k, : self.count]])
 
     @property
     def nbytes(self) -> int:

@@ -32,19 +32,8 @@ from gen_art.preset.values import Curve, Range, number, shown
 from gen_art.registry import Bounds
 
 __all__ = [
-    "BY",
-    "CORNERS",
-    "Color",
-    "Emission",
-    "KeyLight",
-    "Legend",
-    "Look",
-    "Picture",
-    "Ramp",
-    "Ribbon",
-    "Trail",
-    "ledger_entry",
-]
+    "BY", "CORNERS", "Color", "Emission", "KeyLight", "Legend", "Look", "Picture", "Ramp", "Ribbon", "Trail", "ledger_entry",
+]  # fmt: skip
 
 BY = (
     "age", "seconds", "speed", "energy", "charge", "mass", "radius", "id", "random", "distance", "x", "y", "z",

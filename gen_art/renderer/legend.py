@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from gen_art.preset.look import Look, Ramp
 from gen_art.renderer.colour import TABLE, encode_srgb
-from gen_art.renderer.look_tables import ALBEDO, COLOR, INTENSITY, KELVIN, OPACITY, SIZE, LookTables, domain
+from gen_art.renderer.look_tables import INTENSITY, OPACITY, SIZE, LookTables, domain
 
 __all__ = ["DrawnLegend", "draw_legends", "joules_text", "legend_of"]
 
@@ -22,12 +22,10 @@ PLATE = 0.75  # opacity of the plate: white text on it has a contrast of 9 to 1 
 TEXT = (245, 245, 245)
 ROWS_PER_TEXT = 36  # the picture's height divided by that of the text
 LEAST_TEXT, SMALLEST_TEXT = 12, 6  # pixels: the least height of the text, and that to which a narrow picture shrinks it
-FINER = 3  # plates are drawn this many times larger and averaged, or else whole pixels would crowd the letters of small text
+# pixels: smaller text is drawn this high or higher and averaged, or else whole pixels would crowd its letters
+DRAWN_TEXT = 40
 BAR_WIDTH, BAR_HEIGHT, PADDING, GAP = 13.0, 0.7, 0.7, 0.35  # in heights of the text
-_RAMPS = {
-    ("emission", "color"): COLOR, ("emission", "blackbody"): KELVIN, ("emission", "intensity"): INTENSITY,
-    ("albedo",): ALBEDO, ("opacity",): OPACITY, ("size",): SIZE,
-}  # fmt: skip
+_CURVES = {("emission", "intensity"): INTENSITY, ("opacity",): OPACITY, ("size",): SIZE}
 
 
 @dataclass(frozen=True)
@@ -76,7 +74,7 @@ def legend_of(look: Look, tables: LookTables, totals: dict, unit: str, attribute
     if path in (("albedo",), ("emission", "blackbody")):
         colours = tables.colours[1 if path == ("albedo",) else 0, :, :3]
     elif isinstance(ramp, Ramp):
-        curve = tables.curves[_RAMPS[path]].astype(np.float64)
+        curve = tables.curves[_CURVES[path]].astype(np.float64)
         colours, heights = np.repeat(colours[:1], TABLE, axis=0), np.abs(curve) / max(np.abs(curve).max(), 1e-300)
     low, high = domain(ramp)
     title = f"{look.legend.label or entry.title}: {joules_text(totals[entry], unit)} in all"
@@ -104,7 +102,8 @@ def _width(font, text: str) -> int:
 
 def _plate(legend: DrawnLegend, size: int) -> Image.Image:
     """The legend as an RGBA image with text of `size` pixels."""
-    size *= FINER
+    finer = -(-DRAWN_TEXT // size)
+    size *= finer
     font = _font(size)
     pad, gap, bar_height = (max(1, round(part * size)) for part in (PADDING, GAP, BAR_HEIGHT))
     ends = _width(font, legend.low) + _width(font, legend.high) + size
@@ -117,20 +116,20 @@ def _plate(legend: DrawnLegend, size: int) -> Image.Image:
     draw = ImageDraw.Draw(image)
     draw.text((pad, pad), legend.title, fill=TEXT, font=font)
     top = pad + line + gap
-    image.paste(_bar(legend, width, bar_height), (pad, top))
+    image.paste(_bar(legend, width, bar_height, finer), (pad, top))
     below = top + bar_height + gap
     draw.text((pad, below), legend.low, fill=TEXT, font=font)
     draw.text((pad + width - _width(font, legend.high), below), legend.high, fill=TEXT, font=font)
-    return image.reduce(FINER)
+    return image.reduce(finer)
 
 
-def _bar(legend: DrawnLegend, width: int, height: int) -> Image.Image:
-    """The bar, filled to its height at each column, on dark grey, so that black ends are seen."""
+def _bar(legend: DrawnLegend, width: int, height: int, rim: int) -> Image.Image:
+    """The bar, filled to its height at each column, on dark grey and with a rim, so that black ends are seen."""
     at = np.round(np.linspace(0, TABLE - 1, width)).astype(int)
     filled = np.arange(height)[::-1, None] < np.round(legend.heights[at] * height)[None]
     pixels = np.where(filled[..., None], np.round(255 * legend.colours[at]), 60).astype(np.uint8)
-    for rim in (np.s_[:FINER], np.s_[-FINER:], np.s_[:, :FINER], np.s_[:, -FINER:]):
-        pixels[rim] = np.maximum(pixels[rim], 90)
+    for side in (np.s_[:rim], np.s_[-rim:], np.s_[:, :rim], np.s_[:, -rim:]):
+        pixels[side] = np.maximum(pixels[side], 90)
     return Image.fromarray(pixels)
 
 

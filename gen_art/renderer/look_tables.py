@@ -20,23 +20,16 @@ from gen_art.renderer.sprite import AREA, KINDS
 from gen_art.renderer.sprite_image import texels
 
 __all__ = [
-    "FIRST_ENTRY",
-    "FOOTPRINT_PER_RADIUS",
-    "QUANTITIES",
-    "RAMPS",
-    "RANDOM",
-    "LookTables",
-    "domain",
-    "kernel_numbers",
-]
+    "FIRST_ENTRY", "FOOTPRINT_PER_RADIUS", "QUANTITIES", "RAMPS", "RANDOM", "LookTables", "domain", "kernel_numbers",
+]  # fmt: skip
 
 # quantities that a ramp may follow, in the order of BY; attributes come after them, one slot for each ramp
 QUANTITIES = len(BY)
 RANDOM = BY.index("random")
 SIZE, INTENSITY, OPACITY, KELVIN, COLOR, ALBEDO = range(6)
 RAMPS = 6
-FIRST_ENTRY = -2
 RAMP_SLOT, RAMP_LOW, RAMP_SCALE, RAMP_CHANNEL = range(4)  # columns of the ramps, see _ramp
+FIRST_ENTRY = -2  # in RAMP_CHANNEL: the first entry of the ledger of which particles keep shares; the next is -3
 
 # positions of the kernel's run-time numbers
 (

@@ -376,6 +376,16 @@ def test_what_a_whole_body_loses_is_not_split():
     cloud(interactions=[I.Springs(**springs)], booked=[{"dissipated": "springs"}, "dissipated"])
 
 
+def test_shares_that_are_not_finite_stop_no_step():
+    """The overflow of a product in float32 is no error of the simulation; the picture's recipe refuses it."""
+    make, _ = CASES["gravity and linear drag"]
+    sim = ga.Simulation({"s": make(booked=["dissipated"])}, dt=DT)
+    state = sim["s"].state
+    for shares, total in (([np.inf, -np.inf], np.nan), ([1e308, 1e308], np.inf), ([1e308, -1e308], 0.0)):
+        state.booked[0, :2] = shares
+        assert np.array_equal(sim["s"].booked_total("dissipated"), total, equal_nan=True)
+
+
 def test_adaptive_steps_say_that_they_keep_no_ledger():
     make, _ = CASES["gravity and linear drag"]
     sim = ga.Simulation({"s": make(booked=["dissipated"])}, dt=DT)

@@ -317,6 +317,8 @@ def test_joules_that_are_too_many_are_a_sentence(tmp_path):
     )  # fmt: skip
     with pytest.raises(ga.PresetError, match=r"dissipated by drag in system 'dust' is .*too large"):
         job.still(heavy, tmp_path / "a.png", 0.1)
+    with pytest.raises(ga.PresetError, match="too large"):
+        job.render(heavy, tmp_path / "a.gif", frames=range(2))
     assert not list(tmp_path.iterdir())
 
 
