@@ -12,7 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from gen_art.integrators import INTEGRATORS
-from gen_art.preset import camera, clock, develop, emitter, expect, look, schema
+from gen_art.preset import camera, clock, develop, domain, emitter, expect, look, schema
 from gen_art.preset.registered import in_degrees, is_field, parameters, registry
 
 FOLDER = Path(__file__).resolve().parent
@@ -82,6 +82,8 @@ The Runge-Kutta schemes are given by their nodes (fractions of dt) and weights; 
 DOCUMENTED = {  # class: heading of its table
     clock.Clock: "clock:",
     schema.Units: "units:",
+    domain.Domain: "domain:",
+    domain.Periodic: "periodic: of the domain",
     schema.SystemSpec: "systems.NAME:",
     emitter.EmitterSpec: "systems.NAME.emitters.NAME:",
     emitter.Attributes: "particle: of a system (an emitter and a choice may have the same keys)",
@@ -99,6 +101,7 @@ DOCUMENTED = {  # class: heading of its table
     look.KeyLight: "light: of a look",
     look.Trail: "trail: of a look",
     look.Ribbon: "ribbon: of a look",
+    look.Legend: "legend: of a look",
     camera.CameraSpec: "camera:",
     camera.CameraKey: "path: of the camera, a list of",
     camera.CameraOrbit: "orbit: of the camera",

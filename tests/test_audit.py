@@ -2,15 +2,18 @@
 
 import dataclasses
 import json
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import gen_art as ga
-from gen_art.audit import Trend, audit
+from gen_art.audit import Trend, audit, measure
 from gen_art.audit.advice import advice
 from gen_art.audit.thinning import thinned
 from gen_art.integrators.schemes import INTEGRATORS
 from gen_art.interactions.springs import Springs
+from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.preset.shipped import preset_names
 from gen_art.simulation.ledger import LedgerKeeper
 
@@ -203,3 +206,68 @@ def test_fast_charges_close_too():
 def test_a_cloth_is_never_thinned():
     piece = ga.load_preset("course/flag")
     assert thinned(piece, 1.0, 10) == (piece, {})
+
+
+def boxed(forces, axes="xyz", **keys):
+    """Forty particles of a periodic box, without births after the start."""
+    system = {
+        "particle": {"mass": 1, "radius": 0.05},
+        "forces": forces,
+        "emitters": {"all": {"count": 40, "shape": {"sphere": 0.9}, "velocity": {"sphere": "0.5..1.5"}}},
+    }
+    return ga.load_preset(
+        {"version": 1, "seed": 3, "clock": {"duration": 1, "fps": 10, "step": "1/100"},
+         "domain": {"periodic": {"min": [-1, -1, -1], "max": [1, 1, 1], "axes": axes}}, "systems": {"s": {**system, **keys}}}
+    )  # fmt: skip
+
+
+def test_a_periodic_box_keeps_what_it_can(monkeypatch):
+    """Energy and momentum of a free gas; not angular momentum. Paths of two steps are compared by nearest images."""
+    found = audit(boxed({}), time=1)
+    assert found.booked == {("s", "angular momentum"): "turned by the periodic boundary"}
+    assert found.invariants["s", "energy"].at_round_off and found.invariants["s", "momentum"].at_round_off
+    assert found.problems == [] and found.positions["s"][0].at_round_off
+    lost = max(run.drifts["s", "angular momentum"] for run in found.runs)
+    assert lost > 0.01  # expecting it would be wrong
+    paths = found.runs[0].history.paths["s"]
+    assert np.isnan(paths).any() and np.nanmax(np.abs(np.diff(paths, axis=1))) < 1
+
+
+@pytest.mark.parametrize(
+    "forces,axes,energy",
+    [
+        ({"gravity": [0, -2, 0]}, "xz", None),
+        ({"gravity": [0, -2, 0]}, "xyz", "worked on by the periodic boundary"),
+        ({"spring": {"stiffness": 1, "center": [0.5, 0, 0]}}, "x", "worked on by the periodic boundary"),
+    ],
+)
+def test_potentials_that_jump_at_the_sides_are_booked(forces, axes, energy):
+    found = audit(boxed(forces, axes), time=1)
+    assert found.booked.get(("s", "energy")) == energy
+    assert found.problems == []
+    assert abs(found.ledger.work["s.periodic_boundary"]) > 0.5 or axes == "xz"
+
+
+def test_a_jump_that_is_not_booked_is_found(monkeypatch):
+    from gen_art.simulation import ledger
+
+    report = LedgerKeeper.report
+
+    def forgetful(self):
+        found = report(self)
+        forgotten = found.work.pop(f"s.{ledger.BOUNDARY}")
+        return dataclasses.replace(found, residual=found.residual + forgotten)
+
+    monkeypatch.setattr(LedgerKeeper, "report", forgetful)
+    assert any("energy does not close" in problem for problem in audit(boxed({"gravity": [0, -2, 0]}), time=1).problems)
+
+
+def test_places_at_two_sides_of_a_periodic_box_are_near():
+    box = PeriodicBox((-1, -1, -1), (1, 1, 1), "x")
+    left, right = np.array([[-0.999, 0, 0], [-0.998, 0.5, 0]]), np.array([[0.999, 0, 0], [0.999, 0.5, 0]])
+    runs = [SimpleNamespace(places={"s": (np.arange(2), x)}, box=box) for x in (left, right)]
+    trend, count = measure.positions(runs, "s", 2)
+    assert count == 2 and trend.values[0] == pytest.approx(0.0025 / 0.999, rel=1e-9)
+    for run in runs:
+        run.box = None
+    assert measure.positions(runs, "s", 2)[0].values[0] > 1.9  # in open space they are far apart

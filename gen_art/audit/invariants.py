@@ -9,6 +9,12 @@ __all__ = ["colliders_of", "expected_order", "forces_of", "has_kinks", "has_stif
 _KINKED_FIELDS = {"curl_noise": 3}  # fields with kinks in their second derivatives
 _QUADRATIC_DRAG = 3  # because its rate is taken at a predicted midpoint
 _IMPACTS = 2  # because of the path inside a step
+_BOUNDARY = "the periodic boundary"
+# forces and fields that are the same everywhere: others jump at the sides of a periodic box, which are crossed within a step
+_UNIFORM = (
+    "damping", "drag", "driver", "electric_field", "gravity", "langevin", "lift", "magnetic_field", "panel", "thrust", "wind",
+)  # fmt: skip
+_JUMPS = 1
 _BIRTHS_ALONG_PATHS = 3  # because children are born on a cubic through their parent's step
 
 
@@ -44,12 +50,17 @@ def invariants(preset, system) -> tuple[list[str], dict[str, str]]:
     colliders = colliders_of(preset, system)
     working += [collider.name for collider in colliders if collider.takes_energy]
     external += [collider.name for collider in colliders]
+    turning = list(external)
+    if preset.domain is not None:
+        turning.append(_BOUNDARY)
+        if any(_potential_jumps(force, preset.domain.box) for force in forces):
+            working.append(_BOUNDARY)
     changing = [name for name, emitter in system.emitters.items() if _has_births_or_deaths(system, emitter)]
     conserved, booked = [], {}
     for quantity, names, verb in (
         ("energy", working, "worked on by "),
         ("momentum", external, "pushed by "),
-        ("angular momentum", external, "turned by "),
+        ("angular momentum", turning, "turned by "),
         ("mass", [force.name for force in forces if loses_mass(force)], "burnt by "),
         ("charge", [], ""),
     ):
@@ -60,6 +71,15 @@ def invariants(preset, system) -> tuple[list[str], dict[str, str]]:
         else:
             conserved.append(quantity)
     return conserved, booked
+
+
+def _potential_jumps(force, box) -> bool:
+    """Whether the potential of a force changes where a particle is wrapped; that of a uniform field may be the same."""
+    if not force.provides("potential"):
+        return False
+    if force.name not in _UNIFORM:
+        return True
+    return any(component for component, length in zip(force.values["field"], box.lengths) if length > 0)
 
 
 def _has_births_or_deaths(system, emitter) -> bool:
@@ -103,6 +123,8 @@ def expected_order(preset, name: str, seen: tuple = ()) -> int:
         order = min(order, _IMPACTS)
     fields = (*forces_of(preset, system), *(system.medium or preset.medium).terms)
     order = min([order, *(_KINKED_FIELDS.get(field.name, order) for field in fields)])
+    if preset.domain is not None and any(field.name not in _UNIFORM for field in fields):
+        order = min(order, _JUMPS)
     for emitter in system.emitters.values():
         if emitter.source is not None and emitter.source.system not in (*seen, name):
             order = min(order, expected_order(preset, emitter.source.system, (*seen, name)))

@@ -7,6 +7,7 @@ from functools import reduce
 import numpy as np
 
 from gen_art.audit.gyration import largest_turn
+from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.rows import CHARGE, MASS, POSITION, VELOCITY
 from gen_art.simulation.diagnostics import (
     ANGULAR_MOMENTUM,
@@ -100,7 +101,7 @@ class RunHistory:
     kinetic, potential : (m,) energy, J
     accounted : (m,) the energy that follows from the ledger, J
     momentum : (m, 3) N s
-    paths : by system, (particles, m, 3) m, NaN where a particle is not alive
+    paths : by system, (particles, m, 3) m, NaN where a particle is not alive or was wrapped in a periodic box
     """
 
     times: np.ndarray
@@ -125,6 +126,7 @@ class AuditRun:
     places : by system, keys and positions (n, 3) at the end
     history : the run from moment to moment
     turns : by system, the largest angular frequency of a charge in its magnetic fields, 1/s
+    box : the periodic box; None in open space
     """
 
     ledger: Ledger
@@ -136,6 +138,7 @@ class AuditRun:
     places: dict[str, tuple[np.ndarray, np.ndarray]]
     history: RunHistory
     turns: dict[str, float]
+    box: PeriodicBox | None = None
 
 
 def run(preset, steps: int, dt: float, precision: str, threads, division: int = 1, moments: int = MOMENTS) -> AuditRun:
@@ -166,7 +169,8 @@ def run(preset, steps: int, dt: float, precision: str, threads, division: int = 
                     if quantity == "energy":
                         last[name] = (float(new - old - gained), scale)
     places = {name: (sim[name].keys, sim[name].position.astype(np.float64)) for name in preset.systems}
-    return AuditRun(sim.ledger(), start, sim.diagnostics(), residuals, drifts, last, places, _history(snapshots), turns)
+    history = _history(snapshots, sim.box)
+    return AuditRun(sim.ledger(), start, sim.diagnostics(), residuals, drifts, last, places, history, turns, sim.box)
 
 
 def _snapshot(sim, now: Diagnostics, residual: float) -> tuple:
@@ -175,7 +179,7 @@ def _snapshot(sim, now: Diagnostics, residual: float) -> tuple:
     return now.time, now.kinetic_energy, now.potential_energy, now.energy - residual, now.momentum, places
 
 
-def _history(snapshots: list[tuple]) -> RunHistory:
+def _history(snapshots: list[tuple], box: PeriodicBox | None) -> RunHistory:
     times, kinetic, potential, accounted, momentum, places = zip(*snapshots)
     paths = {}
     for name in places[0]:
@@ -185,6 +189,10 @@ def _history(snapshots: list[tuple]) -> RunHistory:
         for m, at in enumerate(places):
             _, path_rows, place_rows = np.intersect1d(shown, at[name][0], return_indices=True)
             paths[name][path_rows, m] = at[name][1][place_rows]
+        if box is not None:  # a path is broken where it was wrapped
+            x = np.moveaxis(paths[name], 2, 0)
+            jumped = box.jumps((x[:, :, 1:] - x[:, :, :-1]).reshape(3, -1)).reshape(len(shown), -1)
+            paths[name][:, 1:][jumped] = np.nan
     return RunHistory(
         np.array(times), np.array(kinetic), np.array(potential), np.array(accounted), np.array(momentum), paths
     )
@@ -252,5 +260,7 @@ def positions(runs: list[AuditRun], name: str, expected: int) -> tuple[Trend, in
         order = np.argsort(keys)
         x.append(at[order][np.searchsorted(keys[order], common)])
     extent = max(float(np.abs(x[-1]).max()), 1e-300)
-    distances = [float(np.median(np.linalg.norm(a - b, axis=1))) / extent for a, b in zip(x, x[1:])]
+    box = runs[0].box
+    apart = [a - b if box is None else box.nearest((a - b).T).T for a, b in zip(x, x[1:])]
+    distances = [float(np.median(np.linalg.norm(d, axis=1))) / extent for d in apart]
     return Trend(tuple(distances), expected), len(common)

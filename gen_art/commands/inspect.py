@@ -34,12 +34,16 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
         f"{preset.name}: {clock['frames']} frames at {clock['fps']:g} a second, {clock['steps_per_frame']} steps of "
         f"{clock['step']:.6g} a frame, {clock['preroll_steps']} before the first; seed {preset.seed}"
     )
+    if preset.domain is not None:
+        echo(f"domain: {preset.domain.box}")
     for name, system in facts["systems"].items():
         echo(f"\n{name}: {system['integrator']}, {system['born']:,} born, at most about {system['peak']:,} at once")
         for label in ("forces", "interactions", "colliders", "medium", "emitters"):
             if system[label]:
                 echo(f"  {label:13} {', '.join(system[label])}")
         echo(f"  {'conserved':13} {', '.join(system['should_hold']) or 'nothing by itself'}")
+        if system["joules"]:
+            echo(f"  {'joules shown':13} {', '.join(system['joules'])}; this keeps the ledger, one launch a step")
         for quantity, reason in system["booked"].items():
             echo(f"  {'in the ledger':13} {quantity}: {reason}")
     if facts["expect"]:
@@ -78,6 +82,7 @@ def _facts(preset, size, precision) -> dict:
             "emitters": list(system.emitters),
             "should_hold": conserved,
             "booked": booked,
+            "joules": [entry.title for entry in _entries(system)],
         }
     return {
         "preset": preset.name,
@@ -92,6 +97,7 @@ def _facts(preset, size, precision) -> dict:
             "steps_per_frame": clock.steps_per_frame,
             "preroll_steps": clock.preroll_steps,
         },
+        "domain": None if preset.domain is None else {"periodic": preset.domain.box.as_dict()},
         "particles": _count(expected.particles),
         "memory": {
             "state": _count(expected.memory),
@@ -114,6 +120,11 @@ def _expectations(preset) -> dict | None:
 
     verdict = verdict_of(preset, version())
     return verdict and {"verdict": verdict["verdict"], "claims": [claim.words for claim in claims_of(preset)]}
+
+
+def _entries(system) -> tuple:
+    """The entries of the ledger that a system's look goes by."""
+    return system.look.ledger_entries(system.particle.attributes) if system.look is not None else ()
 
 
 def _collider_text(collider) -> str:

@@ -25,13 +25,19 @@ def command(preset, resolved, seed, settings, fps, duration, plugins):
     if Path(preset).suffix.lower() in _PICTURES:
         from gen_art.output.read_recipe import read_recipe
         from gen_art.output.recipe import check_complete
+        from gen_art.particles.entries import LedgerEntry
         from gen_art.preset.overrides import plain
         from gen_art.preset.writing import yaml_text
 
         recipe = read_recipe(preset)
         check_complete(recipe)
         made = f"{recipe['name']}, from {Path(preset).name}, made by gen-art {recipe['gen_art']}"
-        echo(f"# {' '.join(made.split())}")
+        lines = [made]
+        for entry in recipe.get("joules", ()):
+            title = LedgerEntry.of(entry["by"]).title
+            lines.append(f"{entry['system']}: {title}: {entry['total']:.6g} {entry['unit']} in all")
+        for line in lines:
+            echo(f"# {' '.join(line.split())}")
         preset = recipe["preset"] | {"name": recipe["name"]}
         if not (resolved or seed is not None or settings or fps or duration):
             echo(yaml_text(plain(recipe["preset"])), nl=False)

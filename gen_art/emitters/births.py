@@ -214,7 +214,10 @@ def scheduled_births(emitter: ActiveEmitter, t1: float) -> list[BirthBatch]:
 
 
 def give_birth(particles: Particles, batches: list[BirthBatch], precision: str) -> slice:
-    """Append the particles of all batches in order of (time, rank, ordinal), draw their attributes, and return their slots."""
+    """Append the particles of all batches in order of (time, rank, ordinal), draw their attributes, and return their slots.
+
+    In a periodic box, particles that are born outside are wrapped into it.
+    """
     if not batches:
         return slice(particles.count, particles.count)
     when = np.concatenate([b.when for b in batches])
@@ -236,6 +239,7 @@ def give_birth(particles: Particles, batches: list[BirthBatch], precision: str) 
             (b.ordinal & 0x7FFFFFFF).astype(np.int32), b.sign.astype(dtype), b.origin.astype(dtype),
             b.when.astype(dtype), b.kind.numbers(dtype),
         )  # fmt: skip
+    particles.wrap(new)
     if not particles.may_die:
         particles.may_die = bool(np.isfinite(particles.floats[LIFETIME, new]).any())
     return new

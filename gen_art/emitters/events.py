@@ -129,7 +129,10 @@ def _count_up(counts: np.ndarray) -> np.ndarray:
 def _path_state(
     parents: Particles, parent: np.ndarray, when: np.ndarray, window: EventWindow, before: np.ndarray
 ) -> np.ndarray:
-    """Position and velocity (6, m) at times `when`, on the cubic through both ends of each parent's step."""
+    """Position and velocity (6, m) at times `when`, on the cubic through both ends of each parent's step.
+
+    In a periodic box the end is the image nearest to the place that the mean velocity leads to.
+    """
     t0 = np.maximum(parents.birth[parent], window.t0)
     t0 = np.where(window.is_new(parents.id[parent]), window.t0, t0)
     t1 = np.minimum(parents.death()[parent], window.t1)
@@ -137,6 +140,9 @@ def _path_state(
     s = (when - t0) / h
     a, b = before[:, parent].astype(np.float64), parents.floats[:6, parent].astype(np.float64)
     x0, v0, x1, v1 = a[:3], a[3:] * h, b[:3], b[3:] * h
+    if parents.box is not None:
+        expected = x0 + 0.5 * (v0 + v1)
+        x1 = expected + parents.box.nearest(x1 - expected)
     s2, s3 = s * s, s * s * s
     x = (2 * s3 - 3 * s2 + 1) * x0 + (s3 - 2 * s2 + s) * v0 + (3 * s2 - 2 * s3) * x1 + (s3 - s2) * v1
     v = ((6 * s2 - 6 * s) * (x0 - x1) + (3 * s2 - 4 * s + 1) * v0 + (3 * s2 - 2 * s) * v1) / h

@@ -99,7 +99,7 @@ def resolve_collisions(
                                 x, v = carried_along(terms.colliders, Q, entry.first_surface + side, x, now, h)
                                 if ti.static(for_ledger):
                                     work += m * (v - v1).dot(U)
-                                    add_entry(B, b, entry.ledger_row, 0.0, 0.0, m * (v - v1))
+                                    add_entry(B, b, i + j, entry.ledger_row, 0.0, 0.0, m * (v - v1))
             impacts = 0
             while left > 0.0 and impacts < MAX_IMPACTS:
                 impacts += 1
@@ -162,7 +162,7 @@ def resolve_collisions(
                                 dissipated -= m * (2.0 / (span * span)) * friction.dot(x - before - U * t)
                                 for c, entry in ti.static(enumerate(terms.colliders)):
                                     if last == c:
-                                        add_entry(B, b, entry.ledger_row, 0.0, 0.0, gained)
+                                        add_entry(B, b, i + j, entry.ledger_row, 0.0, 0.0, gained)
                         drift *= 0.0
                     left -= t
                     if which >= 0:
@@ -204,7 +204,7 @@ def resolve_collisions(
                                 used = a * -left
                             for c, entry in ti.static(enumerate(terms.colliders)):
                                 if last == c:
-                                    add_entry(B, b, entry.ledger_row, 0.0, 0.0, m * used)
+                                    add_entry(B, b, i + j, entry.ledger_row, 0.0, 0.0, m * used)
                         a += response
                         if action == _STICK:
                             x = final
@@ -221,6 +221,6 @@ def resolve_collisions(
                         extra = 0.5 * m * (v.dot(v) - v1.dot(v1)) + dissipated - work - potential
                     for c, entry in ti.static(enumerate(terms.colliders)):
                         if last == c:  # after MAX_IMPACTS the forces of the time left do not act
-                            add_entry(B, b, entry.ledger_row, work + extra, dissipated, a * (-m * left))
+                            add_entry(B, b, i + j, entry.ledger_row, work + extra, dissipated, a * (-m * left))
                 X.x0[j], X.x1[j], X.x2[j] = x[0], x[1], x[2]
                 X.v0[j], X.v1[j], X.v2[j] = v[0], v[1], v[2]

@@ -11,6 +11,7 @@ from gen_art.colliders.base import Collider
 from gen_art.errors import UsageError
 from gen_art.forces.base import Force, has_acceleration, loses_mass
 from gen_art.forces.medium import Medium
+from gen_art.particles.periodic_box import BOX_NUMBERS, PeriodicBox
 
 __all__ = ["KernelTerms", "Term", "collider_names"]
 
@@ -52,9 +53,18 @@ class KernelTerms:
     """Forces, media and colliders with their offsets in one run-time parameter array.
 
     labels : by id(), the names of the colliders where they are some of a system's; see collider_names
+    box : the periodic box that the particles are in; its numbers are at box_offset
     """
 
-    def __init__(self, forces=(), medium: Medium | None = None, colliders=(), labels: dict[int, str] | None = None):
+    def __init__(
+        self,
+        forces=(),
+        medium: Medium | None = None,
+        colliders=(),
+        labels: dict[int, str] | None = None,
+        box: PeriodicBox | None = None,
+    ):
+        self._made_of = (forces, medium, colliders, labels)
         default = medium or Medium()
         self._numbers: list[float] = []
         self._tables: list[tuple[int, np.ndarray]] = []
@@ -83,11 +93,19 @@ class KernelTerms:
             raise UsageError(
                 f"a system can have {_MAX_SURFACES} surfaces to collide with (a box counts six): describe more as one sdf"
             )
+        self.box, self.box_offset = box, len(self._numbers)
+        if box is not None:
+            self._numbers += [0.0] * BOX_NUMBERS
         self.signature = (
             tuple((t.force.fixed, t.medium) for t in self.terms),
             tuple(tuple(t.force.fixed for t in medium) for medium in self.media),
             tuple(t.force.fixed for t in self.colliders),
+            box is not None,
         )
+
+    def in_box(self, box: PeriodicBox) -> "KernelTerms":
+        """The same terms in a periodic box."""
+        return KernelTerms(*self._made_of, box)
 
     def _place(self, force: Any, medium: Medium, name: str, index: int = -1, row: int = -1) -> Term:
         """Append the numbers of a force or collider to the parameter array."""
@@ -104,7 +122,10 @@ class KernelTerms:
         for offset, table in self._tables:
             head[offset : offset + 2] = divmod(start, 4096)  # in two parts, because float32 is exact only up to 2^24
             start += len(table)
-        return np.concatenate([np.array(head, dtype), *(table.astype(dtype) for _, table in self._tables)])
+        numbers = np.array(head, dtype)
+        if self.box is not None:
+            numbers[self.box_offset : self.box_offset + BOX_NUMBERS] = self.box.numbers(dtype)
+        return np.concatenate([numbers, *(table.astype(dtype) for _, table in self._tables)])
 
     @property
     def accelerations(self) -> list[Term]:

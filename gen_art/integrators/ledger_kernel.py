@@ -4,6 +4,7 @@ It repeats the step of step_kernels.py on local copies, with the same functions 
 state. It records the work m a.(v0 + v1)/2 h of each term (stage weights in Runge-Kutta), the energy that drag takes and that
 its medium gives, and all impulses. With a speed of light the momentum is m u, u = gamma v, and the work is the impulse times
 (u0 + u1) / (gamma0 + gamma1): the change of (gamma - 1) m c^2 is exactly m (u1 - u0) times it.
+The sides of a periodic box have a row where forces have potentials: a potential jumps where a particle is wrapped.
 
 The one-letter names in kernels are in docs/glossary.md.
 """
@@ -16,7 +17,7 @@ from gen_art.backend.runtime import ti
 from gen_art.forces.base import term_acceleration
 from gen_art.integrators.collisions import resolve_collisions
 from gen_art.integrators.kernel_terms import KernelTerms
-from gen_art.integrators.ledger_rows import LEDGER_COLUMNS, add_entry
+from gen_art.integrators.ledger_rows import LEDGER_COLUMNS, add_entry, ledger_arrays
 from gen_art.integrators.mass_loss import add_exhaust_entries, compute_mass_loss
 from gen_art.integrators.particle_tile import (
     STATE,
@@ -28,9 +29,11 @@ from gen_art.integrators.particle_tile import (
     kick,
     lane_steps,
     load,
+    place,
     repeats,
     stage_view,
     tile,
+    view,
 )
 from gen_art.integrators.pushers import gamma_at
 from gen_art.integrators.schemes import AHEAD, DRIFT, FIRST_DRIFT, KICK, STAGE, TIME, WEIGHT
@@ -53,7 +56,7 @@ def _add_kick_entries(
             if ti.static(len(terms.mass_loss_terms) > 0):
                 m = L.m[j]
             h = fraction * L.h[j]
-            x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
+            x = place(terms, X, Q, j)
             new = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
             old = ti.Vector([O.v0[j], O.v1[j], O.v2[j]])
             mean = new
@@ -70,7 +73,7 @@ def _add_kick_entries(
                 a = ti.Vector([A[3 * k, i + j], A[3 * k + 1, i + j], A[3 * k + 2, i + j]])
                 impulse = a * (m * h)
                 rest -= impulse
-                add_entry(B, b, terms.count + k, impulse.dot(mean), 0.0, impulse)
+                add_entry(B, b, i + j, terms.count + k, impulse.dot(mean), 0.0, impulse)
                 if ti.static(len(terms.colliders) > 0 and terms.mutual[k]):
                     C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
             for term in ti.static(terms.accelerations):
@@ -80,22 +83,22 @@ def _add_kick_entries(
                     a = term_acceleration(term.force, seen, t, parameters(Q, term.force, term.offset, repeat))
                     impulse = a * (m * h)
                     rest -= impulse
-                    add_entry(B, b, term.ledger_row, impulse.dot(mean), 0.0, impulse)
+                    add_entry(B, b, i + j, term.ledger_row, impulse.dot(mean), 0.0, impulse)
                     if ti.static(len(terms.colliders) > 0 and term.force.conservative):
                         C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
             if ti.static(len(terms.noises) > 0 and kicked):
                 impulse = ti.Vector([L.n0[j], L.n1[j], L.n2[j]]) * m
                 rest -= impulse
-                add_entry(B, b, terms.noises[0].ledger_row, impulse.dot(mean), 0.0, impulse)
+                add_entry(B, b, i + j, terms.noises[0].ledger_row, impulse.dot(mean), 0.0, impulse)
             for term in ti.static(terms.magnetics):
                 for repeat in range(repeats(Q, term.count_offset)):
                     field = term.force.magnetic(p, t, parameters(Q, term.force, term.offset, repeat))
                     impulse = mean.cross(field) * (S[CHARGE, i + j] * h)
                     rest -= impulse
-                    add_entry(B, b, term.ledger_row, 0.0, 0.0, impulse)
+                    add_entry(B, b, i + j, term.ledger_row, 0.0, 0.0, impulse)
             if ti.static(terms.magnetic_without_damping and kicked):
                 # the pusher's rotation differs from the sum over the fields
-                add_entry(B, b, terms.magnetics[0].ledger_row, 0.0, 0.0, rest)
+                add_entry(B, b, i + j, terms.magnetics[0].ledger_row, 0.0, 0.0, rest)
             if ti.static(len(terms.dampings) > 0):
                 total = h * 0.0
                 drive = ti.Vector([0.0, 0.0, 0.0])
@@ -113,7 +116,7 @@ def _add_kick_entries(
                     k = L.at("k", d)[j] + L.at("q", d)[j] * (mean - u).norm()
                     impulse = (u - drag_velocity) * (k * m * h)
                     work = impulse.dot(u)
-                    add_entry(B, b, term.ledger_row, work, work - impulse.dot(mean), impulse)
+                    add_entry(B, b, i + j, term.ledger_row, work, work - impulse.dot(mean), impulse)
 
 
 @ti.func
@@ -129,15 +132,42 @@ def drift_with_exhaust(
         add_exhaust_entries(terms, B, b, L, X, S, K, Q, i, n, tau + fraction, 0.5 * fraction)
 
 
+@ti.func
+def _add_boundary_entries(
+    terms: ti.template(), B: ti.template(), b, L: ti.template(), X: ti.template(),
+    S: ti.template(), K: ti.template(), Q: ti.template(), i, n,
+):  # fmt: skip
+    """Record by how much the potentials change where the end X of the step is wrapped: the work of the sides of the box."""
+    for j in range(WIDTH):
+        if i + j < n and L.h[j] > 0.0:
+            x, inside = ti.Vector([X.x0[j], X.x1[j], X.x2[j]]), place(terms, X, Q, j)
+            if (inside - x).norm() > 0.0:
+                v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
+                m, age, t = S[MASS, i + j], L.age[j] + L.h[j], L.t[j] + L.h[j]
+                if ti.static(len(terms.mass_loss_terms) > 0):
+                    m -= L.h[j] * L.w[j]
+                before = view(terms, S, K, i + j, x, v, age, None, m, (L.age[j], L.h[j]))
+                after = view(terms, S, K, i + j, inside, v, age, None, m, (L.age[j], L.h[j]))
+                gain = m * 0.0
+                for term in ti.static(terms.potentials):
+                    for repeat in range(repeats(Q, term.count_offset)):
+                        q = parameters(Q, term.force, term.offset, repeat)
+                        gain += term.force.potential(after, t, q) - term.force.potential(before, t, q)
+                add_entry(B, b, i + j, terms.boundary_row, gain, 0.0, x * 0.0)
+
+
 @cache
 def make_ledger_kernel(
-    composition: KernelTerms, kind: str, rotation: tuple, mutual: tuple, staged: bool, channels: tuple, precision: str
-):
-    """The ledger kernel of one system: as make_step's kernel, for one step, with two more arrays at the end.
+    composition: KernelTerms, kind: str, rotation: tuple, mutual: tuple, staged: bool, channels: tuple, precision: str,
+    shares: tuple = (),
+):  # fmt: skip
+    """The ledger kernel of one system: as make_step's kernel, for one step, with three more arrays at the end.
 
     mutual : for each array of pair accelerations, whether it is conservative
-    B (blocks, rows x LEDGER_COLUMNS) f64 : the entries
+    shares : what is booked of each row for each particle, see LedgerArrays
+    T (blocks, rows x LEDGER_COLUMNS) f64 : the entries
     M (3, capacity) : with colliders, the change of velocity by conservative forces in the stages so far
+    W (entries, capacity) f64 : the booked joules of each particle
     """
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
@@ -150,8 +180,9 @@ def make_ledger_kernel(
     def ledger_kernel(
         S: matrix, birth: ti.types.ndarray(ti.f64, 1), K: ti.types.ndarray(ti.u32, 2), A: matrix, R: matrix, Q: vector,
         P: vector, begin: ti.i32, n: ti.i32, first: ti.f64, dt: ti.f64, earliest: ti.f64, stage0: ti.i32, stage1: ti.i32,
-        B: ti.types.ndarray(ti.f64, 2), M: matrix,
+        T: ti.types.ndarray(ti.f64, 2), M: matrix, W: ti.types.ndarray(ti.f64, 2),
     ):  # fmt: skip
+        B = ledger_arrays(T, W, shares)
         ti.loop_config(block_dim=1)
         for b in range((n - begin + BLOCK - 1) // BLOCK):
             for s in range(BLOCK // WIDTH):
@@ -203,12 +234,17 @@ def make_ledger_kernel(
                     if ti.static(len(terms.colliders) > 0):
                         for j in range(WIDTH):
                             M[0, i + j], M[1, i + j], M[2, i + j] = C.c0[j], C.c1[j], C.c2[j]
+                    if ti.static(len(terms.colliders) > 0 or terms.boundary_row >= 0):
                         if stage1 == (P.shape[0] - 1) // STAGE:
                             if ti.static(not splitting):
-                                copy(G, X)
+                                if ti.static(len(terms.colliders) > 0):
+                                    copy(G, X)
                                 for j in range(WIDTH):
                                     X.x0[j], X.x1[j], X.x2[j] = X.x0[j] + Z.x0[j], X.x1[j] + Z.x1[j], X.x2[j] + Z.x2[j]
                                     X.v0[j], X.v1[j], X.v2[j] = X.v0[j] + Z.v0[j], X.v1[j] + Z.v1[j], X.v2[j] + Z.v2[j]
-                            resolve_collisions(terms, L, G, X, S, Q, i, n, B, b, C, True)
+                            if ti.static(len(terms.colliders) > 0):
+                                resolve_collisions(terms, L, G, X, S, Q, i, n, B, b, C, True)
+                            if ti.static(terms.boundary_row >= 0):
+                                _add_boundary_entries(terms, B, b, L, X, S, K, Q, i, n)
 
     return runtime.kernel(ledger_kernel, precision)

@@ -4,7 +4,7 @@ from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
 from gen_art.forces.base import term_acceleration, term_mass_rate
 from gen_art.integrators.ledger_rows import add_entry
-from gen_art.integrators.particle_tile import WIDTH, repeats, view
+from gen_art.integrators.particle_tile import WIDTH, place, repeats, view
 from gen_art.particles.rows import MASS
 
 __all__ = ["add_exhaust_entries", "compute_mass_loss", "apply_mass_loss"]
@@ -44,7 +44,7 @@ def add_exhaust_entries(
     """
     for j in range(WIDTH):
         if i + j < n and L.h[j] > 0.0:
-            x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
+            x = place(terms, X, Q, j)
             v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
             m = S[MASS, i + j] - tau * L.h[j] * L.w[j]
             age, t = L.age[j] + tau * L.h[j], L.t[j] + tau * L.h[j]
@@ -57,7 +57,7 @@ def add_exhaust_entries(
                     dm = rate * share * L.h[j]
                     exhaust_velocity = v + u
                     extra = dm * (0.5 * u.dot(u) + u.dot(v))
-                    add_entry(B, b, engine.ledger_row, extra, 0.0, u * dm)
+                    add_entry(B, b, i + j, engine.ledger_row, extra, 0.0, u * dm)
                     row = ti.static(terms.exhaust_row + 2 * k)
                     energy = 0.5 * dm * exhaust_velocity.dot(exhaust_velocity)
                     for term in ti.static(terms.potentials):
@@ -65,5 +65,5 @@ def add_exhaust_entries(
                         for repeat in range(repeats(Q, term.count_offset)):
                             numbers = parameters(Q, term.force, term.offset, repeat)
                             energy += term.force.potential(p, t, numbers) - term.force.potential(lighter, t, numbers)
-                    add_entry(B, b, row, energy, dm, exhaust_velocity * dm)
-                    add_entry(B, b, row + 1, 0.0, 0.0, x.cross(exhaust_velocity) * dm)
+                    add_entry(B, b, i + j, row, energy, dm, exhaust_velocity * dm)
+                    add_entry(B, b, i + j, row + 1, 0.0, 0.0, x.cross(exhaust_velocity) * dm)

@@ -17,11 +17,12 @@ from gen_art.integrators.pushers import phase_corrected, relativistic
 from gen_art.integrators.thermal_noise import add_noise
 from gen_art.maths.elementary import phi
 from gen_art.particles.fixed import is_fixed
+from gen_art.particles.periodic_box import wrapped
 from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, PX, PY, PZ, RADIUS, VX, VY, VZ
 
 __all__ = [
     "STATE", "WIDTH", "CollisionTerm", "TileTerms", "accumulate", "copy", "flow_velocity", "kick", "lane_steps", "load",
-    "repeats", "specific_charge", "stage_view", "store", "tile", "view",
+    "place", "repeats", "specific_charge", "stage_view", "store", "tile", "view", "wrap",
 ]  # fmt: skip
 
 WIDTH = 16
@@ -68,6 +69,8 @@ class TileTerms:
     rows : the declared attributes' rows in S, by name
     surface : the function of distance and normal of surface.py, None without colliders
     exhaust_row : the ledger's row of the first engine's exhaust
+    box_offset : where the numbers of the periodic box begin in Q, or -1 in open space
+    boundary_row : the ledger's row of the sides of the box, or -1 if no potential changes there
     start_vectors : names of the vectors that keep the start of a step for collisions
     collisions_balance_energy : whether the work at impacts is found from the energy, because other forces are not conservative
     reusable : whether the result of `accumulate` holds for the next step too if no position changes in between
@@ -94,6 +97,10 @@ class TileTerms:
             surfaces += t.force.sides
         self.surface: Any = make_surface(self.colliders, real) if self.colliders else None
         self.exhaust_row = self.count + pairs + len(self.colliders)
+        self.box_offset = -1 if composition.box is None else composition.box_offset
+        self.boundary_row = -1
+        if composition.box is not None and self.potentials:
+            self.boundary_row = self.exhaust_row + 2 * len(self.mass_loss_terms)
         self.start_vectors = STATE if self.colliders else ""
         self.collisions_balance_energy = any(c.collider.rotates for c in self.colliders) or any(
             t.force.does_work and not t.force.conservative for t in composition.terms
@@ -202,6 +209,28 @@ def store(T: ti.template(), S: ti.template(), i):
 
 
 @ti.func
+def wrap(terms: ti.template(), T: ti.template(), Q: ti.template()):
+    """Move the tile's positions into the periodic box, if there is one."""
+    if ti.static(terms.box_offset >= 0):
+        b = ti.static(terms.box_offset)
+        for j in range(WIDTH):
+            T.x0[j] = wrapped(T.x0[j], Q[b], Q[b + 3], Q[b + 6])
+            T.x1[j] = wrapped(T.x1[j], Q[b + 1], Q[b + 4], Q[b + 7])
+            T.x2[j] = wrapped(T.x2[j], Q[b + 2], Q[b + 5], Q[b + 8])
+
+
+@ti.func
+def place(terms: ti.template(), X: ti.template(), Q: ti.template(), j):
+    """The position of lane j as forces see it: in the periodic box, if there is one."""
+    x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
+    if ti.static(terms.box_offset >= 0):
+        b = ti.static(terms.box_offset)
+        for c in ti.static(range(3)):
+            x[c] = wrapped(x[c], Q[b + c], Q[b + 3 + c], Q[b + 6 + c])
+    return x
+
+
+@ti.func
 def lane_steps(L: ti.template(), S: ti.template(), birth: ti.template(), i, now, dt, earliest, real: ti.template()):
     """Write each lane's own step to L: h, the part of [now, now + dt] it is alive, and age and time t where that part begins."""
     for j in range(WIDTH):
@@ -219,7 +248,24 @@ def accumulate(
     terms: ti.template(), L: ti.template(), X: ti.template(), S: ti.template(), K: ti.template(), A: ti.template(),
     Q: ti.template(), i, tau,
 ):  # fmt: skip
-    """Sum all terms at the state X of the tile and the fraction tau of each lane's step; the sums are written to L."""
+    """Sum all terms at the state X of the tile and the fraction tau of each lane's step; the sums are written to L.
+
+    In a periodic box X may have left it, because the path of a step is not wrapped; forces act at the place in the box.
+    """
+    if ti.static(terms.box_offset >= 0):
+        Y = tile(STATE)
+        copy(Y, X)
+        wrap(terms, Y, Q)
+        sum_terms(terms, L, Y, S, K, A, Q, i, tau)
+    else:
+        sum_terms(terms, L, X, S, K, A, Q, i, tau)
+
+
+@ti.func
+def sum_terms(
+    terms: ti.template(), L: ti.template(), X: ti.template(), S: ti.template(), K: ti.template(), A: ti.template(),
+    Q: ti.template(), i, tau,
+):  # fmt: skip
     if ti.static(len(terms.mass_loss_terms) > 0):
         for j in range(WIDTH):
             L.m[j] = S[MASS, i + j] - tau * L.h[j] * L.w[j]

@@ -3,6 +3,8 @@
 The particles are processed in blocks (one task each) of tiles of WIDTH lanes. A tile's state stays in local vectors while
 several steps run. Births and deaths inside a step need no branches: a lane's own step is the part of it that it is alive.
 With interactions, one launch runs one stage, after the pair kernel has written its accelerations to A.
+In a periodic box positions are wrapped at the end of each step; within it a path goes on beyond the sides, so that colliders
+find its impacts.
 
 The one-letter names in kernels are in docs/glossary.md.
 """
@@ -26,6 +28,7 @@ from gen_art.integrators.particle_tile import (
     specific_charge,
     store,
     tile,
+    wrap,
 )
 from gen_art.integrators.schemes import AHEAD, DRIFT, FIRST_DRIFT, KICK, STAGE, TIME, WEIGHT
 
@@ -143,6 +146,9 @@ def _splitting(terms: TileTerms, staged: bool, real):
                         if ti.static(len(terms.mass_loss_terms) > 0):
                             if stage1 == (P.shape[0] - 1) // STAGE:
                                 apply_mass_loss(L, S, i, n)
+                        if ti.static(terms.box_offset >= 0):
+                            if stage1 == (P.shape[0] - 1) // STAGE:
+                                wrap(terms, X, Q)
                     store(X, S, i)
 
     return splitting
@@ -225,6 +231,9 @@ def _runge_kutta(terms: TileTerms, staged: bool, real):
                         if ti.static(len(terms.mass_loss_terms) > 0):
                             if stage1 == (P.shape[0] - 1) // STAGE:
                                 apply_mass_loss(L, S, i, n)
+                        if ti.static(terms.box_offset >= 0):
+                            if stage1 == (P.shape[0] - 1) // STAGE:
+                                wrap(terms, X, Q)
                     store(X, S, i)
 
     return runge_kutta

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.storage import Particles
 from gen_art.registry import Parametric, Registry
 
@@ -79,6 +80,8 @@ class Interaction(Parametric):
     `take_colliders(colliders, names)` takes over those of a system's colliders that it handles itself, and returns the others.
     If `moves_particles`, `drift(state, stage)` moves the particles too, in place of the kernel's drift. It then handles all
     colliders, and the ledger reads `collider_impulses` and `drift_displacement`.
+    If `periodic`, forces act across the sides of a periodic `box` too, between nearest images, and positions in a request may lie
+    outside of it; other interactions are refused there.
     If `breaks`, `break_bonds(state, precision)` is called at the end of each step.
     `saved_arrays` are the arrays by name that a snapshot stores beside the particles and the parameters;
     `restore_arrays(saved_arrays, time)` restores them.
@@ -91,12 +94,21 @@ class Interaction(Parametric):
     implicit: bool = False
     breaks: bool = False
     moves_particles: ClassVar[bool] = False
+    periodic: ClassVar[bool] = False
+    box: PeriodicBox | None = None  # of the simulation that has taken its system; None in open space
     smooth: ClassVar[bool] = False  # whether forces vary with the distances as smoothly as the motion does
 
     @property
     def source_system(self) -> str | None:
         """The other system whose particles exert the forces; None if the system's particles act on each other."""
         return self.values.get("sources")
+
+    def problem_in(self, box: PeriodicBox, largest_radius: float) -> str | None:
+        """Why this cannot act in a periodic box, between particles of up to this radius, m; None if it can."""
+        if self.periodic:
+            return None
+        able = ", ".join(name for name, cls in INTERACTIONS.classes.items() if getattr(cls, "periodic", False))
+        return f"{self.name} does not act across the sides of a periodic box ({able} does): leave out {self.name}, or the domain"
 
     def check(self, system) -> None:
         """Raise UsageError for a system that this cannot act in; called before any of its particles exists."""

@@ -4,6 +4,9 @@ A cell is as wide as the largest distance of an interacting pair, so that neighb
 beyond the ends of the grid count as the last ones; along y and z the grid is periodic. Memory is therefore proportional to the
 particles however far they fly, and each pair is still found once, because distances decide.
 
+In a periodic box a whole number of cells, at least three, fits into each periodic axis. The cells beyond one side are then
+those at the other, and a pair's separation is that of nearest images.
+
 The one-letter names in kernels are in docs/glossary.md.
 """
 
@@ -15,14 +18,18 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.particles.fixed import is_fixed
+from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.rows import LIFETIME, MASS, RADIUS
 
 __all__ = [
-    "INVERSE_MASS_AT", "POSITION_AT", "RADIUS_AT", "RECORD", "VELOCITY_AT", "Grid", "cell_of", "run_of", "sort_into_grid",
+    "INVERSE_MASS_AT", "POSITION_AT", "RADIUS_AT", "RECORD", "VELOCITY_AT", "Grid", "cell_of", "frame_vector",
+    "nearest_image", "place_in_grid", "run_beyond", "run_of", "sort_into_grid",
 ]  # fmt: skip
 
 # a particle's record in the sorted copy: position, velocity, radius, 1 / mass (0 where fixed)
 POSITION_AT, VELOCITY_AT, RADIUS_AT, INVERSE_MASS_AT, RECORD = 0, 3, 6, 7, 8
+# a grid's frame in a periodic box: its origin, the widths of its cells, the box's lengths (0 along open axes) and their inverses
+_ORIGIN, _WIDTHS, _LENGTHS, _INVERSES = 0, 3, 6, 9
 _CHUNKS = (
     4  # of the particles, counted and placed in parallel; fixed, so that the sort is the same on any number of threads
 )
@@ -38,6 +45,7 @@ class Grid:
     rank : (n,), the place of each particle
     size : m, width of a cell
     low, shape : (3,), the first cell along each axis, and the number of cells
+    frame : (12,) in a periodic box, else empty: origin, widths of cells, lengths of the box (0 along open axes), 1 / lengths
     """
 
     first: np.ndarray
@@ -47,31 +55,49 @@ class Grid:
     size: float
     low: np.ndarray
     shape: np.ndarray
+    frame: np.ndarray
 
 
-def sort_into_grid(rows: np.ndarray, floats: np.ndarray, n: int, size: float, precision: str) -> Grid:
-    """A grid with cells of `size`, m, of the first n particles: positions and velocities in `rows`, the rest in `floats`."""
+def sort_into_grid(
+    rows: np.ndarray, floats: np.ndarray, n: int, size: float, precision: str, box: PeriodicBox | None = None
+) -> Grid:
+    """A grid with cells of `size`, m, of the first n particles: positions and velocities in `rows`, the rest in `floats`.
+
+    box : the periodic box that the positions are in; along its axes cells may be wider
+    """
     low = np.array([np.floor(rows[c, :n].min() / size) for c in range(3)])
     high = np.array([np.floor(rows[c, :n].max() / size) for c in range(3)])
     shape = np.clip(high - low + 1, 3, 2**20)
+    lengths = np.zeros(3) if box is None else box.lengths
+    low, shape = np.where(lengths > 0, 0, low), np.where(lengths > 0, np.clip(lengths // size, 3, 2**20), shape)
     while shape.prod() > 2 * n + 4096 and shape.max() > 3:
         shape[np.argmax(shape)] = max(3, np.ceil(shape.max() / 2))
     low, shape = low.astype(np.int32), shape.astype(np.int32)
     cells = int(shape.prod())
-    count, place = _kernels(precision)
+    count, place = _kernels(precision, box is not None)
+    frame = np.zeros(0) if box is None else _frame(box, size, shape)
     cell, counts = np.empty(n, np.int32), np.zeros((cells, _CHUNKS), np.int32)
-    width = np.array([size], rows.dtype)
+    width = np.array([size, *frame], rows.dtype)
     count(rows, n, width, low, shape, cell, counts)
     before = np.zeros(cells * _CHUNKS + 1, np.int32)
     np.cumsum(counts.ravel(), out=before[1:])
     first = np.ascontiguousarray(before[::_CHUNKS])
     ordered, slots, rank = np.empty(n * RECORD, rows.dtype), np.empty(n, np.int32), np.empty(n, np.int32)
     place(rows, floats, n, cell, before[:-1].reshape(cells, _CHUNKS), ordered, slots, rank)
-    return Grid(first, ordered, slots, rank, size, low, shape)
+    return Grid(first, ordered, slots, rank, size, low, shape, frame)
+
+
+def _frame(box: PeriodicBox, size: float, shape: np.ndarray) -> np.ndarray:
+    """(12,), the frame of a grid of `shape`, with cells of `size`, m, along open axes."""
+    lengths = box.lengths
+    periodic = lengths > 0
+    inverse = np.divide(1.0, lengths, out=np.zeros(3), where=periodic)
+    origin, widths = np.where(periodic, box.min, 0.0), np.where(periodic, lengths / shape, size)
+    return np.concatenate([origin, widths, lengths, inverse])
 
 
 @cache
-def _kernels(precision: str):
+def _kernels(precision: str, periodic: bool):
     real = runtime.DTYPES[precision]
     matrix, ints = ti.types.ndarray(real, 2), ti.types.ndarray(ti.i32, 1)
     table, vector = ti.types.ndarray(ti.i32, 2), ti.types.ndarray(real, 1)
@@ -85,6 +111,10 @@ def _kernels(precision: str):
                 x = cell_of(X[0, i], size[0]) - low[0]
                 y = (cell_of(X[1, i], size[0]) - low[1]) % shape[1]
                 z = (cell_of(X[2, i], size[0]) - low[2]) % shape[2]
+                if ti.static(periodic):
+                    at = place_in_grid(ti.Vector([X[0, i], X[1, i], X[2, i]]), size, 1)
+                    here = periodic_cell(at, low, shape, size, 1)
+                    x, y, z = here[0], here[1], here[2]
                 k = ti.min(ti.max(x, 0), shape[0] - 1) + shape[0] * (y + shape[1] * z)
                 cell[i] = k
                 counts[k, c] = counts[k, c] + 1
@@ -113,6 +143,48 @@ def _kernels(precision: str):
 def cell_of(x, size):
     """The index of the cell that contains x along one axis."""
     return ti.cast(ti.floor(ti.min(ti.max(x / size, -1.0e9), 1.0e9)), ti.i32)
+
+
+@ti.func
+def frame_vector(q: ti.template(), at):
+    return ti.Vector([q[at], q[at + 1], q[at + 2]])
+
+
+@ti.func
+def place_in_grid(x, q: ti.template(), frame: ti.template()):
+    """A position in cells, from the origin of a grid whose frame begins at q[frame]."""
+    return (x - frame_vector(q, frame + _ORIGIN)) / frame_vector(q, frame + _WIDTHS)
+
+
+@ti.func
+def periodic_cell(at, low: ti.template(), shape: ti.template(), q: ti.template(), frame: ti.template()):
+    """The cell of a place in cells; y and z, and x where it is periodic, are those of the grid."""
+    c = ti.Vector([cell_of(at[0], 1.0) - low[0], cell_of(at[1], 1.0) - low[1], cell_of(at[2], 1.0) - low[2]])
+    return ti.Vector([
+        ti.select(q[frame + _LENGTHS] > 0.0, c[0] % shape[0], c[0]), c[1] % shape[1], c[2] % shape[2]
+    ])  # fmt: skip
+
+
+@ti.func
+def nearest_image(d, q: ti.template(), frame: ti.template()):
+    """A difference of positions to the nearest image; the images of -d and d are opposite to the last bit."""
+    turns = ti.floor(d * frame_vector(q, frame + _INVERSES) + 0.5)
+    return d - frame_vector(q, frame + _LENGTHS) * turns
+
+
+@ti.func
+def run_beyond(first: ti.template(), shape, x, y, z, left, right, q: ti.template(), frame: ti.template()):
+    """As run_of, the cell beyond a side of the periodic axis x, which is at its other end; none where x is open."""
+    y = ti.select(y < 0, shape[1] - 1, ti.select(y == shape[1], 0, y))
+    z = ti.select(z < 0, shape[2] - 1, ti.select(z == shape[2], 0, z))
+    row, last = shape[0] * (y + shape[1] * z), shape[0] - 1
+    begin, end = 0, 0
+    if q[frame + _LENGTHS] > 0.0:
+        if x - left < 0:
+            begin, end = first[row + last], first[row + last + 1]
+        elif x + right > last:
+            begin, end = first[row], first[row + 1]
+    return begin, end
 
 
 @ti.func

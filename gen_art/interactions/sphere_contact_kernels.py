@@ -14,6 +14,10 @@ from gen_art.interactions.neighbour_grid import (
     RECORD,
     VELOCITY_AT,
     cell_of,
+    nearest_image,
+    periodic_cell,
+    place_in_grid,
+    run_beyond,
     run_of,
 )
 
@@ -22,8 +26,9 @@ __all__ = ["BLOCK", "RESULT", "contact_kernels", "overlap_kernel"]
 BLOCK = 512  # spheres per task
 _LIST = 32  # touching spheres that are listed at a time
 
-# the parameters q: stiffness and damping over the reduced mass, friction, largest relaxation rate of sliding, rolling friction
-_STIFFNESS, _DAMPING, _FRICTION, _RATE, _ROLLING = range(5)
+# the parameters q: stiffness and damping over the reduced mass, friction, largest relaxation rate of sliding, rolling friction,
+# and in a periodic box the frame of the grid
+_STIFFNESS, _DAMPING, _FRICTION, _RATE, _ROLLING, _FRAME = range(6)
 _LOSS, RESULT = 3, 6  # a sphere's entry in F: conservative acceleration, then the dissipative one
 
 
@@ -41,6 +46,29 @@ def cell(x, low: ti.template(), shape, size):
 
 
 @ti.func
+def separation(x, P: ti.template(), record, q: ti.template(), periodic: ti.template()):
+    """x minus the position of a record, in a periodic box of nearest images."""
+    d = x - vector_at(P, record + POSITION_AT)
+    if ti.static(periodic):
+        d = nearest_image(d, q, _FRAME)
+    return d
+
+
+@ti.func
+def run(first: ti.template(), shape, c, row, left, right, q: ti.template(), periodic: ti.template()):
+    """Where the cells of one of the rows around the cell c begin and end; rows from 9 on lie beyond a periodic side."""
+    r = row
+    if ti.static(periodic):
+        r = row % 9
+    y, z = c[1] + r % 3 - 1, c[2] + r // 3 - 1
+    begin, end = run_of(first, shape, c[0], y, z, left, right)
+    if ti.static(periodic):
+        begin_beyond, end_beyond = run_beyond(first, shape, c[0], y, z, left, right, q, _FRAME)
+        begin, end = ti.select(row < 9, begin, begin_beyond), ti.select(row < 9, end, end_beyond)
+    return begin, end
+
+
+@ti.func
 def squared_gap(at, side):
     """Square of the distance from a place in a cell (0 to 1) to the cell before it (side -1), itself (0) or the next (1)."""
     far = ti.select(side < 0, at, ti.select(side > 0, 1.0 - at, 0.0 * at))
@@ -53,9 +81,10 @@ def spin_of(S: ti.template(), row, i):
 
 
 @cache
-def contact_kernels(precision: str, spins: bool):
-    """(accelerate, unsort, potential); `spins`: whether spheres rotate."""
+def contact_kernels(precision: str, spins: bool, periodic: bool):
+    """(accelerate, unsort, potential); `spins`: whether spheres rotate; `periodic`: whether they are in a periodic box."""
     real = runtime.DTYPES[precision]
+    rows = 18 if periodic else 9
     matrix, ints, vector = ti.types.ndarray(real, 2), ti.types.ndarray(ti.i32, 1), ti.types.ndarray(real, 1)
 
     @ti.kernel
@@ -84,20 +113,26 @@ def contact_kernels(precision: str, spins: bool):
                 elastic, loss, torque = x * 0.0, x * 0.0, x * 0.0
                 c = cell(x, low, shape, size)
                 scaled = x / size
+                if ti.static(periodic):
+                    scaled = place_in_grid(x, q, _FRAME)
+                    c = periodic_cell(scaled, low, shape, q, _FRAME)
                 at = scaled - ti.floor(scaled)  # the position in its cell, 0 to 1: cells too far from it are skipped
                 near = 1.001 + 1e-6 * ti.abs(scaled).sum()
                 # touching spheres are listed first, without a branch, and then evaluated; repeated if the list was too short
                 done, again = 0, 1
                 while again > 0:
                     seen, kept = 0, 0
-                    for row in range(9):
-                        across = squared_gap(at[1], row % 3 - 1) + squared_gap(at[2], row // 3 - 1)  # in cells
+                    for row in range(rows):
+                        r9 = row
+                        if ti.static(periodic):
+                            r9 = row % 9
+                        across = squared_gap(at[1], r9 % 3 - 1) + squared_gap(at[2], r9 // 3 - 1)  # in cells
                         left = ti.cast(across + at[0] * at[0] < near, ti.i32)
                         right = ti.cast(across + (1.0 - at[0]) * (1.0 - at[0]) < near, ti.i32)
-                        begin, end = run_of(first, shape, c[0], c[1] + row % 3 - 1, c[2] + row // 3 - 1, left, right)
+                        begin, end = run(first, shape, c, row, left, right, q, periodic)
                         end = ti.select(across < near, end, begin)
                         for j in range(begin, end):
-                            d = x - vector_at(P, RECORD * j + POSITION_AT)
+                            d = separation(x, P, RECORD * j, q, periodic)
                             sum_radii = r + P[RECORD * j + RADIUS_AT]
                             hit = ti.cast((d.dot(d) < sum_radii * sum_radii) & (j != k), ti.i32)
                             touching[kept] = j
@@ -107,7 +142,7 @@ def contact_kernels(precision: str, spins: bool):
                     again = ti.cast(seen > done, ti.i32)
                     for h in range(kept):
                         o = RECORD * touching[h]
-                        d = x - vector_at(P, o + POSITION_AT)
+                        d = separation(x, P, o, q, periodic)
                         sum_radii = r + P[o + RADIUS_AT]
                         if w + P[o + INVERSE_MASS_AT] > 0.0:
                             distance = d.norm()
@@ -171,10 +206,12 @@ def contact_kernels(precision: str, spins: bool):
                 here = RECORD * k
                 x, r, w = vector_at(P, here + POSITION_AT), P[here + RADIUS_AT], P[here + INVERSE_MASS_AT]
                 c = cell(x, low, shape, size)
-                for row in range(9):
-                    begin, end = run_of(first, shape, c[0], c[1] + row % 3 - 1, c[2] + row // 3 - 1, 1, 1)
+                if ti.static(periodic):
+                    c = periodic_cell(place_in_grid(x, q, _FRAME), low, shape, q, _FRAME)
+                for row in range(rows):
+                    begin, end = run(first, shape, c, row, 1, 1, q, periodic)
                     for j in range(begin, end):
-                        d = x - vector_at(P, RECORD * j + POSITION_AT)
+                        d = separation(x, P, RECORD * j, q, periodic)
                         overlap = r + P[RECORD * j + RADIUS_AT] - d.norm()
                         if (overlap > 0.0) & (j != k) & (w + P[RECORD * j + INVERSE_MASS_AT] > 0.0):
                             inverse_mass = w + P[RECORD * j + INVERSE_MASS_AT]
@@ -185,13 +222,16 @@ def contact_kernels(precision: str, spins: bool):
 
 
 @cache
-def overlap_kernel(precision: str):
+def overlap_kernel(precision: str, periodic: bool):
     """measure(...): the deepest overlap, m, of each sphere with another it exerts a force on, and the slot of that sphere."""
     real = runtime.DTYPES[precision]
     ints, vector = ti.types.ndarray(ti.i32, 1), ti.types.ndarray(real, 1)
+    rows = 18 if periodic else 9
 
     @ti.kernel
-    def measure(P: vector, slots: ints, first: ints, low: ints, extent: ints, size: real, depth: vector, other: ints):
+    def measure(
+        P: vector, slots: ints, first: ints, low: ints, extent: ints, q: vector, size: real, depth: vector, other: ints
+    ):
         n = slots.shape[0]
         ti.loop_config(block_dim=1)
         for b in range((n + BLOCK - 1) // BLOCK):
@@ -201,10 +241,12 @@ def overlap_kernel(precision: str):
                 x, r, w = vector_at(P, here + POSITION_AT), P[here + RADIUS_AT], P[here + INVERSE_MASS_AT]
                 deepest, which = r * 0.0, k
                 c = cell(x, low, shape, size)
-                for row in range(9):
-                    begin, end = run_of(first, shape, c[0], c[1] + row % 3 - 1, c[2] + row // 3 - 1, 1, 1)
+                if ti.static(periodic):
+                    c = periodic_cell(place_in_grid(x, q, _FRAME), low, shape, q, _FRAME)
+                for row in range(rows):
+                    begin, end = run(first, shape, c, row, 1, 1, q, periodic)
                     for j in range(begin, end):
-                        d, sum_radii = x - vector_at(P, RECORD * j + POSITION_AT), r + P[RECORD * j + RADIUS_AT]
+                        d, sum_radii = separation(x, P, RECORD * j, q, periodic), r + P[RECORD * j + RADIUS_AT]
                         if (
                             (deepest < sum_radii)
                             & (d.dot(d) < (sum_radii - deepest) * (sum_radii - deepest))

@@ -1,6 +1,7 @@
 """Contacts between spheres; the kernels are in sphere_contact_kernels.py."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from gen_art.interactions.base import ForcePart, ForceRequest, Interaction, inte
 from gen_art.interactions.neighbour_grid import Grid, sort_into_grid
 from gen_art.interactions.sphere_contact_kernels import BLOCK, RESULT, contact_kernels, overlap_kernel
 from gen_art.interactions.sphere_walls import SphereWalls, is_wall
-from gen_art.particles.rows import MASS, RADIUS, VELOCITY
+from gen_art.particles.rows import MASS, POSITION, RADIUS, VELOCITY
 from gen_art.registry import param
 
 __all__ = ["Contacts"]
@@ -41,7 +42,8 @@ class Contacts(Interaction):
     kinetic friction, so that a sphere between a wall and another keeps its energy. Others strike spheres at an instant.
     Diagnostics and the ledger do not include spin: energy that friction turns into rotation counts as dissipated.
     Reciprocal to round-off; conservative except for restitution and friction, which the ledger records as dissipated.
-    Neighbours come from a sorted uniform grid with cells as wide as the largest sphere. Source: Cundall & Strack (1979).
+    Neighbours come from a sorted uniform grid with cells as wide as the largest sphere. In a periodic box spheres touch across
+    its sides, and it must be three of the largest spheres long. Source: Cundall & Strack (1979).
     """
 
     restitution: float = param(0.8, min=0, max=1)
@@ -49,6 +51,7 @@ class Contacts(Interaction):
     rolling: float = param(0.0, min=0)
     spin: bool = param(False, doc="spheres rotate; always on where rolling is above 0")
     duration: float = param(None, unit="s", min=1e-300, doc="of a collision; 20 steps when left out")
+    periodic = True
 
     def prepare(self):
         self._walls: SphereWalls | None = None
@@ -103,8 +106,9 @@ class Contacts(Interaction):
         depth, other = np.zeros(n, state.floats.dtype), np.arange(n, dtype=np.int32)
         grid = self._grid(state.floats, state.floats, n, precision) if n else None
         if grid is not None:
-            overlap_kernel(precision)(
-                grid.sorted, grid.slots, grid.first, grid.low, grid.shape, grid.size, depth, other
+            numbers = self._numbers(0.0, 1.0, grid, state.floats.dtype)
+            overlap_kernel(precision, self.box is not None)(
+                grid.sorted, grid.slots, grid.first, grid.low, grid.shape, numbers, grid.size, depth, other
             )
         return depth, other
 
@@ -142,11 +146,12 @@ class Contacts(Interaction):
             f"be thrown apart at up to {depth[i] * math.pi / self._duration:.3g} m/s"
         ]
 
-    def _numbers(self, span: float, dt: float, dtype) -> np.ndarray:
+    def _numbers(self, span: float, dt: float, grid: Grid, dtype) -> np.ndarray:
         """The kernels' parameters; the damping is averaged over the kick, so that its decay is exact."""
         stiffness, damping = self._response(self.values["restitution"], span)
         rate = _sliding_rate(span, dt)
-        return np.array([stiffness, damping, self.values["friction"], rate, self.values["rolling"]], dtype)
+        friction, rolling = self.values["friction"], self.values["rolling"]
+        return np.array([stiffness, damping, friction, rate, rolling, *grid.frame], dtype)
 
     def _response(self, restitution: float, span: float) -> tuple[float, float]:
         """Stiffness, 1/s^2, and damping, 1/s, over the reduced mass, for a kick of `span`, s."""
@@ -154,24 +159,39 @@ class Contacts(Interaction):
         damping = -math.expm1(-2 * decay * span) / span if span > 0 else 2 * decay
         return (math.pi / self._duration) ** 2 + decay**2, damping
 
+    def problem_in(self, box, largest_radius):
+        return box.problem_of_reach("contacts of the largest spheres", 2 * largest_radius)
+
     def _grid(self, rows, floats, n, precision) -> Grid | None:
         radius = float(floats[RADIUS, :n].max())
         if radius <= 0:
             return None
-        return sort_into_grid(rows, floats, n, 2 * radius * (1 + 1e-6), precision)
+        # spheres that are born may be larger than those of the start
+        if self.box is not None and (problem := self.problem_in(self.box, radius)) is not None:
+            raise UsageError(problem)
+        return sort_into_grid(rows, floats, n, 2 * radius * (1 + 1e-6), precision, self.box)
+
+    def _in_box(self, request: ForceRequest) -> ForceRequest:
+        """The request with its positions in the periodic box, if there is one: within a step they go on beyond the sides."""
+        if self.box is None:
+            return request
+        rows = request.rows[:6].copy()
+        self.box.wrap(rows[POSITION, : request.n])
+        return replace(request, rows=rows)
 
     def accelerate(self, request: ForceRequest, out):
         state, n = request.state, request.n
         if (state.floats[MASS, :n] <= 0).any():
             raise UsageError("contacts: a particle has no mass; give it one, or fix it")
+        request = self._in_box(request)
         grid = self._grid(request.rows, state.floats, n, request.precision)
         if grid is None:
             out[:, :n] = 0.0
             return
-        numbers = self._numbers(request.span, request.dt, out.dtype)
+        numbers = self._numbers(request.span, request.dt, grid, out.dtype)
         angular = np.zeros((3, n if self.spins else 1), out.dtype)
         first = state.channels["spin_x"] if self.spins else 0
-        accelerate, unsort, _ = contact_kernels(request.precision, self.spins)
+        accelerate, unsort, _ = contact_kernels(request.precision, self.spins, self.box is not None)
         result = np.empty(RESULT * n, out.dtype)
         parts = len(self._own_parts)
         accelerate(
@@ -194,8 +214,8 @@ class Contacts(Interaction):
         grid = self._grid(rows, rows, len(slots), precision)
         if grid is None:
             return 0.0
-        out, numbers = np.zeros((-(-len(slots) // BLOCK), 1)), self._numbers(0.0, 1.0, rows.dtype)
-        _, _, potential = contact_kernels(precision, False)
+        out, numbers = np.zeros((-(-len(slots) // BLOCK), 1)), self._numbers(0.0, 1.0, grid, rows.dtype)
+        _, _, potential = contact_kernels(precision, False, self.box is not None)
         potential(grid.sorted, grid.first, grid.low, grid.shape, numbers, grid.size, out)
         walls = self._walls.energy(rows, lambda e: self._response(e, 0.0), precision) if self._walls else 0.0
         return float(out.sum()) + walls

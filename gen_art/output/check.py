@@ -37,7 +37,7 @@ def check_preset(preset: "Preset") -> None:
                 interaction.check(system)
         if spec.look is not None:
             with _place(preset, f"systems.{name}.look"):
-                LookTables.of(spec.look, Particles(np.float32, system.attribute_names, (), 16).channels)
+                LookTables.of(spec.look, Particles(np.float32, system.attribute_names, (), 16).channels, system.entries)
                 if spec.look.picture is not None:
                     texels(spec.look.picture.image.place)
     with _place(preset, "systems"):

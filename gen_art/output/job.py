@@ -26,6 +26,7 @@ from gen_art.preset.clock import MOST_FRAMES
 from gen_art.preset.estimate import Estimate, refuse_if_too_large
 from gen_art.preset.files import FOLDER
 from gen_art.preset.shipped import presets_folder
+from gen_art.renderer.legend import draw_legends
 from gen_art.renderer.painter import check_size
 from gen_art.renderer.tone_map import develop
 
@@ -119,8 +120,10 @@ def _write_picture(
     submit, playback: Playback, linear: np.ndarray, exposure: float, k: int, target: Target, path: Path, recipe: dict,
     overwrite: bool,
 ) -> None:  # fmt: skip
-    """Write the linear picture of frame k through `submit`: developed, or unchanged to EXR."""
+    """Write the linear picture of frame k through `submit`: developed and with its legends, or unchanged to EXR."""
     spec = playback.preset.develop
+    if joules := playback.joules():
+        recipe = {**recipe, "joules": joules}
     if target.extension == ".exr":
         from gen_art.output.exr import write_exr
 
@@ -128,6 +131,7 @@ def _write_picture(
         submit(write_exr, path, np.array(linear), aovs, target.bits, recipe, spec.exposure + exposure, overwrite)
     else:
         picture = develop(linear, spec, frame=k, transparent=recipe["transparent"], bits=target.bits, exposure=exposure)
+        draw_legends(picture, playback.legends())
         submit(write_still, path, picture, recipe, overwrite)
 
 
@@ -236,6 +240,7 @@ def _render_film(
             picture = develop(
                 linear, preset.develop, frame=k, transparent=film.transparent, bits=film.depth, exposure=exposure
             )
+            draw_legends(picture, playback.legends())
             writer.add(picture)
             report(k, playback.particles)
         writer.close()

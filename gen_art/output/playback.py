@@ -10,10 +10,11 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from gen_art.errors import AdviceWarning
+from gen_art.errors import AdviceWarning, PresetError
 from gen_art.renderer.aovs import render_aovs
 from gen_art.renderer.auto_exposure import metered_stops, metering_ages, smoothed_exposure
 from gen_art.renderer.camera import Camera
+from gen_art.renderer.legend import DrawnLegend
 from gen_art.renderer.painter import Painter
 from gen_art.simulation.no_effect import undrawn_systems
 
@@ -135,6 +136,27 @@ class Playback:
                 action()
         self._last_shown = step
         return pictures[0] if len(painted) == 1 else pictures[0] / np.float32(len(painted))
+
+    def legends(self) -> list[DrawnLegend]:
+        """The legends of the last picture. Raises PresetError for a total that is not finite."""
+        self.joules()
+        return self.painter.legends(self.sim)
+
+    def joules(self) -> list[dict]:
+        """The joules that the last picture's looks go by, for its recipe: system, entry as in YAML, total and unit.
+
+        Raises PresetError for a total that is not finite.
+        """
+        entries = []
+        for name, totals in self.sim.joules().items():
+            for entry, total in totals.items():
+                if not math.isfinite(total):
+                    raise PresetError(
+                        f"{entry.title} in system '{name}' is {total} J: a mass or a speed is too large for its square in float32"
+                    )
+                unit = self.preset.units.energy
+                entries.append({"system": name, "by": entry.plain, "total": total, "unit": unit})
+        return entries
 
     def aovs(self) -> dict[str, np.ndarray]:
         """Depth and motion of the last picture: see gen_art.renderer.aovs."""

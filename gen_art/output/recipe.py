@@ -2,7 +2,7 @@
 
 It holds the resolved preset and seed, the version, what was rendered (time or frames, size, precision, quality), the verdict
 on the preset's `expect:`, and the name and sha256 of each plugin and file. It also holds the bytes of small files, but never
-those of plugins, which are code.
+those of plugins, which are code. The recipe of a picture whose looks go by joules holds the ledger's totals too.
 """
 
 import base64
@@ -89,6 +89,16 @@ class _Plugin(_Entry):
     name: str
 
 
+class _Joules(BaseModel):
+    """An entry of the ledger that a look of the picture goes by, at the picture's time."""
+
+    model_config = ConfigDict(strict=True)
+    system: str
+    by: str | dict[str, str]
+    total: Annotated[float, Field(allow_inf_nan=False)]
+    unit: str
+
+
 class _Job(BaseModel):
     """What every recipe holds; further keys are ignored."""
 
@@ -103,6 +113,7 @@ class _Job(BaseModel):
     plugins: list[_Plugin]
     files: list[_File]
     bits: Literal[8, 10, 16, 32] | None = None
+    joules: list[_Joules] = []
 
 
 class _Still(_Job):

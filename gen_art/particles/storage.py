@@ -1,10 +1,14 @@
 """Structure-of-arrays storage of one system's particles."""
 
+import math
+
 import numpy as np
 
 from gen_art.backend.memory import available_memory
 from gen_art.errors import MemoryRefused
-from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, RADIUS
+from gen_art.particles.entries import LedgerEntry
+from gen_art.particles.periodic_box import PeriodicBox
+from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, POSITION, RADIUS
 
 __all__ = ["BASE_ROWS", "PADDING", "Particles"]
 
@@ -12,6 +16,14 @@ BASE_ROWS = {"mass": MASS, "charge": CHARGE, "radius": RADIUS, "lifetime": LIFET
 PADDING = 64  # slots past the end that a tile may read and write
 _TOLERATED = 0.2  # share of dead slots up to which keeping them is cheaper than removing them
 _PATIENCE = 32  # launches after which the dead slots are counted
+
+
+def _sum(values: list[float]) -> float:
+    """The sum, correctly rounded, so that it depends on no order; not finite where that of the values is not."""
+    try:
+        return math.fsum(values)
+    except (OverflowError, ValueError):  # beyond float64; or inf - inf
+        return float(np.sum(values))
 
 
 class Particles:
@@ -23,18 +35,29 @@ class Particles:
     id : (capacity,) int64, never reused
     source : (capacity,) int32, index into `sources`
     count : number of used slots, [0, count), in the order of their ids
+    box : the periodic box that all positions are in between steps; None in open space
+    booked : (entries, capacity) f64, J: the share of each particle in the `entries` of the ledger since its birth. It is no
+        part of the state: the ledger writes it, and no force reads it
+    removed : by entry, J: the sum of the shares of the particles that were removed
+    launches, count_at : launches since the dead were counted, and the next id above which they are counted again
     A particle is dead when birth + lifetime <= time; `tidy` removes the dead and keeps the order.
     """
 
-    def __init__(self, dtype, attributes: tuple[str, ...] = (), sources: tuple = (), capacity: int = 1024):
+    def __init__(
+        self, dtype, attributes: tuple[str, ...] = (), sources: tuple = (), capacity: int = 1024,
+        box: PeriodicBox | None = None, entries: tuple[LedgerEntry, ...] = (),
+    ):  # fmt: skip
         self.channels = {**BASE_ROWS, **{name: FIRST_ATTRIBUTE + k for k, name in enumerate(attributes)}}
         self.attributes = tuple(attributes)
         self.sources = list(sources)
+        self.box = box
+        self.entries = tuple(entries)
+        self.removed = [0.0] * len(self.entries)
         self.count = 0
         self.next_id = 0
         self.may_die = False
-        self._launches = 0  # since the dead were counted
-        self._count_at = 0  # the next id above which they are counted again
+        self.launches = 0
+        self.count_at = 0
         self._allocate(np.dtype(dtype), capacity)
 
     def _allocate(self, dtype, capacity: int) -> None:
@@ -47,20 +70,25 @@ class Particles:
             self.key = np.zeros((2, size), np.uint32)
             self.id = np.zeros(size, np.int64)
             self.source = np.zeros(size, np.int32)
+            self.booked = np.zeros((len(self.entries), size), np.float64)
         except MemoryError:
             raise MemoryRefused(f"there is no memory for {capacity:,} particles") from None
         self.floats[MASS] = 1.0  # lanes past the end are computed too and must not divide by zero
         self.capacity = capacity
 
     def columns(self):
-        """Every array, with the particle on the last axis."""
+        """Every array of the state, with the particle on the last axis."""
         return (self.floats, self.birth, self.key, self.id, self.source)
+
+    def _arrays(self):
+        """Every array, with the particle on the last axis."""
+        return (*self.columns(), self.booked)
 
     def reserve(self, extra: int) -> None:
         """Make room for `extra` more particles. If the capacity grows, it grows by at least half."""
         if self.count + extra <= self.capacity:
             return
-        old, n = self.columns(), self.count
+        old, n = self._arrays(), self.count
         capacity = max(self.count + extra, self.capacity * 3 // 2)
         needed, free = capacity * self.nbytes / self.capacity, available_memory()
         if needed > free:
@@ -69,7 +97,7 @@ class Particles:
                 "free: lower a rate, a count or a lifetime"
             )
         self._allocate(self.floats.dtype, capacity)
-        for new, previous in zip(self.columns(), old):
+        for new, previous in zip(self._arrays(), old):
             new[..., :n] = previous[..., :n]
 
     def append(self, birth, key, source) -> slice:
@@ -83,6 +111,7 @@ class Particles:
         self.key[1, new] = key & np.uint64(0xFFFFFFFF)
         self.id[new] = np.arange(self.next_id, self.next_id + m)
         self.source[new] = source
+        self.booked[:, new] = 0.0
         self.next_id += m
         self.count += m
         return new
@@ -96,28 +125,45 @@ class Particles:
         """Bools: which used slots have a particle that is alive at `time`."""
         return (self.death() > time) & (self.birth[: self.count] <= time)
 
+    def wrap(self, slots: slice) -> None:
+        """Move these particles into the periodic box, if there is one."""
+        if self.box is not None:
+            self.box.wrap(self.floats[POSITION, slots])
+
     def tidy(self, time: float, at_once: bool) -> bool:
         """Remove the dead particles when there may be many, keeping the order; returns whether slots have changed.
 
         at_once : remove them even if there are few
         Keeping a few dead particles costs less than removing them at every step. It does not change any result.
         """
-        self._launches += 1
+        self.launches += 1
         if (
             not self.may_die
             or not self.count
-            or not (at_once or self._launches >= _PATIENCE or self.next_id > self._count_at)
+            or not (at_once or self.launches >= _PATIENCE or self.next_id > self.count_at)
         ):
             return False
-        self._launches, self._count_at = 0, self.next_id + max(int(_TOLERATED * self.count), 1024)
+        self.launches, self.count_at = 0, self.next_id + max(int(_TOLERATED * self.count), 1024)
         keep = np.flatnonzero(self.death() > time)
         if len(keep) == self.count or (not at_once and len(keep) > self.count * (1.0 - _TOLERATED)):
             return False
-        for column in self.columns():
+        if self.entries:
+            gone = np.setdiff1d(np.arange(self.count), keep)
+            self.removed = [_sum([sum_, *row[gone]]) for sum_, row in zip(self.removed, self.booked)]
+        for column in self._arrays():
             column[..., : len(keep)] = column[..., keep]
         self.count = len(keep)
         return True
 
+    def forget_booked(self) -> None:
+        """Set every share to 0: a ledger begins."""
+        self.booked[:] = 0.0
+        self.removed = [0.0] * len(self.entries)
+
+    def booked_total(self, k: int) -> float:
+        """The sum of entry k over all particles that ever were, J, correctly rounded: it depends on no order."""
+        return _sum([self.removed[k], *self.booked[k, : self.count]])
+
     @property
     def nbytes(self) -> int:
-        return sum(column.nbytes for column in self.columns())
+        return sum(column.nbytes for column in self._arrays())

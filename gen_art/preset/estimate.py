@@ -80,7 +80,8 @@ class Estimate:
 
 def bytes_per_particle(system: SystemSpec, precision: str = "f32") -> int:
     """Bytes of a particle in a system's storage."""
-    return (FLOAT_CHANNELS + _attributes(system)) * (8 if precision == "f64" else 4) + OTHER_COLUMNS
+    booked = len(system.look.ledger_entries(system.particle.attributes)) if system.look is not None else 0
+    return (FLOAT_CHANNELS + _attributes(system)) * (8 if precision == "f64" else 4) + OTHER_COLUMNS + 8 * booked
 
 
 def _attributes(system: SystemSpec) -> int:

@@ -1,10 +1,12 @@
 """The keys of `look:`, which say how a system is drawn. Frozen pydantic models; attribute names are the YAML keys."""
 
-from typing import Annotated, Literal
+from collections.abc import Collection
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
 
 from gen_art.errors import UsageError
+from gen_art.particles.entries import DISSIPATED, LedgerEntry
 from gen_art.preset.colour_names import Gradient
 from gen_art.preset.fields import (
     MOST_LIGHT,
@@ -16,6 +18,7 @@ from gen_art.preset.fields import (
     Light,
     NotNegative,
     Number,
+    Parsed,
     Positive,
     RangeValue,
     Size,
@@ -25,15 +28,56 @@ from gen_art.preset.fields import (
 )
 from gen_art.preset.files import ImageFile, PresetFile
 from gen_art.preset.model import Model, about
-from gen_art.preset.values import Curve, Range, number
+from gen_art.preset.values import Curve, Range, number, shown
 from gen_art.registry import Bounds
 
-__all__ = ["BY", "Color", "Emission", "KeyLight", "Look", "Picture", "Ramp", "Ribbon", "Trail"]
+__all__ = [
+    "BY", "CORNERS", "Color", "Emission", "KeyLight", "Legend", "Look", "Picture", "Ramp", "Ribbon", "Trail", "ledger_entry",
+]  # fmt: skip
 
 BY = (
     "age", "seconds", "speed", "energy", "charge", "mass", "radius", "id", "random", "distance", "x", "y", "z",
     "acceleration",
 )  # fmt: skip
+CORNERS = ("top left", "top right", "bottom left", "bottom right")
+
+
+def _by(value):
+    """The name of a quantity, or an entry of the ledger from its mapping."""
+    if isinstance(value, (str, LedgerEntry)):
+        return value
+    if not isinstance(value, dict):
+        raise UsageError(
+            f"must be the name of a quantity, such as speed, or {{work: FORCE}} or {{dissipated: FORCE}}, not {shown(value)}"
+        )
+    return LedgerEntry.of(value)
+
+
+_BY_SCHEMA = {
+    "anyOf": [
+        {"type": "string", "examples": [*BY, DISSIPATED.plain]},
+        *(
+            {
+                "type": "object",
+                "required": [kind],
+                "additionalProperties": False,
+                "properties": {kind: {"type": "string", "description": f"name of a force: {meaning} in J"}},
+            }
+            for kind, meaning in (
+                ("work", "the work that it has done on the particle"),
+                ("dissipated", "what it has taken out of the particle's mechanical energy"),
+            )
+        ),
+    ]
+}
+Quantity = Annotated[Any, Parsed(_by, _BY_SCHEMA, lambda by: by.plain if isinstance(by, LedgerEntry) else by)]
+
+
+def ledger_entry(by: "str | LedgerEntry") -> LedgerEntry | None:
+    """The entry of the ledger that a `by` names, or None."""
+    if isinstance(by, LedgerEntry):
+        return by
+    return DISSIPATED if by == DISSIPATED.plain else None
 
 
 class Ramp(Model):
@@ -41,11 +85,12 @@ class Ramp(Model):
 
     Quantities: `age` is the fraction of the lifetime, 0 at birth and 1 at death; `seconds` the age in simulated seconds;
     `speed` in m/s; `acceleration` in m/s^2, over the last time step; `energy` the kinetic energy in J; `charge` in C;
-    `distance` from the origin in m; `x`, `y`, `z`; `random` a number in 0..1 that is fixed for each particle; or a declared
-    attribute such as `temperature`.
+    `distance` from the origin in m; `x`, `y`, `z`; `random` a number in 0..1 that is fixed for each particle; a declared
+    attribute such as `temperature`; or joules that the ledger books, since the particle's birth: `{work: drag}`,
+    `{dissipated: drag}`, or `dissipated` by all forces on the system together.
     """
 
-    by: str = about("age", "the quantity on which the number depends")
+    by: Quantity = about("age", "the quantity on which the number depends")
     range: RangeValue | None = about(None, "the values of the quantity at 0 and at 1 of the curve")
     curve: CurveValue = about(Curve(((0.0, 1.0),)), "a number, or points of a curve")
 
@@ -84,7 +129,7 @@ class Color(Model):
     model_config = ConfigDict(frozen=True, extra="allow", arbitrary_types_allowed=True)
     __pydantic_extra__: dict[str, GradientValue]
 
-    by: str = about("age", "the quantity on which the colour depends, as for numbers")
+    by: Quantity = about("age", "the quantity on which the colour depends, as for numbers")
     range: RangeValue | None = about(None, "the values of the quantity at the two ends of the gradient")
     gradient: GradientValue = about(Gradient(((0.0, "white"),)), "a colour, a palette, or a list of colours")
 
@@ -229,6 +274,46 @@ class Picture(Model):
         return value if isinstance(value, (Picture, dict)) else {"image": value}
 
 
+LONGEST_LABEL = 60
+
+
+def _label(value) -> str:
+    """The words of a legend: its font has no other characters than those of ASCII."""
+    if not isinstance(value, str) or not value.strip():
+        raise UsageError(f"must be text, not {shown(value)}")
+    if len(value) > LONGEST_LABEL or not (value.isascii() and value.isprintable()):
+        raise UsageError(
+            f"must be at most {LONGEST_LABEL} characters of ASCII, which the legend's font has, not {shown(value)}"
+        )
+    return value
+
+
+class Legend(Model):
+    """A legend in the finished picture: the colours with the joules at their ends, and the ledger's total at that time.
+
+    `true` places it at the bottom left. It needs a colour or a number that goes by joules; the first one is shown.
+    """
+
+    place: Literal["top left", "top right", "bottom left", "bottom right"] = about(
+        "bottom left", "the corner of the picture"
+    )
+    label: Annotated[str, Parsed(_label, {"type": "string", "maxLength": LONGEST_LABEL})] | None = about(
+        None, "words before the total; the entry's own, such as `work of drag`, when left out"
+    )
+
+    short_form = {"enum": [True, False, *CORNERS], "description": "true, or a corner; false for none"}
+
+    @classmethod
+    def from_short(cls, value):
+        if value is True:
+            return {}
+        return {"place": value} if isinstance(value, str) else value
+
+
+def _legend(value):
+    return None if value is False else value
+
+
 class Look(Model):
     """How a system's particles are drawn. All sizes scale with the picture's height."""
 
@@ -273,13 +358,38 @@ class Look(Model):
     )
     trail: Trail | None = about(None, "an afterglow that fades")
     ribbon: Ribbon | None = about(None, "the past path of each particle")
+    legend: Annotated[Legend | None, BeforeValidator(_legend)] = about(
+        None, "a legend of the joules that a colour or number goes by"
+    )
+
+    def ramps(self) -> "dict[tuple[str, ...], Ramp | Color]":
+        """The numbers and colours that may depend on a quantity, by their keys: first those that a legend shows first."""
+        light = self.emission
+        ramps: dict[tuple[str, ...], Ramp | Color | None] = {}
+        if light is not None:
+            ramps = {("emission", key): getattr(light, key) for key in ("color", "blackbody", "intensity")}
+        ramps |= {("albedo",): self.albedo, ("opacity",): self.opacity, ("size",): self.size}
+        return {path: ramp for path, ramp in ramps.items() if ramp is not None}
 
     def goes_by(self, quantity: str) -> bool:
         """Whether any number or colour depends on this quantity."""
-        light = self.emission
-        ramps: list[Ramp | Color] = [self.size, self.opacity, self.albedo]
-        ramps += [r for r in (light.intensity, light.blackbody, light.color) if r is not None] if light else []
-        return any(ramp.by == quantity for ramp in ramps)
+        return any(ramp.by == quantity for ramp in self.ramps().values())
+
+    def ledger_ramps(
+        self, attributes: Collection[str] = ()
+    ) -> "dict[tuple[str, ...], tuple[LedgerEntry, Ramp | Color]]":
+        """The numbers and colours that go by joules of the ledger: (entry, ramp) by their keys.
+
+        attributes : names that the particles declare; one called `dissipated` is not the ledger's
+        """
+        found = {
+            path: (ledger_entry(ramp.by), ramp) for path, ramp in self.ramps().items() if ramp.by not in attributes
+        }
+        return {path: (entry, ramp) for path, (entry, ramp) in found.items() if entry is not None}
+
+    def ledger_entries(self, attributes: Collection[str] = ()) -> tuple[LedgerEntry, ...]:
+        """The entries of the ledger that numbers and colours go by."""
+        return tuple(dict.fromkeys(entry for entry, _ in self.ledger_ramps(attributes).values()))
 
     @model_validator(mode="after")
     def _consistent(self):
@@ -301,4 +411,9 @@ class Look(Model):
             raise UsageError("a ribbon needs draw: streak")
         if self.ribbon is not None and self.trail is not None:
             raise UsageError("give a ribbon or a trail")
+        if self.legend is not None and not self.ledger_ramps():
+            raise UsageError(
+                "a legend shows joules of the ledger: let a colour or a number go `by: {work: FORCE}`, `by: {dissipated: FORCE}` "
+                "or `by: dissipated`"
+            )
         return self

@@ -9,10 +9,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from gen_art.errors import UsageError
+from gen_art.forces.medium import Medium
+from gen_art.interactions.ledger_labels import check_entry, composition_of, ledger_rows
 from gen_art.preset.look import Color
 from gen_art.registry import suggest
 
-__all__ = ["references", "unbound"]
+__all__ = ["references", "unbooked", "unbound"]
 
 LONGEST_NAME = 100  # characters of a name that a preset defines
 MOST_ATTRIBUTES = 64
@@ -125,7 +127,11 @@ def _impacts(here: tuple, source: Any, data: dict, systems: dict) -> Problems:
 
 
 def unbound(preset) -> Problems:
-    """(path, problem) of every force of a Preset that needs something its medium does not have, such as a density."""
+    """(path, problem) of what a Preset's forces and interactions need and do not have, such as a density, or an open space."""
+    for name, system in preset.systems.items():
+        for interaction in system.interactions if preset.domain is not None else ():
+            if (problem := interaction.problem_in(preset.domain.box, _largest_radius(system))) is not None:
+                yield ("systems", name, "interactions", interaction.name), problem
     for name, system in preset.systems.items():
         medium = system.medium or preset.medium
         shared = preset.forces if system.inherit_forces else ()
@@ -135,6 +141,35 @@ def unbound(preset) -> Problems:
                     force.bound_numbers(medium)
                 except UsageError as error:
                     yield (*here, force.name), str(error)
+
+
+def _largest_radius(system) -> float:
+    """The largest radius, m, that the keys of a system give its particles; 0 where none gives any."""
+    births = [birth for emitter in system.emitters.values() for birth in (emitter, *emitter.choose.values())]
+    return max((keys.radius.hi for keys in (system.particle, *births) if keys.radius is not None), default=0.0)
+
+
+def unbooked(preset) -> Problems:
+    """(path, problem) of every `by` of a look that names an entry which the ledger of its system does not have."""
+    for name, system in preset.systems.items():
+        wanted = system.look.ledger_ramps(system.particle.attributes) if system.look is not None else {}
+        if not wanted:
+            continue
+        forces = [*(preset.forces if system.inherit_forces else ()), *system.forces]
+        colliders = [*(preset.colliders if system.inherit_colliders else ()), *system.colliders]
+        medium = system.medium if system.medium is not None else preset.medium
+        try:
+            composition = composition_of(
+                forces, Medium(density=medium.density, field=medium.terms), colliders, system.interactions
+            )
+        except UsageError:
+            continue  # check_preset reports it
+        rows = ledger_rows(composition, system.interactions)
+        for path, (entry, _) in wanted.items():
+            try:
+                check_entry(entry, rows, system.interactions)
+            except UsageError as error:
+                yield ("systems", name, "look", *path, "by", *([entry.kind] if entry.name else [])), str(error)
 
 
 def _sources(here: tuple, interaction: Any, systems: dict) -> Problems:

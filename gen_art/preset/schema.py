@@ -10,6 +10,7 @@ from gen_art.errors import UsageError
 from gen_art.preset.camera import CameraSpec
 from gen_art.preset.clock import Clock
 from gen_art.preset.develop import DevelopSpec
+from gen_art.preset.domain import Domain
 from gen_art.preset.emitter import EmitterSpec, ParticleSpec
 from gen_art.preset.expect import Expect
 from gen_art.preset.fields import NotNegative, NotNegativeRange, Number, Parsed, Positive
@@ -58,6 +59,13 @@ class Units(Model):
     velocity: str | None = about(None, "label of velocities; length/time when left out")
     # the value of CODATA 2018, m^3 kg^-1 s^-2
     G: Number = about(6.67430e-11, "constant of gravitation in these units")
+
+    @property
+    def energy(self) -> str:
+        """Label of energies: J in SI, otherwise composed of the other labels."""
+        if (self.length, self.time, self.mass, self.velocity) in (("m", "s", "kg", None), ("m", "s", "kg", "m/s")):
+            return "J"
+        return f"{self.mass} ({self.velocity})^2" if self.velocity else f"{self.mass} {self.length}^2/{self.time}^2"
 
 
 class MediumSpec(Model):
@@ -138,6 +146,7 @@ class Preset(Model):
     )
     units: Units = about(Units(), "units of the numbers")
     clock: Clock = about(..., "duration, frames and time step")
+    domain: Domain | None = about(None, "the space of all systems; open without limits when left out")
     medium: MediumSpec = about(MediumSpec(), "the fluid in which the particles move")
     forces: Annotated[Any, Many("forces")] = about((), "forces that act on every system")
     colliders: Annotated[Any, Many("colliders")] = about((), "colliders of every system")

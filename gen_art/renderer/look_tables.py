@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen_art.errors import UsageError
+from gen_art.particles.entries import DISSIPATED, LedgerEntry
 from gen_art.preset.colour_names import Gradient
-from gen_art.preset.look import BY, Color, Look, Ramp
+from gen_art.preset.look import BY, Color, Look, Ramp, ledger_entry
 from gen_art.preset.values import Curve
 from gen_art.registry import suggest
 from gen_art.renderer.camera import CameraView
@@ -18,7 +19,9 @@ from gen_art.renderer.colour import TABLE, blackbody, gradient_table, planck_lum
 from gen_art.renderer.sprite import AREA, KINDS
 from gen_art.renderer.sprite_image import texels
 
-__all__ = ["FOOTPRINT_PER_RADIUS", "QUANTITIES", "RAMPS", "RANDOM", "LookTables", "kernel_numbers"]
+__all__ = [
+    "FIRST_ENTRY", "FOOTPRINT_PER_RADIUS", "QUANTITIES", "RAMPS", "RANDOM", "LookTables", "domain", "kernel_numbers",
+]  # fmt: skip
 
 # quantities that a ramp may follow, in the order of BY; attributes come after them, one slot for each ramp
 QUANTITIES = len(BY)
@@ -26,6 +29,7 @@ RANDOM = BY.index("random")
 SIZE, INTENSITY, OPACITY, KELVIN, COLOR, ALBEDO = range(6)
 RAMPS = 6
 RAMP_SLOT, RAMP_LOW, RAMP_SCALE, RAMP_CHANNEL = range(4)  # columns of the ramps, see _ramp
+FIRST_ENTRY = -2  # in RAMP_CHANNEL: the first entry of the ledger of which particles keep shares; the next is -3
 
 # positions of the kernel's run-time numbers
 (
@@ -40,8 +44,10 @@ NUMBERS = 44
 FOOTPRINT_PER_RADIUS = 1.5  # a disc's footprint divided by its radius
 
 
-def _domain(ramp: Ramp) -> tuple[float, float]:
+def domain(ramp: Ramp | Color) -> tuple[float, float]:
     """The values of the quantity at the two ends of the ramp's table."""
+    if isinstance(ramp, Color):
+        return (ramp.range.lo, ramp.range.hi) if ramp.range else (0.0, 1.0)
     first, last = ramp.curve.points[0][0], ramp.curve.points[-1][0]
     if ramp.range is not None:
         span = ramp.range.hi - ramp.range.lo
@@ -54,18 +60,28 @@ def _samples(curve: Curve) -> np.ndarray:
     return np.interp(np.linspace(xs[0], xs[-1], TABLE), xs, ys)
 
 
-def _ramp(k: int, by: str, low: float, high: float, channels: dict[str, int]) -> tuple[float, float, float, float]:
-    """One row of the ramps: slot of the quantity, low, 1 / span (0: a constant), and the row of an attribute or -1.
+def _ramp(
+    k: int, by: str | LedgerEntry, low: float, high: float, channels: dict[str, int], entries: tuple[LedgerEntry, ...]
+) -> tuple[float, float, float, float]:
+    """One row of the ramps: slot of the quantity, low, 1 / span (0: a constant), and where its values are.
 
+    These are the row of an attribute, FIRST_ENTRY minus the number of an entry of the ledger, or -1 for one of BY.
     Raises UsageError for a quantity that the system does not have.
     """
     scale = 1.0 / (high - low) if high > low else 0.0
-    if by in channels and (by not in BY or channels[by] > 9):
+    if isinstance(by, str) and by in channels and (by not in BY or channels[by] > 9):
         return QUANTITIES + k, low, scale, channels[by]
-    if by in BY:
+    if isinstance(by, str) and by in BY:
         return BY.index(by), low, scale, -1.0
-    known = [*BY, *channels]
-    raise UsageError(f"a look cannot go by '{by}'{suggest(by, known)}; known are {', '.join(known)}")
+    entry = ledger_entry(by)
+    if entry in entries:
+        return QUANTITIES + k, low, scale, FIRST_ENTRY - entries.index(entry)
+    if entry is not None:
+        raise UsageError(
+            f"a look goes by {entry}, of which the particles keep no share: give the system this look, or `booked`"
+        )
+    known = [*BY, DISSIPATED.kind, "{work: FORCE}", "{dissipated: FORCE}", *channels]
+    raise UsageError(f"a look cannot go by '{by}'{suggest(str(by), known)}; known are {', '.join(known)}")
 
 
 @dataclass(frozen=True)
@@ -84,8 +100,11 @@ class LookTables:
     tags: tuple[str, ...]
 
     @classmethod
-    def of(cls, look: Look, channels: dict[str, int]) -> "LookTables":
-        """The tables of a look for a system with these attribute rows. Raises UsageError for a quantity it does not have."""
+    def of(cls, look: Look, channels: dict[str, int], entries: tuple[LedgerEntry, ...] = ()) -> "LookTables":
+        """The tables of a look for a system with these attribute rows, whose particles keep their shares of these entries.
+
+        Raises UsageError for a quantity that the system does not have.
+        """
         emission = look.emission
         constant = Ramp()
         kelvin = emission.blackbody if emission and emission.blackbody else None
@@ -93,11 +112,10 @@ class LookTables:
         scalar_ramps = [look.size, emission.intensity if emission else constant, look.opacity, kelvin or constant]
         ramps, curves = np.zeros((RAMPS, 4), np.float32), np.ones((RAMPS, TABLE), np.float32)
         for k, ramp in enumerate(scalar_ramps):
-            ramps[k] = _ramp(k, ramp.by, *_domain(ramp), channels)
+            ramps[k] = _ramp(k, ramp.by, *domain(ramp), channels, entries)
             curves[k] = _samples(ramp.curve)
         for k, spec in ((COLOR, color), (ALBEDO, look.albedo)):
-            low, high = (spec.range.lo, spec.range.hi) if spec.range else (0.0, 1.0)
-            ramps[k] = _ramp(k, spec.by, low, high, channels)
+            ramps[k] = _ramp(k, spec.by, *domain(spec), channels, entries)
         tags = tuple(color.tags)
         gradients: list[Gradient] = [look.albedo.gradient, color.gradient, *(color.tags[t] for t in tags)]
         colours = np.ones((1 + len(gradients), TABLE, 4), np.float32)

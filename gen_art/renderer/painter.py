@@ -12,6 +12,7 @@ from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
 from gen_art.renderer.framebuffer import FrameBuffer, splat
+from gen_art.renderer.legend import DrawnLegend, legend_of
 from gen_art.renderer.look_tables import LookTables, kernel_numbers
 from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import ProjectedParticles, shade
@@ -138,8 +139,18 @@ class Painter:
         raw = name not in self.looks
         if name not in self._tables:
             look = self.looks.get(name) or self._default_look
-            self._tables[name] = LookTables.of(look, dict(system.channels))
+            self._tables[name] = LookTables.of(look, dict(system.channels), system.entries)
         return self._tables[name], raw
+
+    def legends(self, sim) -> list[DrawnLegend]:
+        """The legends of the simulation's current state, in the order of its systems."""
+        unit = sim.preset.units.energy if sim.preset is not None else "J"
+        found = []
+        for name, totals in sim.joules().items():
+            system = sim.systems[name]
+            tables, _ = self._tables_of(name, system)
+            found.append(legend_of(tables.look, tables, totals, unit, system.attributes))
+        return [legend for legend in found if legend is not None]
 
     def _draw(self, sim, names, view, film_time, shutter, weight, framebuffer: FrameBuffer, recolour=None) -> None:
         drawn: dict[str, tuple] = {}

@@ -1,7 +1,8 @@
 """Ribbons: each particle's path through its last positions, as a chain of streaks that become narrower and fainter.
 
 Positions are kept at fixed steps of the simulation. The joints of a chain are not visible, because a streak is a disc swept
-along a segment: two segments on one line add up to the long one.
+along a segment: two segments on one line add up to the long one. In a periodic box a segment is left out where its particle was
+wrapped, which is where its ends are more than half of the box apart.
 """
 
 from collections import deque
@@ -58,15 +59,16 @@ class RibbonHistory:
             index = np.minimum(np.searchsorted(ids, system.id[:n]), len(ids) - 1)
             has_past &= ids[index] == system.id[:n]
             older = np.where(has_past, positions[:, index], newer)
-            yield self._segment(system, newer, older, has_past, newer_time, older_time, time)
+            drawn = has_past if system.box is None else has_past & ~system.box.jumps(newer - older)
+            yield self._segment(system, newer, older, drawn, newer_time, older_time, time)
             newer, newer_time = older, older_time
 
-    def _segment(self, system, newer, older, has_past, newer_time: float, older_time: float, time: float) -> Segment:
+    def _segment(self, system, newer, older, drawn, newer_time: float, older_time: float, time: float) -> Segment:
         floats, n = np.array(system.floats), newer.shape[1]
         floats[POSITION, :n], floats[VELOCITY, :n] = newer, (newer - older) / (newer_time - older_time)
-        floats[LIFETIME, :n][~has_past] = 0.0  # a particle without an earlier position is not drawn
+        floats[LIFETIME, :n][~drawn] = 0.0  # nothing is drawn without an earlier position, or across a periodic box
         birth = np.array(system.birth)
-        birth[:n] = np.where(has_past, np.minimum(birth[:n], older_time), birth[:n])
+        birth[:n] = np.where(drawn, np.minimum(birth[:n], older_time), birth[:n])
         ribbon = self.ribbon
         head, end = (min((time - t) / ribbon.length, 1.0) for t in (newer_time, older_time))
         width, end_width = (1.0 - (1.0 - ribbon.taper) * fraction for fraction in (head, end))
@@ -74,7 +76,7 @@ class RibbonHistory:
         floats[RADIUS, :n] *= width
         system_copy = SimpleNamespace(
             floats=floats, birth=birth, key=system.key, id=system.id, source=system.source, sources=system.sources,
-            count=n, channels=system.channels,
+            count=n, channels=system.channels, entries=system.entries, booked=system.booked,
         )  # fmt: skip
         taper, tail = end_width / max(width, 1e-9), end_light / max(light, 1e-9)
         return Segment(system_copy, newer_time, newer_time - older_time, width, light, taper, tail)

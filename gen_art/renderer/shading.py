@@ -23,6 +23,7 @@ from gen_art.renderer.look_tables import (
     FALLOFF,
     FAR,
     FILM_TIME,
+    FIRST_ENTRY,
     FOCUS,
     FOG_BLUE,
     FOG_GREEN,
@@ -107,9 +108,9 @@ Q_AGE, Q_SECONDS, Q_SPEED, Q_ENERGY, Q_CHARGE, Q_MASS, Q_RADIUS, Q_ID, _, Q_DIST
     range(QUANTITIES)
 )
 
-F64, U2, I1, L1, F1, F2, F3 = (
+F64, D2, U2, I1, L1, F1, F2, F3 = (
     ti.types.ndarray(d, n)
-    for d, n in ((ti.f64, 1), (ti.u32, 2), (ti.i32, 1), (ti.i64, 1), (ti.f32, 1), (ti.f32, 2), (ti.f32, 3))
+    for d, n in ((ti.f64, 1), (ti.f64, 2), (ti.u32, 2), (ti.i32, 1), (ti.i64, 1), (ti.f32, 1), (ti.f32, 2), (ti.f32, 3))
 )
 
 
@@ -143,11 +144,12 @@ def _lanes(value):
 
 @ti.kernel
 def _shade(
-    S: ti.types.ndarray(ndim=2), birth: F64, key: U2, id: L1, source: I1, tag_rows: I1, acceleration: F1, n: ti.i32, C: F2, A: F2,
-    ramps: F2, curves: F2, colours: F3, Q: F64,
+    S: ti.types.ndarray(ndim=2), birth: F64, key: U2, id: L1, source: I1, tag_rows: I1, acceleration: F1, booked: D2,
+    n: ti.i32, C: F2, A: F2, ramps: F2, curves: F2, colours: F3, Q: F64,
 ):  # fmt: skip
     """Project n particles, and give each its size, colour and light.
 
+    booked : (entries, capacity) J, see Particles
     C : (11, n) channels of the projected particles, written
     A : (n, 8) columns LIT_... of lit particles, written for a lit look
     ramps, curves, colours : see LookTables
@@ -237,6 +239,9 @@ def _shade(
                     if channel >= 0:
                         for j in range(LANES):
                             quantity[slot + j] = ti.cast(S[channel, i0 + j], ti.f32)
+                    if channel <= FIRST_ENTRY:
+                        for j in range(LANES):
+                            quantity[slot + j] = ti.cast(booked[FIRST_ENTRY - channel, i0 + j], ti.f32)
                     if slot == RANDOM * LANES:
                         for j in range(LANES):
                             quantity[slot + j] = uniform01(key[0, i0 + j], key[1, i0 + j], 11)
@@ -381,6 +386,7 @@ shade_kernel = kernel(_shade)
 
 
 NO_ACCELERATION = np.zeros(1, np.float32)
+NOTHING_BOOKED = np.zeros((1, 1))
 
 
 class ProjectedParticles:
@@ -419,6 +425,6 @@ def shade(projected: ProjectedParticles, system, shading: LookTables, numbers: n
     if n:
         shade_kernel(
             system.floats, system.birth, system.key, system.id, system.source, shading.rows(system.sources),
-            NO_ACCELERATION if acceleration is None else acceleration, n,
+            NO_ACCELERATION if acceleration is None else acceleration, system.booked if system.entries else NOTHING_BOOKED, n,
             projected.channels, projected.lit, shading.ramps, shading.curves, shading.colours, numbers,
         )  # fmt: skip

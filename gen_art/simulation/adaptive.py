@@ -68,6 +68,12 @@ def adaptive(sim: "Simulation", seconds: float, rtol: float | None = None, atol:
 def _check(sim) -> None:
     if not hasattr(sim, "step_with"):
         raise UsageError(f"adaptive advances a ga.Simulation, not {arguments.shown(sim)}")
+    for name, system in sim.members.items():
+        if system.entries:
+            raise UsageError(
+                f"adaptive steps keep no ledger, and system '{name}' keeps its particles' shares of {system.entries[0]}: leave "
+                "that out of its look and of `booked`"
+            )
     if sim.keeps_ledger:
         raise UsageError("adaptive steps keep no ledger: leave out ledger=True and compare diagnostics()")
     for name, system in sim.members.items():

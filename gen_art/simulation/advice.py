@@ -19,7 +19,13 @@ KNOWN_MAGNETIC_FIELDS = ("magnetic_field", "magnetic_mirror")  # their strength 
 
 def system_advice(system: ParticleSystem, dt: float) -> list[str]:
     """What cannot be right about a system that is advanced by steps of dt, s."""
-    checks = (_kicked_rotation(system), _gyration(system, dt), _oscillations(system, dt), _colliders(system, dt))
+    checks = (
+        _kicked_rotation(system),
+        _gyration(system, dt),
+        _oscillations(system, dt),
+        _colliders(system, dt),
+        _sides(system),
+    )
     return [sentence for check in checks for sentence in check]
 
 
@@ -106,4 +112,17 @@ def _colliders(system, dt: float) -> Iterator[str]:
             yield (
                 f"{collider.name} turns by {turn:.3g} rad a step, so particles are struck at the wrong place; "
                 f"use a step of at most {dt * _LARGEST_TURN / turn:.3g} s"
+            )
+
+
+def _sides(system) -> Iterator[str]:
+    """Noise in a periodic box: its lattice does not repeat with the box."""
+    if system.box is None:
+        return
+    sizes = {force.name: force.feature_size for force in (*system.forces, *system.medium.terms)}
+    for name, size in sizes.items():
+        if size < math.inf:
+            yield (
+                f"{name} does not repeat with the periodic box, so it jumps where particles pass a side; keep the sides out of "
+                f"the picture, or make the box many times its scale of {size:g} m, so that few particles pass them"
             )

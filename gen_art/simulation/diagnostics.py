@@ -41,10 +41,10 @@ class Diagnostics:
     mass : kg
     charge : C
     momentum : N s; gamma m v with a speed of light
-    angular_momentum : about the origin, N m s
-    center_of_mass : m; NaN without mass
+    angular_momentum : about the origin, N m s; in a periodic box it jumps where a particle is wrapped
+    center_of_mass : m; NaN without mass; in a periodic box the mean of positions in it, which jumps where a particle is wrapped
     kinetic_energy : J; (gamma - 1) m c^2 with a speed of light
-    potential_energy : of time-independent potentials, each pair counted once, J
+    potential_energy : of time-independent potentials, each pair counted once, J; in a periodic box pairs of nearest images
     """
 
     time: float

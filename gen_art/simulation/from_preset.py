@@ -24,7 +24,7 @@ def systems_of(preset: "Preset") -> dict[str, ParticleSystem]:
 def system_of(preset: "Preset", name: str) -> ParticleSystem:
     """The ParticleSystem of one system of a preset."""
     spec = preset.systems[name]
-    return ParticleSystem(
+    system = ParticleSystem(
         forces=[*(preset.forces if spec.inherit_forces else ()), *spec.forces],
         interactions=list(spec.interactions),
         colliders=[*(preset.colliders if spec.inherit_colliders else ()), *spec.colliders],
@@ -35,6 +35,9 @@ def system_of(preset: "Preset", name: str) -> ParticleSystem:
         emitters=[_emission(key, emitter, spec.particle) for key, emitter in spec.emitters.items()],
         look=spec.look,
     )
+    if preset.domain is not None:
+        system.enter(preset.domain.box)
+    return system
 
 
 def _medium(spec) -> Medium:

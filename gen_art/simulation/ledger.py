@@ -5,6 +5,8 @@ energy of the living particles; with a speed of light the kinetic energy is (gam
 Conservative forces have no entry of work: the residual is the scheme's error. Every force has an entry of its impulse.
 The entry of a collider holds the energy that it dissipates, its work if it moves, and by how much an impact changes the
 work of the other forces in the rest of the step.
+The entry `periodic_boundary` holds by how much potentials change where particles leave a periodic box on one side and come in
+at the other: wrapping changes no velocity, so it has no impulse.
 """
 
 from dataclasses import dataclass, field
@@ -13,8 +15,10 @@ from typing import Any
 import numpy as np
 
 from gen_art.integrators.ledger_kernel import make_ledger_kernel
-from gen_art.integrators.ledger_rows import LEDGER_COLUMNS
+from gen_art.integrators.ledger_rows import DISSIPATED, LEDGER_COLUMNS, WORK
 from gen_art.integrators.step_kernels import BLOCK
+from gen_art.interactions.ledger_labels import shares_of
+from gen_art.particles.entries import LedgerEntry
 from gen_art.particles.rows import MASS, POSITION, VELOCITY
 from gen_art.simulation.diagnostics import (
     ANGULAR_MOMENTUM,
@@ -23,6 +27,7 @@ from gen_art.simulation.diagnostics import (
     POTENTIALS,
     TOTAL_CHARGE,
     TOTAL_MASS,
+    Diagnostics,
     diagnose,
     energy_of_pairs,
     sums,
@@ -30,10 +35,18 @@ from gen_art.simulation.diagnostics import (
 
 __all__ = ["Entries", "LedgerKeeper", "Ledger", "Transfer"]
 
-# columns of the ledger rows (gen_art.integrators.ledger_rows)
-_WORK, _DISSIPATED, _IMPULSE = 0, 1, slice(2, 5)
+_IMPULSE = slice(2, 5)  # columns of the ledger rows (gen_art.integrators.ledger_rows)
 # an engine has two rows: energy, mass and momentum of the exhaust, then its angular momentum
 _EXHAUST_ENERGY, _EXHAUST_MASS, _EXHAUST_VECTOR = 0, 1, slice(2, 5)
+_NOTHING_BOOKED = np.zeros((1, 1))  # a kernel's argument where no particle keeps a share
+
+
+BOUNDARY = "periodic_boundary"  # the name of the sides of a periodic box
+
+
+def _has_boundary(system) -> bool:
+    """Whether the ledger has a row for the sides of a periodic box, where the potentials of the forces on a system jump."""
+    return system.box is not None and bool(system.composition.potentials)
 
 
 class Entries(dict):
@@ -99,10 +112,20 @@ class Ledger:
             if isinstance(x, dict):
                 return {k: plain(v) for k, v in x.items()}
             if isinstance(x, Transfer):
-                return {k: plain(getattr(x, k)) for k in x.__dataclass_fields__}
+                return _plain(x)
             return x.tolist() if isinstance(x, np.ndarray) else x
 
         return {k: plain(getattr(self, k)) for k in self.__dataclass_fields__}
+
+
+def _plain(record: "Transfer | Diagnostics") -> dict:
+    """The fields of a record as plain data."""
+    values = {field: getattr(record, field) for field in record.__dataclass_fields__}
+    return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
+
+
+def _with_arrays(plain: dict) -> dict:
+    return {k: np.array(v) if isinstance(v, list) else v for k, v in plain.items()}
 
 
 class _Transfers(Entries):
@@ -118,11 +141,13 @@ class LedgerKeeper:
 
     def __init__(self, sim):
         self.sim = sim
+        self._labels = {name: system.ledger_rows for name, system in sim.members.items()}
+        self._shares = {name: shares_of(self._labels[name], s.state.entries) for name, s in sim.members.items()}
         self._rows_of = {}
         for name, system in sim.members.items():
-            rows = len(system.composition.terms) + sum(len(interaction.parts) for interaction in system.interactions)
-            rows += len(system.composition.colliders) + 2 * len(system.composition.mass_loss_terms)
+            rows = len(self._labels[name]) + 2 * len(system.composition.mass_loss_terms) + _has_boundary(system)
             self._rows_of[name] = np.zeros((rows, LEDGER_COLUMNS))
+            system.state.forget_booked()
         # by system, (3, capacity): what the ledger kernel of a system with colliders stores between the stages of a step
         self._impact_states: dict[str, np.ndarray] = {}
         self._born, self._died = _Transfers(), _Transfers()
@@ -143,7 +168,7 @@ class LedgerKeeper:
         )
         kernel = make_ledger_kernel(
             system.composition, system.scheme.kind, system.scheme.rotation, mutual, stepper.coupled,
-            state.attributes, self.sim.precision,
+            state.attributes, self.sim.precision, self._shares[name],
         )  # fmt: skip
         size = state.floats.shape[1] if system.composition.colliders else 1
         impact_state = self._impact_states.get(name)
@@ -154,6 +179,7 @@ class LedgerKeeper:
         kernel(
             state.floats, state.birth, state.key, stepper.pair, stepper.scratch, stepper.numbers, stepper.scheme_numbers,
             begin, state.count, float(first), dt, earliest, stage0, stage1, entries, impact_state,
+            state.booked if state.entries else _NOTHING_BOOKED,
         )  # fmt: skip
         self._rows_of[name] += entries.sum(axis=0).reshape(rows, LEDGER_COLUMNS)
 
@@ -172,7 +198,7 @@ class LedgerKeeper:
         row = self._implicit_row(f"{name}.{interaction.name}")
         row[_IMPULSE] += change @ mass
         if not interaction.moves_particles:
-            row[_DISSIPATED] += interaction.dissipated(state, before, stage.dt)
+            row[DISSIPATED] += interaction.dissipated(state, before, stage.dt)
             return
         dissipated = 0.5 * float(((before.astype(np.float64) ** 2 - now**2) @ mass).sum())
         if stage.drift > 0:
@@ -183,7 +209,7 @@ class LedgerKeeper:
             row[_IMPULSE] -= impulse
             self._collider_work[f"{name}.{label}"] = self._collider_work.get(f"{name}.{label}", 0.0) + work
             dissipated += work
-        row[_DISSIPATED] += dissipated
+        row[DISSIPATED] += dissipated
 
     def record_turn(self, name: str, interaction, state, before: np.ndarray) -> None:
         """Add the impulse of pivots and axles while bodies turn about them, which does no work.
@@ -209,7 +235,7 @@ class LedgerKeeper:
 
     def record_broken_bonds(self, name: str, interaction, energy: float) -> None:
         """Add the energy of broken bonds, J."""
-        self._implicit_row(f"{name}.{interaction.name}")[_DISSIPATED] += energy
+        self._implicit_row(f"{name}.{interaction.name}")[DISSIPATED] += energy
 
     def record_births(self, name: str, new: slice) -> None:
         """Add the entries of births, at their exact times and before the particles move."""
@@ -246,43 +272,63 @@ class LedgerKeeper:
         everyone = np.union1d(others, slots)
         return energy_of_pairs(self.sim, name, everyone) - energy_of_pairs(self.sim, name, others)
 
+    def saved(self) -> dict:
+        """Everything that the ledger has recorded, as plain data for a snapshot; numbers survive JSON bit for bit."""
+        transfers = ({key: _plain(one) for key, one in entries.items()} for entries in (self._born, self._died))
+        born, died = transfers
+        return {
+            "rows": {name: rows.tolist() for name, rows in self._rows_of.items()},
+            "implicit": {key: row.tolist() for key, row in self._implicit_rows.items()},
+            "colliders": dict(self._collider_work),
+            "start": _plain(self._start),
+            "born": born,
+            "died": died,
+        }
+
+    def restore(self, saved: dict) -> None:
+        """Continue from what `saved` gave."""
+        self._rows_of = {name: np.array(saved["rows"][name]).reshape(r.shape) for name, r in self._rows_of.items()}
+        self._implicit_rows = {key: np.array(row) for key, row in saved["implicit"].items()}
+        self._collider_work = dict(saved["colliders"])
+        self._start = Diagnostics(**_with_arrays(saved["start"]))
+        self._born, self._died = (
+            _Transfers({key: Transfer(**_with_arrays(one)) for key, one in saved[entries].items()})
+            for entries in ("born", "died")
+        )
+
+    def total(self, name: str, entry: LedgerEntry) -> float:
+        """The ledger's entry of one system so far, J: of {dissipated}, the sum over all of its forces."""
+        rows = zip(self._labels[name], self._rows_of[name])
+        return sum(
+            sign * float(amounts[part])
+            for row, amounts in rows
+            if entry.name in ("", row.label)
+            for part, sign in row.parts(entry.kind)
+        )
+
     def report(self) -> Ledger:
         """The ledger so far."""
         died = _Transfers(self._died)
         work, dissipated, impulse = Entries(), Entries(), _Vectors()
         for name, system in self.sim.members.items():
-            interactions = system.interactions
-            labels = [(t.name, False) for t in system.composition.terms]
-            labels += [
-                (part.label or interaction.name, part.dissipates)
-                for interaction in interactions
-                for part in interaction.parts
-            ]
-            does_work = [not t.force.conservative for t in system.composition.terms]
-            does_work += [
-                not interaction.conservative or interaction.source_system is not None
-                for interaction in interactions
-                for _ in interaction.parts
-            ]
-            labels += [(t.name, False) for t in system.composition.colliders]
-            does_work += [True] * len(system.composition.colliders)
-            for (label, dissipates), has_work, row in zip(labels, does_work, self._rows_of[name]):
-                key = f"{name}.{label}"
-                if dissipates:
-                    dissipated[key] = dissipated.get(key, 0.0) - float(row[_WORK])
-                elif has_work:
-                    work[key] = work.get(key, 0.0) + float(row[_WORK])
-                    dissipated[key] = dissipated.get(key, 0.0) + float(row[_DISSIPATED])
-                impulse[key] = impulse.get(key, np.zeros(3)) + row[_IMPULSE]
+            rows = self._labels[name]
+            for row, amounts in zip(rows, self._rows_of[name]):
+                key = f"{name}.{row.label}"
+                for entries, kind in ((work, "work"), (dissipated, "dissipated")):
+                    for part, sign in row.parts(kind):
+                        entries[key] = entries.get(key, 0.0) + sign * float(amounts[part])
+                impulse[key] = impulse.get(key, np.zeros(3)) + amounts[_IMPULSE]
             for k, engine in enumerate(system.composition.mass_loss_terms):
-                exhaust, angular = self._rows_of[name][len(labels) + 2 * k :][:2]
+                exhaust, angular = self._rows_of[name][len(rows) + 2 * k :][:2]
                 died[f"{name}.{engine.name}"] = Transfer(
                     0, exhaust[_EXHAUST_MASS], 0.0, exhaust[_EXHAUST_VECTOR].copy(), angular[_EXHAUST_VECTOR].copy(),
                     float(exhaust[_EXHAUST_ENERGY]),
                 )  # fmt: skip
+            if _has_boundary(system):
+                work[f"{name}.{BOUNDARY}"] = float(self._rows_of[name][-1][WORK])
         for key, row in self._implicit_rows.items():
             impulse[key] = impulse.get(key, np.zeros(3)) + row[_IMPULSE]
-            dissipated[key] = dissipated.get(key, 0.0) + float(row[_DISSIPATED])
+            dissipated[key] = dissipated.get(key, 0.0) + float(row[DISSIPATED])
         for key, amount in self._collider_work.items():
             work[key] = work.get(key, 0.0) + amount
         now = diagnose(self.sim)

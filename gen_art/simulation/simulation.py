@@ -15,6 +15,7 @@ from gen_art.emitters.births import BirthBatch, give_birth, scheduled_births
 from gen_art.emitters.events import EventWindow, event_births
 from gen_art.errors import GenArtError, UsageError
 from gen_art.maths.random import channel_of, derive
+from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.storage import Particles
 from gen_art.registry import suggest
 from gen_art.simulation.coupled_systems import CoupledSystems
@@ -24,6 +25,7 @@ from gen_art.simulation.system import ParticleSystem
 from gen_art.simulation.watch import Watch
 
 if TYPE_CHECKING:
+    from gen_art.particles.entries import LedgerEntry
     from gen_art.preset.schema import Preset
     from gen_art.simulation.diagnostics import Diagnostics
     from gen_art.simulation.ledger import Ledger, LedgerKeeper
@@ -50,6 +52,29 @@ def _checked_systems(given: Any) -> "Preset | dict[str, ParticleSystem]":
     return given
 
 
+def _checked_domain(given: Any) -> PeriodicBox | None:
+    """The periodic box of a mapping as in YAML, or None. Raises UsageError with every problem."""
+    if given is None:
+        return None
+    if not isinstance(given, Mapping):
+        raise UsageError(
+            f"domain must be a mapping of its keys, such as {{'periodic': {{'min': (0, 0, 0), 'max': (1, 1, 1)}}}}, not "
+            f"{arguments.shown(given)}"
+        )
+    from pydantic import ValidationError
+
+    from gen_art.preset.domain import Domain
+    from gen_art.preset.model import friendly
+    from gen_art.preset.overrides import plain
+    from gen_art.preset.problems import dotted
+
+    try:
+        return Domain.model_validate(plain(given)).box
+    except ValidationError as error:
+        problems = [f"{dotted(('domain', *problem['loc']))}: {friendly(problem)}" for problem in error.errors()]
+        raise UsageError("; ".join(problems)) from None
+
+
 def _check_events(members: Mapping[str, ParticleSystem]) -> None:
     for system in members.values():
         for emitter in system.emitters:
@@ -74,13 +99,17 @@ class Simulation:
     precision : "f32" or "f64"
     arch : "cpu"
     threads : None for all; fixed by the first Simulation of the process
-    ledger : keep a ledger of work, dissipation, births and deaths; the state's bits are the same with and without it
+    ledger : keep a ledger of work, dissipation, births and deaths; the state's bits are the same with and without it. A
+        system whose look goes by joules (`by: {work: drag}`), or whose `booked` names some, makes it keep one anyway
+    domain : the space of the systems given by name, as `domain:` of a preset: {"periodic": {"min": (0, 0, 0), "max": (1, 1, 1)}};
+        open when None. A preset has its own, and then this is refused
     advice : what happens when a step, a scheme or a precision cannot carry the motion, at the start and during the run: "warn"
         gives an AdviceWarning, once a cause; "error" raises UsageError; "none" says nothing. See docs/when_physics_says_no.md
     Raises UsageError for anything that cannot be simulated, and DivergedError, from a step on, where numbers leave the
     finite ones.
 
     `sim["name"]` is a ParticleSystem, `sim.members` are all of them, `sim.systems` their storage. All three are read-only;
+    `sim.box` is the periodic box, None in open space;
     only `step`, `advance` and `advance_to_frame` change a simulation.
     """
 
@@ -94,6 +123,7 @@ class Simulation:
         arch: str = "cpu",
         threads: int | None = None,
         ledger: bool = False,
+        domain: "Mapping[str, Any] | None" = None,
         advice: str = "warn",
     ) -> None:
         if not isinstance(precision, str) or precision not in _DTYPES:
@@ -106,13 +136,24 @@ class Simulation:
         self.preset: Preset | None = None
         if isinstance(preset, dict):
             members = dict(preset)
+            if (box := _checked_domain(domain)) is not None:
+                for system in members.values():
+                    system.enter(box)
         else:
+            if domain is not None:
+                raise UsageError(
+                    'a preset has its space in itself: set it there, or by load_preset(..., overrides={"domain": ...})'
+                )
             from gen_art.simulation.from_preset import systems_of
 
             self.preset = preset
+            box = None if preset.domain is None else preset.domain.box
             members = systems_of(preset)
             dt = preset.clock.step if dt is None else dt
             seed = preset.seed if seed is None else seed
+        self.box: PeriodicBox | None = box
+        if box is not None:
+            box.check_precision(self.dtype)
         self.dt = arguments.number("dt, the time step,", dt, "s", above=0.0)
         self.seed, self.steps_done = arguments.whole("seed", 0 if seed is None else seed, 0, 2**63 - 1), 0
         self.members: Mapping[str, ParticleSystem] = MappingProxyType(members)
@@ -138,16 +179,18 @@ class Simulation:
         check_potentials(self)
         self._watch.look()
         self._ledger: LedgerKeeper | None = None
-        if ledger:
+        if ledger or any(system.entries for system in members.values()):
             self.keep_ledger()
 
-    def keep_ledger(self) -> None:
-        """Keep the ledger from now on."""
+    def keep_ledger(self, saved: "dict | None" = None) -> None:
+        """Keep the ledger from now on; or go on with what another has `saved`, if it is given."""
         from gen_art.simulation.ledger import LedgerKeeper
 
         self._ledger = self._coupled.ledger = LedgerKeeper(self)
         for stepper in self._steppers.values():
             stepper.ledger = self._ledger
+        if saved is not None:
+            self._ledger.restore(saved)
 
     @property
     def time(self) -> float:
@@ -247,6 +290,8 @@ class Simulation:
         }
         if move:
             move(first)
+            for system in self.members.values():
+                system.state.wrap(slice(0, system.state.count))
             self._coupled.forget()
         else:
             for name, stepper in self._steppers.items():
@@ -310,6 +355,17 @@ class Simulation:
             raise UsageError("there is no ledger: make the simulation with ledger=True")
         return self._ledger.report()
 
+    def joules(self) -> "dict[str, dict[LedgerEntry, float]]":
+        """By system, those entries of the ledger, J, of which its particles keep their shares: see ParticleSystem.booked."""
+        if self._ledger is None:
+            return {}
+        totals = self._ledger.total
+        return {
+            name: {entry: totals(name, entry) for entry in system.entries}
+            for name, system in self.members.items()
+            if system.entries
+        }
+
     def digest(self, system: str | None = None) -> str:
         """SHA-256 of the state: the clock, and every living particle of every system, by name.
 
@@ -319,6 +375,8 @@ class Simulation:
         names = sorted(self.members) if system is None else [self[system].name]
         self._watch.check()
         h = hashlib.sha256(f"{self.precision} {self.steps_done} {self.dt!r} {self.seed}".encode())
+        if self.box is not None:
+            h.update(repr(self.box).encode())
         for name in names:
             state, living = self.members[name].state, self.living(name)
             h.update(f"{name} {len(living)} {state.next_id} {state.attributes}".encode())
@@ -330,14 +388,14 @@ class Simulation:
         return h.hexdigest()
 
     def save(self, path: str | os.PathLike) -> None:
-        """Write the whole state, bit for bit, to a snapshot (.gas).
+        """Write the whole state and the ledger, bit for bit, to a snapshot (.gas).
 
         Raises OutputError when the file cannot be written, DivergedError if a position or a velocity is not finite.
         """
         self._watch.check()
         from gen_art.simulation.snapshot import write
 
-        write(self, path, self._unprocessed_ids)
+        write(self, path, self._unprocessed_ids, None if self._ledger is None else self._ledger.saved())
 
     @classmethod
     def restore(cls, path: str | os.PathLike) -> "Simulation":
@@ -349,7 +407,15 @@ class Simulation:
 
         snapshot = read(path)
         try:
-            sim = cls(snapshot.definition, dt=snapshot.dt, seed=snapshot.seed, precision=snapshot.precision)
+            sim = cls(
+                snapshot.definition,
+                dt=snapshot.dt,
+                seed=snapshot.seed,
+                precision=snapshot.precision,
+                domain=snapshot.domain,
+            )
+            if snapshot.ledger is not None:
+                sim.keep_ledger(snapshot.ledger)
             sim.steps_done = snapshot.steps_done
             snapshot.restore_systems(sim.members, sim.time)
             sim._unprocessed_ids = snapshot.unprocessed_ids

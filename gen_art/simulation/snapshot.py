@@ -29,11 +29,13 @@ class Snapshot:
     head : the clock, and the definition from which the simulation is built
     columns : by (system, column), the particles' arrays
     saved_arrays : by system, the arrays of each interaction
+    booked : by system, each particle's shares of entries of the ledger
     """
 
     head: dict
     columns: dict[tuple[str, str], np.ndarray]
     saved_arrays: dict[str, list[dict[str, np.ndarray]]]
+    booked: dict[str, np.ndarray]
 
     @property
     def dt(self) -> float:
@@ -52,6 +54,11 @@ class Snapshot:
         return self.head["steps"]
 
     @property
+    def ledger(self) -> dict | None:
+        """What the ledger had recorded; None where none was kept."""
+        return self.head.get("ledger")
+
+    @property
     def unprocessed_ids(self) -> dict[str, tuple[int, int]]:
         """By system, the ids from..to of the particles whose births no emitter has handled yet."""
         return {name: tuple(entry[_UNPROCESSED]) for name, entry in self.head["systems"].items()}
@@ -65,6 +72,11 @@ class Snapshot:
 
         return load_preset(self.head["preset"])
 
+    @property
+    def domain(self) -> dict | None:
+        """The space of systems that are not a preset's; None where it is open, or the preset has it."""
+        return self.head.get("domain")
+
     def restore_systems(self, members, time: float) -> None:
         """Put the saved particles into systems that were built from `definition`.
 
@@ -77,6 +89,11 @@ class Snapshot:
             for column in _COLUMNS:
                 getattr(state, column)[..., : entry["count"]] = self.columns[name, column]
             state.count, state.next_id, state.may_die = entry["count"], entry["next_id"], entry["may_die"]
+            # the dead are then removed when they would have been, which decides the order of the ledger's sums
+            state.launches, state.count_at = entry.get("launches", 0), entry.get("count_at", 0)
+            if name in self.booked:
+                state.booked[:, : entry["count"]] = self.booked[name]
+                state.removed = [float(sum_) for sum_ in entry["removed"]]
             for emitter, done in zip(system.emitters, entry["done"]):
                 emitter.done = done
         for name, saved in self.saved_arrays.items():
@@ -85,20 +102,25 @@ class Snapshot:
                     interaction.restore_arrays(arrays, time)
 
 
-def write(sim, path, unprocessed_ids: dict[str, tuple[int, int]]) -> None:
-    """Write `sim` to a temporary file and rename it to `path`. Raises OutputError when the file cannot be written."""
-    if sim.keeps_ledger:
-        raise UsageError("a simulation that keeps a ledger cannot be saved: the ledger is not part of the state")
+def write(sim, path, unprocessed_ids: dict[str, tuple[int, int]], ledger: dict | None) -> None:
+    """Write `sim` to a temporary file and rename it to `path`. Raises OutputError when the file cannot be written.
+
+    ledger : what its ledger has recorded, as plain data; None where it keeps none
+    """
     head = {
         "format": _FORMAT, "precision": sim.precision, "dt": sim.dt, "seed": sim.seed, "steps": sim.steps_done,
         "preset": None if sim.preset is None else {**sim.preset.resolved(), "name": sim.preset.name}, "systems": {},
+        "ledger": ledger,
     }  # fmt: skip
+    if sim.preset is None and sim.box is not None:
+        head["domain"] = {"periodic": sim.box.as_dict()}
     for name, system in sim.members.items():
         state = system.state
         head["systems"][name] = {
             "count": state.count, "next_id": state.next_id, "may_die": state.may_die, "attributes": state.attributes,
             "done": [e.done for e in system.emitters], _UNPROCESSED: unprocessed_ids[name],
             _SAVED: [list(interaction.saved_arrays) for interaction in system.interactions],
+            "removed": state.removed if state.entries else None, "launches": state.launches, "count_at": state.count_at,
             "definition": None if sim.preset is not None else _definition(system),
         }  # fmt: skip
     path = Path(path)
@@ -110,6 +132,8 @@ def write(sim, path, unprocessed_ids: dict[str, tuple[int, int]]) -> None:
             for column in _COLUMNS:
                 array = getattr(system.state, column)[..., : system.state.count]
                 _write_array(archive, f"{name}/{column}.npy", array)
+            if system.state.entries:
+                _write_array(archive, f"{name}/booked.npy", system.state.booked[:, : system.state.count])
             for k, interaction in enumerate(system.interactions):
                 for key, array in interaction.saved_arrays.items():
                     _write_array(archive, f"{name}/{k}.{key}.npy", array)
@@ -142,6 +166,11 @@ def read(path) -> Snapshot:
                 ]
                 for name, entry in systems.items()
             }
+            booked = {
+                name: _read_array(archive, f"{name}/booked.npy")
+                for name, entry in systems.items()
+                if entry.get("removed") is not None
+            }
             if not isinstance(head["preset"], (dict, type(None))):
                 raise UsageError(f"{path} is damaged: its preset is no mapping")
     except (UsageError, MemoryError):
@@ -150,7 +179,7 @@ def read(path) -> Snapshot:
         raise OutputError(f"cannot read {path}: {error.strerror or error}") from None
     except Exception:  # of a damaged file, zipfile, json and NumPy raise errors of many kinds
         raise UsageError(f"{path} is not a snapshot of this program") from None
-    return Snapshot(head, columns, saved)
+    return Snapshot(head, columns, saved, booked)
 
 
 def _as_dict(law) -> dict:
@@ -186,6 +215,7 @@ def _definition(system: ParticleSystem) -> dict:
         "speed_of_light": system.scheme.light or None,
         "exact_gyration": system.scheme.exact,
         "attributes": list(system.attribute_names),
+        "booked": [entry.plain for entry in system.entries],
     }
 
 
@@ -208,4 +238,5 @@ def _build(definition: dict) -> ParticleSystem:
         speed_of_light=definition.get("speed_of_light"),
         exact_gyration=definition.get("exact_gyration", False),
         attributes={name: np.zeros(0) for name in definition["attributes"]},
+        booked=definition.get("booked", ()),
     )

@@ -13,11 +13,13 @@ from gen_art.errors import UsageError
 from gen_art.forces.base import Force, loses_mass
 from gen_art.forces.medium import Medium
 from gen_art.integrators import scheme
-from gen_art.integrators.kernel_terms import KernelTerms, collider_names
 from gen_art.integrators.schemes import charged
 from gen_art.interactions import Interaction
+from gen_art.interactions.ledger_labels import LedgerRow, check_entry, composition_of, ledger_rows
 from gen_art.kernel_methods import PARTICLE, attributes_read, is_own
+from gen_art.particles.entries import LedgerEntry
 from gen_art.particles.fixed import FIXED
+from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.rows import FIRST_ATTRIBUTE, LIFETIME, POSITION, VELOCITY
 from gen_art.particles.storage import Particles
 from gen_art.registry import suggest
@@ -47,6 +49,8 @@ class ParticleSystem:
     fixed : the particles that no force moves: indices, or (n,) bool
     emitters : ActiveEmitter objects (a preset makes them)
     look : how it is drawn: a ga.Look, or a mapping of its keys as in YAML; white points when left out
+    booked : entries of the ledger of which each particle keeps its share, beside those that its look goes by: {"work": "drag"},
+        {"dissipated": "drag"} or "dissipated"
     Raises UsageError for arrays of the wrong shape or with numbers that are not finite, and for unknown forces.
 
     In a simulation: count, ids, keys, emitter, position, velocity, mass, charge, radius, age are read-only NumPy copies of
@@ -72,6 +76,7 @@ class ParticleSystem:
         fixed: ArrayLike | None = None,
         emitters: Iterable[ActiveEmitter] = (),
         look: "Look | Mapping[str, Any] | None" = None,
+        booked: "Iterable[LedgerEntry | str | dict[str, str]]" = (),
     ) -> None:
         self.colliders = arguments.instances("colliders", colliders, Collider, "ga.colliders.Plane(...)")
         self.forces = arguments.instances("forces", forces, Force, "ga.forces.Gravity(...)")
@@ -88,9 +93,7 @@ class ParticleSystem:
         self.scheme = charged(
             scheme(integrator), self.forces, speed_of_light, exact_gyration, self.interactions, self.colliders
         )
-        by_kernel, names = self.colliders, collider_names(self.colliders)
-        for interaction in self.interactions:
-            by_kernel = interaction.take_colliders(by_kernel, names)
+        self.composition = composition_of(self.forces, self.medium, self.colliders, self.interactions)
         for mover in (interaction for interaction in self.interactions if interaction.moves_particles):
             for force in self.forces:
                 if loses_mass(force):
@@ -98,13 +101,13 @@ class ParticleSystem:
                         f"{force.name} takes mass, but the mass of a body of {mover.name} cannot change: "
                         "push it with `propeller` instead"
                     )
-        self.composition = KernelTerms(self.forces, self.medium, by_kernel, names)
+        self.box: PeriodicBox | None = None
         self.emitters: list[ActiveEmitter] = arguments.instances(
             "emitters", emitters, ActiveEmitter, "the emitters that a preset makes"
         )
         self.look = _checked_look(look)
         self._initial = self._checked_arrays(position, velocity, mass, charge, radius, attributes)
-        self.least_mass, self.largest_charge = self._extremes()
+        self.least_mass, self.largest_charge, self.largest_radius = self._extremes()
         for force in self.forces:
             force.check_mass(self.least_mass)
         self.name = ""
@@ -128,20 +131,53 @@ class ParticleSystem:
                         f"{type(force).__name__}.{method} reads p.{read}, which the particles do not have"
                         f"{suggest(read, (*PARTICLE, *self.attribute_names)) or ': declare it as an attribute'}"
                     )
+        self.entries = self._checked_entries(booked)
         self._state: Particles | None = None
         self._time = lambda: 0.0
 
-    def _extremes(self) -> tuple[float, float]:
-        """(least mass, kg, inf without particles; largest absolute charge, C) of the particles of the start and of births."""
+    def enter(self, box: PeriodicBox) -> None:
+        """Move into a periodic box, before a simulation takes the system.
+
+        Raises UsageError for an interaction that does not act across its sides, or reaches too far for it, and for a system that
+        a simulation has already.
+        """
+        if self._state is not None:
+            raise UsageError(f"system '{self.name}' is already part of a simulation: make another ParticleSystem")
+        for interaction in self.interactions:
+            if (problem := interaction.problem_in(box, self.largest_radius)) is not None:
+                raise UsageError(problem)
+        self.box = box
+        self.composition = self.composition.in_box(box)
+
+    @property
+    def ledger_rows(self) -> list[LedgerRow]:
+        """The rows of its ledger, in the order of the ledger kernel."""
+        return ledger_rows(self.composition, self.interactions)
+
+    def _checked_entries(self, booked) -> tuple[LedgerEntry, ...]:
+        """The entries of the ledger of which each particle keeps its share. Raises UsageError for one that does not exist."""
+        if isinstance(booked, (str, Mapping, LedgerEntry)) or not isinstance(booked, Iterable):
+            raise UsageError(f'booked must be a list such as [{{"work": "drag"}}], not {arguments.shown(booked)}')
+        entries = [LedgerEntry.of(one) for one in booked]
+        if self.look is not None:
+            entries += self.look.ledger_entries(self.attribute_names)
+        for entry in entries:
+            check_entry(entry, self.ledger_rows, self.interactions)
+        return tuple(dict.fromkeys(entries))
+
+    def _extremes(self) -> tuple[float, float, float]:
+        """(least mass, kg, inf without particles; largest absolute charge, C; largest radius, m) at the start and of births."""
         kinds = [kind.attributes for emission in self.emitters for kind in emission.kinds]
         masses = [
             k["density"][0] * 4 / 3 * np.pi * k["radius"][0] ** 3 if "density" in k else k["mass"][0] for k in kinds
         ]
         charges = [abs(c) for k in kinds for c in k["charge"]]
+        radii = [k["radius"][1] for k in kinds]
         if self._initial:
             masses.append(self._initial["mass"].min(initial=np.inf))
             charges.append(np.abs(self._initial["charge"]).max(initial=0.0))
-        return float(min(masses, default=np.inf)), float(max(charges, default=0.0))
+            radii.append(self._initial["radius"].max(initial=0.0))
+        return float(min(masses, default=np.inf)), float(max(charges, default=0.0)), float(max(radii, default=0.0))
 
     def may_have(self, attribute: str) -> bool:
         """Whether a particle of the start or of a birth may have this attribute other than 0; True where that is not known."""
@@ -225,6 +261,8 @@ class ParticleSystem:
         if self._state is not None:
             raise UsageError(f"system '{name}' is already part of a simulation: make another ParticleSystem")
         self.name, self._time = name, time
+        for interaction in self.interactions:
+            interaction.box = self.box
         sources = []
         names = self.attribute_names
         channels = {attribute: FIRST_ATTRIBUTE + k for k, attribute in enumerate(names)}
@@ -238,7 +276,7 @@ class ParticleSystem:
                 kind.channels = channels
                 sources.append(ParticleOrigin(emission.name, kind.tag, kind.name))
         count = len(self._initial["mass"]) if self._initial else 0
-        self._state = state = Particles(dtype, names, tuple(sources), max(1024, count))
+        self._state = state = Particles(dtype, names, tuple(sources), max(1024, count), self.box, self.entries)
         if self._initial:
             keys = derive(derive(key, channel_of("initial")), np.arange(count))
             new = state.append(np.zeros(count), keys, np.zeros(count, np.int32))
@@ -248,6 +286,7 @@ class ParticleSystem:
             state.floats[LIFETIME, self._fixed] = FIXED
             for name in ("mass", "charge", "radius", *self._attributes):
                 state.floats[state.channels[name], new] = self._initial[name]
+            state.wrap(new)
         self._initial = {}
         state.may_die = state.may_die or any(collider.values["action"] == "kill" for collider in self.colliders)
 
@@ -307,6 +346,29 @@ class ParticleSystem:
         if arguments.text("the name of an attribute", name) not in self.state.channels:
             raise UsageError(f"system '{self.name}' has no attribute '{name}'{suggest(name, self.state.channels)}")
         return self._copy(self.state.floats[self.state.channels[name], self._living()])
+
+    def booked(self, kind: str, name: str = "") -> np.ndarray:
+        """(n,) J: each living particle's share of an entry of the ledger since its birth.
+
+        kind : "work" or "dissipated"
+        name : the force as the ledger names it, without the system's name; left out for all that is dissipated
+        Raises UsageError unless the particles keep it: their look goes by it, or `booked` of the system names it.
+        """
+        return self._copy(self.state.booked[self._entry_index(kind, name), self._living()])
+
+    def booked_total(self, kind: str, name: str = "") -> float:
+        """The sum of `booked` over all particles that ever were, the dead too, J: to round-off the entry of `sim.ledger()`."""
+        return self.state.booked_total(self._entry_index(kind, name))
+
+    def _entry_index(self, kind: str, name: str) -> int:
+        entry = LedgerEntry.of({kind: name} if name else kind)
+        if entry not in self.state.entries:
+            check_entry(entry, self.ledger_rows, self.interactions)
+            raise UsageError(
+                f"the particles of '{self.name}' keep no share of {entry}: give the system booked=[{entry.plain!r}], or a look "
+                "that goes by it"
+            )
+        return self.state.entries.index(entry)
 
     @property
     def mass(self) -> np.ndarray:

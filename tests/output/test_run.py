@@ -224,3 +224,22 @@ def test_what_is_written_has_its_exposure(tmp_path):
 
     dark, bright = (mean(auto_exposure={"key": key}) for key in (0.1, 0.4))
     assert 0 < dark < 0.7 * bright and mean() not in (dark, bright)
+
+
+def test_a_ribbon_breaks_where_it_passes_the_side_of_a_periodic_box():
+    """A particle that has just come in at the left: the ribbon is there and at the right, and nothing crosses the middle."""
+    preset = load_preset({
+        "version": 1, "clock": {"duration": 1, "fps": 20, "step": 0.01},
+        "domain": {"periodic": {"min": [-1, -1, -1], "max": [1, 1, 1]}},
+        "systems": {"s": {"emitters": {"one": {"count": 1, "shape": [0.5, 0, 0], "velocity": [2, 0, 0]}}, "look": RIBBON}},
+        "camera": {"position": [0, 0, 5], "target": [0, 0, 0], "height": 2},
+    })  # fmt: skip
+    open_space = load_preset(preset, overrides={"domain": None})
+    for given, sides in ((preset, True), (open_space, False)):
+        playback = Playback(given, (200, 100), "f32", None)
+        light = playback.picture(playback.step_of(0.35))[..., 0].sum(
+            axis=0
+        )  # 0.2 beyond the side; the ribbon is 0.5 long
+        left, middle, right = light[:65].sum(), light[65:130].sum(), light[130:].sum()
+        assert middle < 1e-3 * right  # the picture is 4 m wide: the box is from column 50 to 150
+        assert (left > 0.1 * right) == sides

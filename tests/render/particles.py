@@ -25,7 +25,7 @@ def state(position, velocity=None, *, mass=1.0, charge=0.0, radius=0.01, life=np
     return SimpleNamespace(
         floats=floats, birth=births, key=np.random.default_rng(1).integers(0, 2**32, (2, n + SPARE), dtype=np.uint32),
         id=np.arange(n + SPARE), source=sources, sources=[SimpleNamespace(name=str(t), tag=t) for t in tags], count=n,
-        channels={name: 10 + k for k, name in enumerate(attributes)},
+        channels={name: 10 + k for k, name in enumerate(attributes)}, box=None, entries=(), booked=np.zeros((0, n + SPARE)),
     )  # fmt: skip
 
 
