@@ -23,7 +23,8 @@ def _sum(values: list[float]) -> float:
     try:
         return math.fsum(values)
     except (OverflowError, ValueError):  # beyond float64; or inf - inf
-        return float(np.sum(values))
+        with np.errstate(over="ignore", invalid="ignore"):
+            return float(np.sum(values))
 
 
 class Particles:
