@@ -17,6 +17,7 @@ import numpy as np
 
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
+from gen_art.errors import DivergedError
 from gen_art.particles.fixed import is_fixed
 from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.rows import LIFETIME, MASS, RADIUS
@@ -30,6 +31,7 @@ __all__ = [
 POSITION_AT, VELOCITY_AT, RADIUS_AT, INVERSE_MASS_AT, RECORD = 0, 3, 6, 7, 8
 # a grid's frame in a periodic box: its origin, the widths of its cells, the box's lengths (0 along open axes) and their inverses
 _ORIGIN, _WIDTHS, _LENGTHS, _INVERSES = 0, 3, 6, 9
+_FARTHEST = 1e9  # cells from the origin: beyond, a cell's number is no int32
 _CHUNKS = (
     4  # of the particles, counted and placed in parallel; fixed, so that the sort is the same on any number of threads
 )
@@ -67,6 +69,11 @@ def sort_into_grid(
     """
     low = np.array([np.floor(rows[c, :n].min() / size) for c in range(3)])
     high = np.array([np.floor(rows[c, :n].max() / size) for c in range(3)])
+    if not max(np.abs(low).max(), np.abs(high).max()) <= _FARTHEST:
+        raise DivergedError(
+            f"a particle with contacts is {np.abs(rows[:3, :n]).max():.3g} m from the origin, more than {_FARTHEST:.0e} times "
+            "the size of the largest sphere: most likely because a step is too long for the forces"
+        )
     shape = np.clip(high - low + 1, 3, 2**20)
     lengths = np.zeros(3) if box is None else box.lengths
     low, shape = np.where(lengths > 0, 0, low), np.where(lengths > 0, np.clip(lengths // size, 3, 2**20), shape)

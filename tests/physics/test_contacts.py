@@ -216,3 +216,13 @@ def test_contacts_that_cannot_be():
         simulated(np.eye(3), np.zeros((3, 3)), 1e-3, mass=0.0).step(1)
     with pytest.raises(ga.UsageError, match="restitution must be from 0 to 1"):
         Contacts(restitution=1.2)
+
+
+@pytest.mark.parametrize("far", [1e30, np.inf, np.nan])
+def test_a_sphere_that_is_far_too_far_is_said(far):
+    spheres = ga.ParticleSystem(position=[(0, 0, 0), (1, 0, 0)], radius=0.1, interactions=[ga.interactions.Contacts()])
+    sim = ga.Simulation({"s": spheres}, dt=1e-4, advice="none")
+    sim.step(1)
+    sim.systems["s"].floats[0, 1] = far
+    with pytest.raises(ga.DivergedError, match="most likely because"):
+        sim.step(64)
