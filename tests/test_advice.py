@@ -12,6 +12,7 @@ from gen_art.audit import audit
 from gen_art.audit.advice import advice, step_advice
 from gen_art.audit.invariants import expected_order, invariants
 from gen_art.integrators import INTEGRATORS
+from tests.small import SMALL
 
 MIRROR = {"magnetic_mirror": {"strength": 2}}
 FIELD = {"magnetic_field": [0, 0, 2]}
@@ -250,3 +251,10 @@ def test_what_should_hold_did(what):
 ])  # fmt: skip
 def test_the_order_to_expect(given, order):
     assert expected_order(piece(**given), "s") == order
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_the_large_presets_give_no_cause_for_advice(name):
+    """Those of the course are drawn with AdviceWarning as an error in tests/test_course.py."""
+    sim = ga.Simulation(ga.load_preset(name, overrides=SMALL[name]), advice="error")
+    sim.advance_to_frame(15)
