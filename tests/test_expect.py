@@ -135,7 +135,10 @@ def test_quantities_are_what_they_say():
         radius=[0.1, 0.3],
     )
     sim = ga.Simulation({"s": particles}, dt=0.1, precision="f64", advice="none")
-    of = lambda quantity, over="mean": value_of(sim, f"s.{quantity}", over)  # noqa: E731
+
+    def of(quantity, over="mean"):
+        return value_of(sim, f"s.{quantity}", over)
+
     assert (of("x"), of("vy"), of("distance"), of("speed")) == pytest.approx((1.5, 1.0, 3.0, 2.0))
     assert (of("distance", "least"), of("distance", "largest"), of("x", "rms")) == pytest.approx(
         (1, 5, 3 / math.sqrt(2))

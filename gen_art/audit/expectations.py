@@ -28,6 +28,11 @@ SAMPLES = 2000  # most moments at which periods and bounds are sampled
 _DIRECTION = np.array([0.36, 0.48, 0.80])  # in which the mutant is pushed: along no axis
 
 
+def _plain(number: float) -> float | None:
+    """Six digits of a number; None if it is not finite."""
+    return float(f"{number:.6g}") if math.isfinite(number) else None
+
+
 @dataclass(frozen=True)
 class Finding:
     """What was found of one claim.
@@ -70,11 +75,10 @@ class Finding:
 
     def as_dict(self) -> dict:
         """Plain numbers; None for those that are not finite."""
-        plain = lambda x: float(f"{x:.6g}") if math.isfinite(x) else None  # noqa: E731
         return {
             "claim": self.claim, "verdict": self.verdict, "bound": self.bound,
-            "measured": [plain(x) for x in self.measured], "errors": [plain(x) for x in self.errors],
-            "mutant": self.mutant, "mutant_error": plain(self.mutant_error),
+            "measured": [_plain(x) for x in self.measured], "errors": [_plain(x) for x in self.errors],
+            "mutant": self.mutant, "mutant_error": _plain(self.mutant_error),
         }  # fmt: skip
 
 
