@@ -62,10 +62,10 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Parameter:
-    """One typed parameter. `kind` is float, int, range, vector, bool, choice, text, file or array; the bounds are closed.
+    """One typed parameter. `kind` is float, int, range, vector, bool, choice, text, file, array or look; the bounds are closed.
 
     float, int, range (low, high) and vector (3 numbers) are run-time data of kernels; bool, choice and text are fixed when
-    the kernel is generated; the class itself reads a file (a name, or the data).
+    the kernel is generated; the class itself reads a file (a name, or the data); a look is for the renderer alone.
     """
 
     default: Any = None

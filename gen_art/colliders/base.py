@@ -23,11 +23,13 @@ class Collider(Parametric):
     gradient(self, x, q, side)  (3,), the unit gradient of the distance
     nearest(self, x, q)         m, the smallest distance of all sides; needed if there is more than one
 
+    `convex` says that no side's solid has a dent: a ray then finds it in a few steps.
     q holds the run-time parameters, and q.table(k) the numbers of a `table()`. A particle touches the surface where its distance
     equals its radius. The parameters below come after the subclass's own.
     """
 
     sides: ClassVar[int] = 1
+    convex: ClassVar[bool] = False  # whether each side is the surface of a convex solid, which a ray meets by Newton's method
     repeat: ClassVar[None] = None
 
     restitution: float = param(
@@ -42,6 +44,7 @@ class Collider(Parametric):
     velocity: tuple = param((0.0, 0.0, 0.0), unit="m/s", doc="of the surface")
     angular_velocity: tuple = param((0.0, 0.0, 0.0), unit="rad/s", doc="of the surface about the pivot, right-handed")
     pivot: tuple = param((0.0, 0.0, 0.0), unit="m", doc="a point of the axis of rotation at time 0")
+    look: object = param(None, kind="look", doc="how its surface is drawn, see `look: of a collider`; unseen when left out")
 
     def __init_subclass__(cls, **kwargs):
         super().__init_subclass__(**kwargs)

@@ -16,6 +16,7 @@ class Box(Collider):
     """
 
     sides = 6
+    convex = True
 
     min: tuple = param((-1.0, -1.0, -1.0), unit="m")
     max: tuple = param((1.0, 1.0, 1.0), unit="m")
@@ -57,6 +58,8 @@ class Block(Collider):
 
     min, max : m, opposite corners, min below max
     """
+
+    convex = True
 
     min: tuple = param((-1.0, -1.0, -1.0), unit="m")
     max: tuple = param((1.0, 1.0, 1.0), unit="m")

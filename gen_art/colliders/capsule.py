@@ -15,6 +15,8 @@ class Capsule(Collider):
     radius : m
     """
 
+    convex = True
+
     a: tuple = param((0.0, 0.0, 0.0), unit="m", doc="one end of the segment")
     b: tuple = param((0.0, 1.0, 0.0), unit="m", doc="the other end")
     radius: float = param(0.5, unit="m", min=1e-30)

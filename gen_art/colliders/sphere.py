@@ -19,6 +19,10 @@ class Sphere(Collider):
     radius: float = param(1.0, unit="m", min=1e-30)
     inside: bool = param(False, doc="the particles are inside it")
 
+    @property
+    def convex(self) -> bool:  # type: ignore[override]  # only an instance knows on which side the particles are
+        return not self.values["inside"]
+
     @ti.func
     def distance(self, x, q, side):
         d = (x - q.center).norm() - q.radius

@@ -9,12 +9,15 @@ from gen_art.maths.elementary import cos, sin
 
 __all__ = [
     "carried_along",
+    "distance_and_normal",
     "nearest_distance",
     "surface_properties",
     "count",
     "make_surface",
     "collider_of",
+    "rotated_about",
     "rotation_speed",
+    "to_start_frame",
 ]
 
 # The last parameters of every collider in Q, from _first_property on: restitution, kinetic and static friction, and motion
@@ -45,7 +48,7 @@ def rotated_about(v, axis, angle):
 
 
 @ti.func
-def _to_start_frame(collider: ti.template(), q: ti.template(), x, t):
+def to_start_frame(collider: ti.template(), q: ti.template(), x, t):
     """The position x at time t in the collider's frame at time 0, and the axis and angle of its rotation since."""
     y = x - q.velocity * t
     axis, angle = x * 0.0, t * 0.0
@@ -58,12 +61,13 @@ def _to_start_frame(collider: ti.template(), q: ti.template(), x, t):
 
 
 @ti.func
-def _distance_and_normal(colliders: ti.template(), Q: ti.template(), s, x, t, with_normal):
+def distance_and_normal(colliders: ti.template(), Q: ti.template(), s, x, t, with_normal):
+    """(normal, distance) of surface s at the position x, m, and time t, s; the normal is valid only if with_normal is 1."""
     result = ti.Vector([x[0], x[1], x[2], t])
     for entry in ti.static(colliders):
         if entry.first_surface <= s and s < entry.first_surface + entry.collider.sides:
             q = parameters(Q, entry.collider, entry.offset)
-            y, axis, angle = _to_start_frame(entry.collider, q, x, t)
+            y, axis, angle = to_start_frame(entry.collider, q, x, t)
             result[3] = entry.collider.distance(y, q, s - entry.first_surface)
             if with_normal == 1:
                 n = entry.collider.gradient(y, q, s - entry.first_surface)
@@ -86,14 +90,14 @@ def make_surface(colliders, real):
 
         @ti.func
         def inlined(Q: ti.template(), s, x, t, with_normal):
-            return _distance_and_normal(colliders, Q, s, x, t, with_normal)
+            return distance_and_normal(colliders, Q, s, x, t, with_normal)
 
         return inlined
     vector, numbers = ti.types.vector(3, real), ti.types.ndarray(real, 1)
 
     @ti.real_func
     def surface(Q: numbers, s: ti.i32, x: vector, t: real, with_normal: ti.i32) -> ti.types.vector(4, real):
-        return _distance_and_normal(colliders, Q, s, x, t, with_normal)
+        return distance_and_normal(colliders, Q, s, x, t, with_normal)
 
     return surface
 
@@ -101,7 +105,7 @@ def make_surface(colliders, real):
 @ti.func
 def nearest_distance(collider: ti.template(), q: ti.template(), x, t):
     """The distance, m, of the position x at time t from the nearest side of a collider."""
-    y, _, _ = _to_start_frame(collider, q, x, t)
+    y, _, _ = to_start_frame(collider, q, x, t)
     return collider.nearest(y, q)
 
 

@@ -16,6 +16,7 @@ from gen_art.renderer.auto_exposure import metered_stops, metering_ages, smoothe
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.legend import DrawnLegend
 from gen_art.renderer.painter import Painter
+from gen_art.renderer.surfaces.scene import Scene
 from gen_art.simulation.no_effect import undrawn_systems
 
 __all__ = ["Playback"]
@@ -43,7 +44,7 @@ class Playback:
         self._shutter = self.camera.shutter if self.camera else 180.0
         self.painter = Painter(
             size, self.camera, {n: s.look for n, s in preset.systems.items()}, 0.0,
-            preset.camera.supersample if preset.camera else 1,
+            preset.camera.supersample if preset.camera else 1, Scene.of(preset, self.sim.members.values()),
         )  # fmt: skip
         self._precision = precision
         self._shows_acceleration = any(

@@ -27,12 +27,14 @@ from gen_art.preset.fields import (
     Words,
 )
 from gen_art.preset.files import ImageFile, PresetFile
+from gen_art.preset.light import KeyLight
 from gen_art.preset.model import Model, about
+from gen_art.preset.surface import Finish
 from gen_art.preset.values import Curve, Range, number, shown
 from gen_art.registry import Bounds
 
 __all__ = [
-    "BY", "CORNERS", "Color", "Emission", "KeyLight", "Legend", "Look", "Picture", "Ramp", "Ribbon", "Trail", "ledger_entry",
+    "BY", "CORNERS", "Color", "Emission", "Legend", "Look", "Picture", "Ramp", "Ribbon", "Trail", "ledger_entry",
 ]  # fmt: skip
 
 BY = (
@@ -183,38 +185,6 @@ class Emission(Model):
         return value
 
 
-class KeyLight(Model):
-    """The light on smoke: a distant lamp, which the smoke itself shadows, the sky, and the light of other systems."""
-
-    direction: Vector = about((-1.0, -1.0, -0.5), "direction in which the lamp's light travels")
-    color: ColourValue = about("white", "colour of the lamp")
-    intensity: Light = about(3.0, "brightness of the lamp")
-    ambient: ColourValue = about("white", "colour of the sky, which shines from all sides")
-    ground: ColourValue | None = about(None, "colour of the light from below; the sky's when left out")
-    ambient_intensity: Light = about(0.08, "brightness of the sky")
-    phase: Annotated[float, Within(-1, 1, open_low=True, open_high=True)] = about(
-        0.0, "Henyey-Greenstein's g: -1 is backward scattering, 0 isotropic, 1 forward scattering"
-    )
-    scatter: Fraction = about(
-        0.2,
-        "the part of the light that was already scattered once: half the optical depth attenuates it. The same part of "
-        "that light was scattered twice, and so on",
-    )
-    depth: NotNegative = about(1.0, "factor on the optical depth with which this system shadows light")
-    resolution: Annotated[int, Field(ge=8, le=256)] = about(96, "cells along the longest side of the density grid")
-    glow: Words = about((), "systems whose emission lights this one")
-    glow_intensity: Light = about(1.0, "factor on the light of those systems")
-    glow_softness: Annotated[float, Within(0, MOST_SIZE)] = about(
-        0.0, "radius over which their light is softened near them, in world units"
-    )
-
-    @model_validator(mode="after")
-    def _pointing(self):
-        if not any(self.direction):
-            raise UsageError("a light's direction must not be [0, 0, 0]")
-        return self
-
-
 class Trail(Model):
     """What the system drew stays in the picture and fades, at the same speed for any fps; the particles are drawn over it.
 
@@ -352,7 +322,10 @@ class Look(Model):
         unit="m",
     )
     albedo: Color = about(Color.model_validate({}), "the part of the light that is scattered, by colour")
-    light: KeyLight | None = about(None, "the light on smoke")
+    light: KeyLight | None = about(None, "the light on smoke; the preset's `light` when left out")
+    finish: Finish = about(
+        Finish.model_validate({}), "how balls reflect, which are `draw: sphere` with `blend: opaque` in the preset's `light`"
+    )
     falloff: Literal["none", "inverse_square"] = about(
         "none", "`inverse_square` dims points as 1/d^2, with a factor of 1 at the camera's target"
     )

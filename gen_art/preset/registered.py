@@ -16,7 +16,8 @@ from pydantic_core import core_schema
 
 from gen_art.errors import UsageError
 from gen_art.preset.files import inside
-from gen_art.preset.model import collected
+from gen_art.preset.model import collected, friendly
+from gen_art.preset.surface import SurfaceLook
 from gen_art.preset.values import Range, number, shown, vector
 from gen_art.registry import Bounds, Parameter, Parametric, Registry, suggest
 
@@ -87,6 +88,8 @@ def _value(parameter: Parameter, value: Any) -> Any:
         raise UsageError(f"must be one of {', '.join(choices)}; not {shown(value)}{suggest(str(value), choices)}")
     if kind == "file":
         return inside(value)
+    if kind == "look":
+        return None if value is False else SurfaceLook.model_validate(value)
     if kind == "text" and not isinstance(value, str):
         raise UsageError(f"must be text, not {shown(value)}")
     return value
@@ -130,6 +133,8 @@ def build(cls: type[Parametric], value: Any) -> Parametric:
             values[key] = _value(known[key], item)
         except UsageError as error:
             problems.append(((key,), str(error)))
+        except ValidationError as error:
+            problems += [((key, *item["loc"]), friendly(item)) for item in error.errors()]
     problems += [((key,), "is missing") for key, p in known.items() if p.required and key not in given]
     if not problems:
         try:
@@ -274,6 +279,20 @@ class One:
         return {"anyOf": options}
 
 
+def _inlined(schema: dict) -> dict:
+    """A model's JSON schema with its definitions in the places that refer to them."""
+    definitions = schema.get("$defs", {})
+
+    def resolved(part):
+        if isinstance(part, dict):
+            if "$ref" in part:
+                return resolved(definitions[part["$ref"].rpartition("/")[2]])
+            return {key: resolved(value) for key, value in part.items() if key != "$defs"}
+        return [resolved(value) for value in part] if isinstance(part, list) else part
+
+    return resolved(schema)
+
+
 def _parameter_schema(parameter: Parameter) -> dict:
     convert = math.degrees if in_degrees(parameter) else float
     schema: dict[str, Any] = {}
@@ -294,6 +313,8 @@ def _parameter_schema(parameter: Parameter) -> dict:
         schema = {"enum": list(parameter.choices)}
     elif parameter.kind in ("text", "file"):
         schema = {"type": "string"}
+    elif parameter.kind == "look":
+        schema = _inlined(SurfaceLook.model_json_schema())
     unit = "degrees" if in_degrees(parameter) else parameter.unit
     description = " ".join(part for part in (parameter.doc, f"[{unit}]" if unit else "") if part)
     schema |= {"description": description} if description else {}

@@ -15,9 +15,11 @@ from gen_art.preset.emitter import EmitterSpec, ParticleSpec
 from gen_art.preset.expect import Expect
 from gen_art.preset.fields import NotNegative, NotNegativeRange, Number, Parsed, Positive
 from gen_art.preset.files import FOLDER, PresetFile
+from gen_art.preset.light import KeyLight
 from gen_art.preset.look import Look
 from gen_art.preset.model import Model, about
 from gen_art.preset.registered import Many, class_schema, is_field, registry
+from gen_art.preset.surface import GroundValue
 from gen_art.preset.values import shown
 from gen_art.registry import suggest
 
@@ -151,6 +153,9 @@ class Preset(Model):
     forces: Annotated[Any, Many("forces")] = about((), "forces that act on every system")
     colliders: Annotated[Any, Many("colliders")] = about((), "colliders of every system")
     systems: dict[str, SystemSpec] = about(..., "the particle systems by name", min_length=1)
+    light: KeyLight | None = about(None, "the light on everything that reflects light and has no light of its own")
+    ground: GroundValue = about(None, "a level floor without end, which is only seen")
+    shadows: bool = about(True, "whether things shadow each other and the ground, from the lamp and from the sky")
     camera: CameraSpec | None = about(None, "the camera; when left out, one that has all particles in its view")
     develop: DevelopSpec = about(DevelopSpec(), "how light becomes a picture")
     gallery: Gallery = about(Gallery(), "the moments that represent the preset")

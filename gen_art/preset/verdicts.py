@@ -12,7 +12,7 @@ __all__ = ["FILE", "keep", "key", "verdict_of"]
 FILE = "verdicts.json"
 NOT_CHECKED = {"verdict": "not checked"}
 _LARGEST = 10_000_000  # bytes of FILE that are read
-_ONLY_LOOKS = ("camera", "develop", "gallery", "seed")  # keys that change no motion; the seed is in the verdict
+_ONLY_LOOKS = ("camera", "develop", "gallery", "ground", "light", "seed", "shadows")  # keys that change no motion; the seed is in the verdict
 
 
 def key(preset, version: str) -> str:
@@ -22,9 +22,23 @@ def key(preset, version: str) -> str:
         name: {part: value for part, value in system.items() if part != "look"}
         for name, system in data["systems"].items()
     }
+    for part in (data, *data["systems"].values()):
+        if "colliders" in part:
+            part["colliders"] = _without_looks(part["colliders"])
     files = [(str(file), sha256(file.place)) for file in preset.files]
     text = json.dumps([version, data, files], sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _without_looks(colliders: dict | None) -> dict:
+    """Colliders as plain data without their looks; several of a kind are a list."""
+
+    def bare(value):
+        if isinstance(value, list):
+            return [bare(item) for item in value]
+        return {k: v for k, v in value.items() if k != "look"} if isinstance(value, dict) else value
+
+    return {name: bare(value) for name, value in (colliders or {}).items()}
 
 
 def verdict_of(preset, version: str) -> dict[str, Any] | None:

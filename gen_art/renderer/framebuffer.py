@@ -10,6 +10,7 @@ from gen_art.errors import MemoryRefused
 from gen_art.renderer import tiled_splat
 from gen_art.renderer.sprite import LEVEL
 from gen_art.renderer.sprite_buffer import Sprites
+from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES
 from gen_art.renderer.tiled_splat import BIN, CHUNKS, SLICES
 
 __all__ = ["FrameBuffer", "splat"]
@@ -87,9 +88,9 @@ class FrameBuffer:
         tiled_splat.list_bin_entries(
             sprites.headers, order, n, level, chunk, self.across, starts, self._bin_entries, self._tile_masks
         )
-        tiled_splat.draw_kernel(kinds)(
+        tiled_splat.draw_kernel(kinds, sprites.hidden_by is not NOTHING_HIDES)(
             sprites.rows, sprites.texels, sprites.headers, self._bin_entries, self._tile_masks, bounds, self.across, bins,
-            self.buffer, self.stride,
+            self.buffer, self.stride, sprites.depths, sprites.hidden_by.depths,
         )  # fmt: skip
         return touched
 

@@ -16,11 +16,11 @@ from gen_art.preset.values import Curve
 from gen_art.registry import suggest
 from gen_art.renderer.camera import CameraView
 from gen_art.renderer.colour import TABLE, blackbody, gradient_table, planck_luminance
-from gen_art.renderer.sprite import AREA, KINDS
+from gen_art.renderer.sprite import AREA, FOOTPRINT_PER_RADIUS, KINDS
 from gen_art.renderer.sprite_image import texels
 
 __all__ = [
-    "FIRST_ENTRY", "FOOTPRINT_PER_RADIUS", "QUANTITIES", "RAMPS", "RANDOM", "LookTables", "domain", "kernel_numbers",
+    "FIRST_ENTRY", "QUANTITIES", "RAMPS", "RANDOM", "LookTables", "domain", "kernel_numbers",
 ]  # fmt: skip
 
 # quantities that a ramp may follow, in the order of BY; attributes come after them, one slot for each ramp
@@ -41,7 +41,6 @@ KIND, SIZE_MODE, SIZE_VALUE, BLEND, CONSERVE, FALLOFF = range(25, 31)
 STROBE_LO, STROBE_HI, DUTY, FILM_TIME, RAW, LIT, WEIGHT, EMITS = range(31, 39)
 LENS, FOCUS, AREA_OF, RIBBON, SNAP = range(39, 44)
 NUMBERS = 44
-FOOTPRINT_PER_RADIUS = 1.5  # a disc's footprint divided by its radius
 
 
 def domain(ramp: Ramp | Color) -> tuple[float, float]:
@@ -146,6 +145,7 @@ def kernel_numbers(
     raw: bool,
     weight: float = 1.0,
     width: float = 1.0,
+    lit: bool = False,
 ) -> np.ndarray:
     """The shading kernel's run-time numbers (float64).
 
@@ -155,6 +155,7 @@ def kernel_numbers(
     raw : makes every particle's light 1
     weight : factor of the light
     width : factor of the sizes
+    lit : whether the light on the particles is added later
     """
     look = shading.look
     q = np.zeros(NUMBERS)
@@ -184,7 +185,7 @@ def kernel_numbers(
     emission = look.emission
     if emission and emission.strobe:
         q[STROBE_LO], q[STROBE_HI], q[DUTY] = emission.strobe.lo, max(emission.strobe.hi, 1e-12), emission.duty
-    q[RAW], q[WEIGHT], q[LIT] = raw, weight, look.light is not None
+    q[RAW], q[WEIGHT], q[LIT] = raw, weight, lit
     q[EMITS] = emission is not None or look.blend == "add"
     q[FOCUS] = 1.0
     lens = getattr(view, "lens", None)

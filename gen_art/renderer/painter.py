@@ -1,6 +1,7 @@
 """Pictures of a simulation in linear light: single ones, and those of a film with their trails."""
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from gen_art.arguments import shown
 from gen_art.errors import PresetError, UsageError
 from gen_art.particles.rows import LIFETIME, POSITION, VELOCITY
+from gen_art.preset.light import KeyLight
 from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
@@ -20,6 +22,9 @@ from gen_art.renderer.smoke_lighting import add_scattered_light
 from gen_art.renderer.sprite import DISC, FOOTPRINT, HIDDEN, KINDS, POINT, STREAK
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.supersample import box_averaged
+from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES, SurfaceDepths, hide_small_sprites
+from gen_art.renderer.surfaces.scene import Scene
+from gen_art.renderer.surfaces.surface_pass import Balls, SurfacePass
 
 if TYPE_CHECKING:
     from gen_art.simulation import Simulation
@@ -59,16 +64,19 @@ class Painter:
     size : (width, height)
     shutter : simulated seconds the shutter is open
     supersample : the picture is drawn this many times as wide and as high; each pixel is the mean of the block drawn for it
+    scene : its light and its ground
     """
 
     def __init__(
         self, size, camera: Camera | None = None, looks: dict[str, Look | None] | None = None, shutter: float = 0.0,
-        supersample: int = 1,
+        supersample: int = 1, scene: Scene | None = None,
     ):  # fmt: skip
         self.supersample = supersample
         self.size = check_size(tuple(side * supersample for side in check_size(size)), supersample)
         self.camera, self.looks, self.shutter = camera, looks or {}, shutter
+        self.scene = scene or Scene()
         self.framebuffer = FrameBuffer(self.size)
+        self._surfaces: SurfacePass | None = None
         self._sprites = Sprites()
         self._projected: dict[str, ProjectedParticles] = {}
         self._trails: dict[str, FrameBuffer] = {}
@@ -87,13 +95,12 @@ class Painter:
     def paint(self, sim, film_time: float) -> np.ndarray:
         """The picture of the simulation's current state at film time `film_time` (s): (height, width, 4), a view.
 
-        The next picture overwrites the view. Trails lie under the picture, as `expose_trails` left them. Raises PresetError for
+        The next picture overwrites the view. Trails lie between the surfaces and the sprites, as `expose_trails` left them. Raises PresetError for
         light that is not finite.
         """
         self.framebuffer.clear()
-        for trail in self._trails.values():
-            self.framebuffer.buffer += trail.buffer
-        self.draw(sim, film_time, self.framebuffer)
+        view = self.view(sim, film_time)
+        self._draw(sim, list(sim.systems), view, film_time, self.shutter, 1.0, self.framebuffer, trails=self._trails)
         pixels = self.framebuffer.pixels if self.supersample == 1 else box_averaged(self.framebuffer, self.supersample)
         if not math.isfinite(pixels.max()):  # light is never negative; a NaN anywhere is the largest, too
             raise PresetError(
@@ -152,9 +159,14 @@ class Painter:
             found.append(legend_of(tables.look, tables, totals, unit, system.attributes))
         return [legend for legend in found if legend is not None]
 
-    def _draw(self, sim, names, view, film_time, shutter, weight, framebuffer: FrameBuffer, recolour=None) -> None:
+    def _draw(
+        self, sim, names, view, film_time, shutter, weight, framebuffer: FrameBuffer, recolour=None,
+        trails: dict[str, FrameBuffer] | None = None,
+    ) -> None:  # fmt: skip
+        """Draw systems over what the framebuffer holds; where `trails` are given, first the surfaces and then these trails."""
         drawn: dict[str, tuple] = {}
         lit: dict[str, tuple] = {}
+        balls: list[Balls] = []
         sprites, looks = self._sprites, {}
         for name in names:
             if self.looks.get(name, self._default_look) is not None:
@@ -163,23 +175,54 @@ class Painter:
                 look = looks[name] = tables.look
                 if look.ribbon is not None:
                     continue
-                q = kernel_numbers(tables, view, self.size, sim.time, film_time, shutter, raw, weight)
+                light, is_ball = self._light_on(look), self._is_ball(look)
+                q = kernel_numbers(
+                    tables, replace(view, fog=None) if is_ball else view, self.size, sim.time, film_time, shutter, raw, weight,
+                    lit=is_ball or light is not None,
+                )  # fmt: skip
                 shade(projected, system, tables, q, self._acceleration(name, system, sim.time))
                 drawn[name] = system, projected.used
-                if look.light is not None and projected.count:
-                    lit[name] = look.light, projected.used, projected.lit[: projected.count]
-        if lit:
-            add_scattered_light(lit, drawn, view, view.scale(self.size[1]))
+                if is_ball:
+                    balls.append(Balls(look.finish, projected.used, projected.lit[: projected.count]))
+                elif light is not None and projected.count:
+                    lit[name] = light, projected.used, projected.lit[: projected.count]
+        smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1])) if lit else {}
         sprites.clear()
-        sprites.layered = any(look.blend != "add" for look in looks.values()) and recolour is None
+        if trails is not None:
+            sprites.hidden_by = self._draw_surfaces(sim, view, balls, smoke, framebuffer)
+            for trail in trails.values():
+                framebuffer.buffer += trail.buffer
+        sprites.layered = any(look.blend != "add" and not self._is_ball(look) for look in looks.values()) and recolour is None
         for name, look in looks.items():
             if recolour is not None and name in drawn:
                 recolour(*drawn[name])
             if look.ribbon is not None and recolour is None:
                 self._add_ribbons(sim, name, view, film_time, weight, framebuffer)
-            elif look.ribbon is None:
+            elif look.ribbon is None and (not self._is_ball(look) or trails is None):
                 self._add_sprites(look, self._projected[name], framebuffer)
         splat(sprites, framebuffer)
+
+    def _light_on(self, look: Look) -> KeyLight | None:
+        """The light that a system of smoke scatters: its own, or the scene's."""
+        return look.light or (self.scene.light if look.blend == "alpha" else None)
+
+    def _is_ball(self, look: Look) -> bool:
+        """Whether a system's particles are drawn as balls, with the scene's light on their surfaces."""
+        return self.scene.light is not None and look.draw == "sphere" and look.blend == "opaque"
+
+    def _draw_surfaces(self, sim, view, balls: list[Balls], smoke: dict, framebuffer: FrameBuffer) -> SurfaceDepths:
+        """Draw the surfaces into a clear framebuffer; returns what they hide."""
+        light = self.scene.light
+        if not balls and not self.scene.surfaces:
+            return NOTHING_HIDES
+        if self._surfaces is None:
+            self._surfaces = SurfacePass(self.size)
+        shading = smoke.get((light.direction, light.resolution)) if light is not None else None
+        found = self._surfaces.draw(self.scene, view, sim.time, balls, shading and shading[:2], framebuffer)
+        if not found:
+            return NOTHING_HIDES
+        depths, tiles = self._surfaces.depths, self._surfaces.bounds
+        return SurfaceDepths.of(depths, tiles, 1.0 / view.scale(self.size[1]), view.height is not None)
 
     def _add_ribbons(self, sim, name: str, view, film_time: float, weight: float, framebuffer: FrameBuffer) -> None:
         """Add every segment of a system's ribbons; without earlier positions there are none."""
@@ -231,6 +274,8 @@ class Painter:
         if not sprites.layered and kind in (POINT, DISC) and projected.count > MIN_PARTICLES:
             largest = float(projected.used[FOOTPRINT].max())
             min_footprint = MAX_FOOTPRINT if largest > 0.0 else 0.0
+            if sprites.hidden_by is not NOTHING_HIDES:
+                hide_small_sprites(projected.channels, projected.count, sprites.hidden_by, MAX_FOOTPRINT)
             dots = pixels if look.draw == "pixel" else points
             (discs if largest > 0.0 else dots)(projected.channels, projected.count, framebuffer)
             if largest <= min_footprint:
@@ -259,4 +304,5 @@ def render_frame(sim: "Simulation", size: tuple[int, int] = (1280, 720), camera:
         clock = preset.clock
         film_time = (float(sim.time) - clock.preroll) / clock.speed
         shutter = (camera.shutter if camera else 180.0) / 360.0 * clock.speed / clock.fps
-    return np.array(Painter(size, camera, looks, shutter).paint(sim, film_time))
+    scene = Scene.of(preset, sim.members.values())
+    return np.array(Painter(size, camera, looks, shutter, scene=scene).paint(sim, film_time))

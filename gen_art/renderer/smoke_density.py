@@ -143,13 +143,14 @@ class Smoke:
     extinction: np.ndarray
 
     @classmethod
-    def of(cls, positions, cross_sections, radii, axes, resolution: int) -> "Smoke":
+    def of(cls, positions, cross_sections, radii, axes, resolution: int, margin: float = 0.0) -> "Smoke":
         """The smoke of particles, with at most `resolution` cells along the longest side.
 
         positions : (n, 3) m
         cross_sections : (n,) extinction, m^2
         radii : (n,) of the sprites, m
         axes : (3, 3), rows are unit vectors
+        margin : empty space on every side, as a part of the longest side
         """
         occupied = np.flatnonzero(cross_sections > 0)
         if not len(occupied):
@@ -157,6 +158,9 @@ class Smoke:
         local = axes @ np.asarray(positions, np.float64)[occupied].T  # (3, n): rows are faster to search than columns
         low, high = local.min(axis=1), local.max(axis=1)
         extent = max(float((high - low).max()), 1e-6 * (1.0 + float(np.abs(local).max())))
+        if margin > 0.0:
+            low, high = low - margin * extent, high + margin * extent
+            extent *= 1.0 + 2.0 * margin
         cell = 2.0 ** (np.ceil(np.log2(extent / resolution) * 2.0) / 2.0)
         corner = (np.floor(low / (cell * STEP)) - 1.0) * STEP
         coarse_cells = (np.floor(high / (cell * STEP)) - corner / STEP).astype(int) + 2  # cells of the coarsest grid

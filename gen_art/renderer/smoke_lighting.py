@@ -29,7 +29,7 @@ from gen_art.renderer.smoke_density import DIRECTIONS, WEIGHTS, Smoke
 from gen_art.renderer.sprite import BLUE, DEPTH, RED
 
 __all__ = [
-    "OCTAVES", "LitParticles", "add_scattered_light", "octaves", "phase_function", "scattered_light", "scattered_light_of_system",
+    "OCTAVES", "LitParticles", "add_scattered_light", "lamp_axes", "octaves", "phase_function", "scattered_light", "scattered_light_of_system",
 ]  # fmt: skip
 
 OCTAVES = 4
@@ -70,7 +70,7 @@ def octaves(scatter: float) -> np.ndarray:
     return weights / weights.sum()
 
 
-def _axes(direction) -> np.ndarray:
+def lamp_axes(direction) -> np.ndarray:
     """Rows: two directions across the light, then its direction."""
     forward = np.asarray(direction, dtype=np.float64)
     forward = forward / np.linalg.norm(forward)
@@ -172,32 +172,34 @@ def _kernel_numbers(light: KeyLight, eye, parallel: bool) -> np.ndarray:
 
 
 def scattered_light(
-    systems: list[LitParticles], eye, parallel: bool = False, emitted: Sequence[EmittedLight | None] = ()
-) -> list[np.ndarray]:
+    systems: list[LitParticles], eye, parallel: bool = False, emitted: Sequence[EmittedLight | None] = (),
+    smoke_by_lamp: dict | None = None,
+) -> list[np.ndarray]:  # fmt: skip
     """For each system, (n, 3) float32 linear light that its particles scatter towards the camera, before their albedo.
 
     All systems shadow each other.
     eye : (3,) position of the camera
     parallel : the camera is orthographic and `eye` is the direction it looks in
     emitted : for each system, the light of others that it scatters, or None
+    smoke_by_lamp : is filled: (direction, resolution) -> the smoke, its optical depth from the lamp, the smoke on a coarser grid
     """
     positions, radii = (np.concatenate([getattr(s, n) for s in systems]) for n in ("positions", "radii"))
     cross_sections = np.concatenate([s.cross_sections * np.float32(s.light.depth) for s in systems])
-    smoke_by_light: dict = {}
+    smoke_by_lamp = {} if smoke_by_lamp is None else smoke_by_lamp
     results = []
     for index, system in enumerate(systems):
         light = system.light
         key = (light.direction, light.resolution)
-        if key not in smoke_by_light:
-            smoke = Smoke.of(positions, cross_sections, radii, _axes(light.direction), light.resolution)
-            smoke_by_light[key] = (
+        if key not in smoke_by_lamp:
+            smoke = Smoke.of(positions, cross_sections, radii, lamp_axes(light.direction), light.resolution)
+            smoke_by_lamp[key] = (
                 smoke,
                 smoke.depth((0, 0, 1)).reshape(-1),
                 smoke.coarse(1 if light.resolution <= 2 * SKY else 2),
             )
         q = _kernel_numbers(light, eye, parallel)
         out = np.zeros((len(system.positions), 3), np.float32)
-        smoke, depth, coarse = smoke_by_light[key]
+        smoke, depth, coarse = smoke_by_lamp[key]
         sky = _sky(light, coarse)
         others = emitted[index] if index < len(emitted) else None
         if others is not None:
@@ -221,8 +223,8 @@ def scattered_light_of_system(
     return scattered_light([LitParticles(light, positions, cross_sections, radii)], eye, parallel)[0]
 
 
-def add_scattered_light(lit: dict, drawn: dict, view, scale: float) -> None:
-    """Add the light that lit systems scatter to their channels, in place.
+def add_scattered_light(lit: dict, drawn: dict, view, scale: float) -> dict:
+    """Add the light that lit systems scatter to their channels, in place. Returns the smoke by lamp, see `scattered_light`.
 
     lit : name -> (KeyLight, channels (11, n), (n, 8) columns LIT_... of shading.py)
     drawn : name -> (system, channels) of everything in the picture
@@ -235,8 +237,11 @@ def add_scattered_light(lit: dict, drawn: dict, view, scale: float) -> None:
         LitParticles(light, columns[:, LIT_POSITION], columns[:, LIT_EXTINCTION], columns[:, LIT_RADIUS])
         for light, _, columns in lit.values()
     ]
-    for (_, channels, columns), light in zip(lit.values(), scattered_light(systems, eye, parallel, emitted)):
+    smoke_by_lamp: dict = {}
+    found = scattered_light(systems, eye, parallel, emitted, smoke_by_lamp)
+    for (_, channels, columns), light in zip(lit.values(), found):
         channels[RED : BLUE + 1] += (columns[:, LIT_ALBEDO] * light).T
+    return smoke_by_lamp
 
 
 def _emitted_light(light: KeyLight, drawn: dict, parallel: bool, scale: float) -> EmittedLight | None:

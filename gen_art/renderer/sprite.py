@@ -19,6 +19,7 @@ The one-letter names in kernels are in docs/glossary.md.
 import numpy as np
 
 from gen_art.backend.runtime import kernel, ti
+from gen_art.renderer.surfaces.hiding import BEFORE, BEHIND, place_among_surfaces
 
 __all__ = ["AREA", "profile", "profile_integral", "rim_profile", "smooth_step", "streak_profile", "write_sprites"]
 
@@ -36,8 +37,9 @@ KINDS = {
 # coverage times area, depth. EDGE is the half width of an even disc's rim; for other sprites, minus a random number in 0..1.
 X, Y, FOOTPRINT, EDGE, DX, DY, RED, GREEN, BLUE, ALPHA, DEPTH = range(11)
 CHANNELS = 11
-# A sprite is a row of the same numbers (its depth is kept elsewhere) and of five more. 64 bytes are one cache line.
-SLOPE, ACROSS, NORM, TAIL, TAPER, _SPARE = range(10, 16)
+# A sprite is a row of the same numbers (its depth is kept elsewhere) and of six more. 64 bytes are one cache line.
+# THICKNESS is a sprite's extent along the line of sight if surfaces hide a part of it, otherwise 0.
+SLOPE, ACROSS, NORM, TAIL, TAPER, THICKNESS = range(10, 16)
 SPRITE_FLOATS = 16
 # image sprites use some of these for other values
 AGE, RANDOM = DX, DY  # channels: seconds, and a number in 0..1
@@ -46,6 +48,7 @@ COSINE, SINE, FIRST_TEXEL, LEVEL_SIDE = DX, DY, SLOPE, ACROSS  # numbers of the 
 LEFT, RIGHT, TOP, BOTTOM, LEVEL, KIND = range(6)
 SPRITE_INTS = 6
 HIDDEN, OUTSIDE = -1.0, -1e9  # footprint of a hidden particle, and the x of what is off the picture
+FOOTPRINT_PER_RADIUS = 1.5  # a disc's footprint divided by its radius
 MIN_FOOTPRINT = 1.5  # pixels of footprint: a standard deviation of 0.45; a narrower kernel would alias
 MIN_RIM = 0.75  # pixels: smallest half width of an even disc's rim
 LEVEL_FOOTPRINT = 16.0  # pixels of footprint from which a disc is drawn at half the size; from twice that, a quarter
@@ -54,7 +57,8 @@ KERNEL_VARIANCE = 0.0903  # of the kernel of footprint 1
 MIN_STREAK_FOOTPRINT = 1.15  # MIN_FOOTPRINT for a streak, whose weights are integrals over pixels
 INTEGRAL_FOOTPRINT = 64.0  # pixels of footprint from which a kernel's sum is its integral (to 1e-6)
 
-F1, F2, H2 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i16, 2)
+F1, F2, F3 = (ti.types.ndarray(ti.f32, n) for n in (1, 2, 3))
+H2 = ti.types.ndarray(ti.i16, 2)
 
 
 def profile_integral() -> float:
@@ -170,7 +174,7 @@ def _choose_level(footprint, random):
 @ti.kernel
 def _write_sprites(
     C: F2, start: ti.i32, n: ti.i32, P: F2, headers: H2, depths: F1, base: ti.i32, width: ti.i32, height: ti.i32,
-    kind: ti.i32, tail: ti.f32, taper: ti.f32, min_footprint: ti.f32,
+    kind: ti.i32, tail: ti.f32, taper: ti.f32, min_footprint: ti.f32, bounds: F3, pixel: ti.f32, parallel: ti.i32,
 ):  # fmt: skip
     """Fill sprite rows base.. from particles start..start + n: the covered pixels, and the norm of the weights.
 
@@ -178,6 +182,7 @@ def _write_sprites(
     P : (n, 16) float rows of the sprites
     headers : (n, 6) integers of the sprites
     min_footprint : particles with a footprint of this many pixels or less are left out
+    bounds, pixel, parallel : of SurfaceDepths; no rows of bounds where no surfaces are drawn
     """
     ti.loop_config(block_dim=1)
     for block in range((n + 2047) // 2048):
@@ -191,6 +196,16 @@ def _write_sprites(
             )
             depths[i] = C[DEPTH, c]
             x, y, footprint, edge, dx, dy = C[X, c], C[Y, c], C[FOOTPRINT, c], C[EDGE, c], C[DX, c], C[DY, c]
+            P[i, THICKNESS] = 0.0
+            if bounds.shape[0] > 0 and footprint > min_footprint and footprint >= 0.0:
+                wide = ti.max(footprint + ti.max(edge, 0.0), 1.0)
+                thickness = wide / FOOTPRINT_PER_RADIUS * pixel * ti.select(parallel == 1, 1.0, C[DEPTH, c])
+                reach = wide + ti.select(kind == STREAK, ti.max(abs(dx), abs(dy)), 0.0)
+                among = place_among_surfaces(bounds, x, y, reach, C[DEPTH, c], thickness)
+                if among == BEHIND:
+                    footprint = HIDDEN
+                elif among != BEFORE:
+                    P[i, THICKNESS] = thickness
             if footprint > min_footprint and footprint >= 0.0:
                 level, drawn_kind = 0, kind
                 left, right, top, bottom = x - 0.5, x + 0.5, y - 0.5, y + 0.5
@@ -201,7 +216,8 @@ def _write_sprites(
                     top, bottom = y - footprint - edge, y + footprint + edge
                 elif footprint > 0.0 and ti.max(abs(dx), abs(dy)) < 1e-3:
                     drawn_kind = DISC
-                    level, footprint = _choose_level(footprint, -edge)
+                    if P[i, THICKNESS] == 0.0:  # smaller framebuffers have no depths of surfaces
+                        level, footprint = _choose_level(footprint, -edge)
                     scale = 1.0 / ti.cast(1 << level, ti.f32)
                     x, y = x * scale, y * scale
                     P[i, NORM] = scale * scale / (axis_sum(x, footprint) * axis_sum(y, footprint))

@@ -6,6 +6,7 @@ import numpy as np
 
 from gen_art.renderer.sprite import BOTTOM, KIND, SPRITE_FLOATS, SPRITE_INTS, TOP, write_sprites
 from gen_art.renderer.sprite_image import NO_TEXELS, texels, write_image_sprites
+from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES
 
 __all__ = ["Sprites"]
 
@@ -18,6 +19,7 @@ class Sprites:
     depths : (capacity,) float32
     texels : (n, 4) float32, the mipmap chains of all images
     layered : whether any sprite hides what is behind it
+    hidden_by : SurfaceDepths of the surfaces behind which sprites are hidden
     """
 
     def __init__(self):
@@ -30,7 +32,7 @@ class Sprites:
         self.depths = np.empty(capacity, np.float32)
 
     def clear(self) -> None:
-        self.count, self.layered, self.texels = 0, False, NO_TEXELS
+        self.count, self.layered, self.texels, self.hidden_by = 0, False, NO_TEXELS, NOTHING_HIDES
 
     def _reserve(self, n: int) -> int:
         """Make room for n more sprites; returns the index of the first."""
@@ -50,7 +52,7 @@ class Sprites:
         if n:
             write_sprites(
                 projected.channels, 0, n, self.rows, self.headers, self.depths, base, framebuffer.width, framebuffer.height,
-                kind, tail, taper, min_footprint,
+                kind, tail, taper, min_footprint, *self._hiding,
             )  # fmt: skip
 
     def add_images(self, projected, picture, framebuffer) -> None:
@@ -66,8 +68,12 @@ class Sprites:
             write_image_sprites(
                 projected.channels, n, self.texels, first, side, 0.0 if random_angle else math.radians(picture.turn),
                 math.tau if random_angle else 0.0, lo, hi - lo, self.rows, self.headers, self.depths, base, framebuffer.width,
-                framebuffer.height,
+                framebuffer.height, *self._hiding,
             )  # fmt: skip
+
+    @property
+    def _hiding(self) -> tuple:
+        return self.hidden_by.bounds, self.hidden_by.pixel, int(self.hidden_by.parallel)
 
     @property
     def kinds(self) -> frozenset:

@@ -37,17 +37,20 @@ from gen_art.renderer.sprite import (
     RED,
     RIGHT,
     SINE,
+    THICKNESS,
     TOP,
     X,
     Y,
 )
+from gen_art.renderer.surfaces.hiding import BEFORE, BEHIND, place_among_surfaces
 
 __all__ = ["NO_TEXELS", "read_texel", "texels", "write_image_sprites"]
 
 SIDE = 512  # texels of the largest level
 NO_TEXELS = np.zeros((1, 4), np.float32)
 
-F1, F2, H2 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i16, 2)
+F1, F2, F3 = (ti.types.ndarray(ti.f32, n) for n in (1, 2, 3))
+H2 = ti.types.ndarray(ti.i16, 2)
 
 
 @lru_cache(16)
@@ -103,12 +106,14 @@ def read_texel(T: ti.template(), start, side, u, v, c):
 @ti.kernel
 def _write_image_sprites(
     C: F2, n: ti.i32, T: F2, first: ti.i32, largest: ti.i32, angle0: ti.f32, angle_range: ti.f32, spin0: ti.f32,
-    spin_range: ti.f32, P: F2, headers: H2, depths: F1, base: ti.i32, width: ti.i32, frame_height: ti.i32,
+    spin_range: ti.f32, P: F2, headers: H2, depths: F1, base: ti.i32, width: ti.i32, frame_height: ti.i32, bounds: F3,
+    pixel: ti.f32, parallel: ti.i32,
 ):  # fmt: skip
     """Fill sprite rows base.. from n projected particles whose look is an image.
 
     C : (11, n) channels of the particles; AGE and RANDOM stand in the channels DX and DY
     T : (m, 4) texels; the chain begins at row `first` with a level of `largest` x `largest`
+    bounds, pixel, parallel : of SurfaceDepths
     angle0, angle_range : radians, a particle's angle at birth is angle0 + angle_range * its random number
     spin0, spin_range : radians/s, the same for its rate of rotation
     """
@@ -120,6 +125,14 @@ def _write_image_sprites(
             headers[i, KIND] = ti.i16(PICTURE)
             depths[i] = C[DEPTH, c]
             x, y, half_side = C[X, c], C[Y, c], C[FOOTPRINT, c]
+            P[i, THICKNESS] = 0.0
+            if bounds.shape[0] > 0 and half_side > 0.0:
+                thickness = half_side * pixel * ti.select(parallel == 1, 1.0, C[DEPTH, c])
+                among = place_among_surfaces(bounds, x, y, 1.5 * half_side, C[DEPTH, c], thickness)
+                if among == BEHIND:
+                    half_side = 0.0
+                elif among != BEFORE:
+                    P[i, THICKNESS] = thickness
             if half_side > 0.0:
                 random = C[RANDOM, c]
                 second_random = random * 157.0

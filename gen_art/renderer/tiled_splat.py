@@ -44,6 +44,7 @@ from gen_art.renderer.sprite import (
     STREAK,
     TAIL,
     TAPER,
+    THICKNESS,
     TOP,
     X,
     Y,
@@ -53,6 +54,7 @@ from gen_art.renderer.sprite import (
     streak_profile,
 )
 from gen_art.renderer.sprite_image import read_texel
+from gen_art.renderer.surfaces.hiding import visible_share
 
 __all__ = ["composite", "count_bin_entries", "draw_kernel", "list_bin_entries"]
 
@@ -63,7 +65,8 @@ CHUNKS = 16  # fixed, because the order of drawing must not depend on the number
 TILE_FLOATS = 4 * TILE  # floats in a row of a tile
 SLICES = 24
 
-F1, F2, I1, I2 = (ti.types.ndarray(d, n) for d, n in ((ti.f32, 1), (ti.f32, 2), (ti.i32, 1), (ti.i32, 2)))
+F1, F2, F3 = (ti.types.ndarray(ti.f32, n) for n in (1, 2, 3))
+I1, I2 = (ti.types.ndarray(ti.i32, n) for n in (1, 2))
 H2 = ti.types.ndarray(ti.i16, 2)
 
 
@@ -238,17 +241,34 @@ def _picture(P: ti.template(), T: ti.template(), i, tile: ti.template(), x, y, t
                     tile[o + c] = tile[o + c] * (1.0 - opacity) + light[c] * read_texel(T, start, side, u, v, c)
 
 
-@cache
-def draw_kernel(kinds: frozenset):
-    """The kernel that draws sprites of these kinds.
+@ti.func
+def _copy(tile: ti.template(), before: ti.template()):
+    for j in range(TILE * TILE_FLOATS):
+        before[j] = tile[j]
 
-    Code for kinds that a picture does not hold is neither compiled nor loaded.
+
+@ti.func
+def _hide(tile: ti.template(), before: ti.template(), surfaces: ti.template(), ox, oy, depth, thickness):
+    """Take back what a sprite changed in the pixels where surfaces hide it; `before` is the tile without the sprite."""
+    for p in range(TILE * TILE):
+        row, column = oy + p // TILE, ox + p % TILE
+        if row < surfaces.shape[0] and column < surfaces.shape[1]:
+            share = visible_share(surfaces, row, column, depth, thickness)
+            for c in ti.static(range(4)):
+                tile[4 * p + c] = before[4 * p + c] + (tile[4 * p + c] - before[4 * p + c]) * share
+
+
+@cache
+def draw_kernel(kinds: frozenset, surfaces_hide: bool):
+    """The kernel that draws sprites of these kinds, of which surfaces may hide a part.
+
+    Code for what a picture does not hold is neither compiled nor loaded.
     """
 
     @ti.kernel
     def draw(
         P: F2, T: F2, headers: H2, entries: I1, tile_masks: I1, bounds: I1, across: ti.i32, bins: ti.i32, framebuffer: F1,
-        stride: ti.i32,
+        stride: ti.i32, depths: F1, surfaces: F3,
     ):  # fmt: skip
         ti.loop_config(block_dim=1)
         for place in range(
@@ -258,6 +278,7 @@ def draw_kernel(kinds: frozenset):
             if bounds[bin + 1] > bounds[bin]:
                 ox, oy = (bin % across) * BIN + (t % TILES) * TILE, (bin // across) * BIN + (t // TILES) * TILE
                 tile = ti.Vector([0.0] * (TILE * TILE_FLOATS))
+                before = ti.Vector([0.0] * (TILE * TILE_FLOATS if surfaces_hide else 1))
                 for row in range(TILE):
                     for j in range(TILE_FLOATS):
                         tile[row * TILE_FLOATS + j] = framebuffer[(oy + row) * stride + ox * 4 + j]
@@ -268,6 +289,9 @@ def draw_kernel(kinds: frozenset):
                         top = ti.max(ti.cast(headers[i, TOP], ti.i32) - oy, 0)
                         bottom = ti.min(ti.cast(headers[i, BOTTOM], ti.i32) - oy + 1, TILE)
                         x, y = P[i, X] - ti.cast(ox, ti.f32), P[i, Y] - ti.cast(oy, ti.f32)
+                        if ti.static(surfaces_hide):
+                            if P[i, THICKNESS] > 0.0:
+                                _copy(tile, before)
                         if ti.static(POINT in kinds):
                             if kind == POINT:
                                 _point(P, i, tile, x, y)
@@ -283,6 +307,9 @@ def draw_kernel(kinds: frozenset):
                         if ti.static(PICTURE in kinds):
                             if kind == PICTURE:
                                 _picture(P, T, i, tile, x, y, top, bottom)
+                        if ti.static(surfaces_hide):
+                            if P[i, THICKNESS] > 0.0:
+                                _hide(tile, before, surfaces, ox, oy, depths[i], P[i, THICKNESS])
                 for row in range(TILE):
                     for j in range(TILE_FLOATS):
                         framebuffer[(oy + row) * stride + ox * 4 + j] = tile[row * TILE_FLOATS + j]

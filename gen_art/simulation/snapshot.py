@@ -184,7 +184,8 @@ def read(path) -> Snapshot:
 
 def _as_dict(law) -> dict:
     """A force, interaction or collider as plain data."""
-    values = {k: _medium(v) if isinstance(v, Medium) else v for k, v in law.values.items()}
+    laws = {k: v for k, v in law.values.items() if law.parameters[k].kind != "look"}
+    values = {k: _medium(v) if isinstance(v, Medium) else v for k, v in laws.items()}
     values = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
     return {"name": law.name, "values": values}
 

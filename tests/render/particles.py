@@ -31,5 +31,5 @@ def state(position, velocity=None, *, mass=1.0, charge=0.0, radius=0.01, life=np
 
 def scene(time=0.0, **systems):
     """What the renderer reads of a simulation."""
-    members = {name: SimpleNamespace(look=None) for name in systems}
+    members = {name: SimpleNamespace(look=None, colliders=()) for name in systems}
     return SimpleNamespace(time=time, systems=systems, members=members, preset=None)

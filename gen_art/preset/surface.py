@@ -1,0 +1,97 @@
+"""The keys of `ground:` and of the `look:` of a collider: how a surface is drawn."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, ValidationError
+
+from gen_art.errors import UsageError
+from gen_art.preset.fields import MOST_SIZE, ColourValue, Fraction, Light, Number, Within
+from gen_art.preset.model import Model, about, friendly
+from gen_art.preset.problems import dotted
+from gen_art.preset.values import shown
+
+__all__ = ["Checker", "Finish", "Ground", "SurfaceLook", "surface_look"]
+
+
+class Checker(Model):
+    """A checker of two colours, along two axes of the world. A number sets the `size`."""
+
+    size: Annotated[float, Within(0, MOST_SIZE, open_low=True)] = about(1.0, "side of a square", unit="m")
+    color: ColourValue = about("#303030", "albedo of every other square")
+
+    short_form = {"type": ["number", "string"]}
+
+    @classmethod
+    def from_short(cls, value):
+        return value if isinstance(value, (Checker, dict)) else {"size": value}
+
+
+class Finish(Model):
+    """How smooth a surface is: light is scattered evenly (Lambert) below a layer that reflects as Fresnel's formulas say.
+
+    A number sets the `roughness`.
+    """
+
+    roughness: Fraction = about(
+        0.7, "roughness of the reflecting layer: 0 is a mirror, 0.3 satin, 1 has no visible highlight"
+    )
+    ior: Annotated[float, Within(1, 5)] = about(
+        1.5, "refractive index, which sets how much is reflected: 1 nothing, 1.33 water, 1.5 paint, 2.4 diamond"
+    )
+    metal: Fraction = about(0.0, "1 for a metal, which reflects its albedo's colour and scatters nothing")
+    short_form = {"type": ["number", "string"]}
+
+    @classmethod
+    def from_short(cls, value):
+        return value if isinstance(value, (Finish, dict)) else {"roughness": value}
+
+
+class SurfaceLook(Finish):
+    """How a surface is drawn: what it scatters, reflects and emits. A colour sets the `albedo`; `true` takes all defaults."""
+
+    albedo: ColourValue = about("#8c8c8c", "the part of the light that is scattered, by colour")
+    checker: Checker | None = about(None, "a checker of the albedo and a second colour")
+    emission: ColourValue = about("black", "colour of the light that the surface emits")
+    emission_intensity: Light = about(1.0, "brightness of that light")
+
+    short_form = {"type": ["boolean", "string", "array"], "description": "true, or a colour: the albedo"}
+
+    @classmethod
+    def from_short(cls, value):
+        if value is True:
+            return {}
+        return value if isinstance(value, (SurfaceLook, dict)) else {"albedo": value}
+
+
+class Ground(SurfaceLook):
+    """A level floor without end. It is only seen; a `plane` under `colliders:` with a `look:` is one that particles also meet.
+
+    A colour sets the `albedo`, `true` takes all defaults.
+    """
+
+    height: Number = about(0.0, "where it lies: y = height", unit="m")
+
+
+def _ground(value):
+    return None if value is False else value
+
+
+GroundValue = Annotated[Ground | None, BeforeValidator(_ground)]
+
+
+def surface_look(value: Any) -> SurfaceLook | None:
+    """The look of a collider from what a script gives: a ga.SurfaceLook, a mapping of its keys, a colour, true or None.
+
+    Raises UsageError for anything else.
+    """
+    if value is None or value is False or isinstance(value, SurfaceLook):
+        return value or None
+    if not isinstance(value, (Mapping, str, bool, list, tuple)):
+        raise UsageError(f"the look of a collider must be a ga.SurfaceLook, a mapping of its keys or a colour, not {shown(value)}")
+    try:
+        return SurfaceLook.model_validate(dict(value) if isinstance(value, Mapping) else value)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = dotted(("look", *first["loc"]))
+        raise UsageError(f"a collider's {where}: {friendly(first)}") from None

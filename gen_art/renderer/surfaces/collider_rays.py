@@ -1,0 +1,142 @@
+"""Where rays meet the surfaces of colliders, as a camera or a lamp sees them.
+
+A side of a collider is seen from where its distance is positive: a solid from outside, a box that contains particles from
+inside, so that a camera outside looks through its near walls onto the far ones.
+
+Along a ray the distance from a convex solid is a convex function, so Newton's method from the near end never passes the first
+root. Other shapes are marched through by their distance, which is never steeper than 1.
+Source: Hart, Sphere tracing, The Visual Computer 12 (1996).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen_art.backend.kernel_views import parameters, traced
+from gen_art.backend.runtime import ti
+from gen_art.colliders.base import Collider
+from gen_art.colliders.surface import distance_and_normal, rotated_about, to_start_frame
+from gen_art.integrators.kernel_terms import KernelTerms
+
+__all__ = ["ColliderTerms", "cast_by", "first_hit", "ray_in_start_frame", "side_hit", "surface_normal"]
+
+_NEWTON_STEPS, _MARCH_STEPS = 64, 400
+_PARALLEL = 1e-6  # slope of the distance along a ray from which on the ray counts as leaving a convex solid
+
+
+@dataclass(frozen=True)
+class _Entry:
+    """A collider, the place of its numbers in Q, and the number of its first surface."""
+
+    collider: Collider
+    offset: int
+    first_surface: int
+
+
+class ColliderTerms:
+    """Colliders laid out for a kernel; equal for the same classes and fixed choices, whatever their numbers.
+
+    entries : of which kernels read the collider, the offset of its numbers and its first surface
+    owners : for each surface, the index of its collider
+    """
+
+    def __init__(self, colliders):
+        self._terms = KernelTerms(colliders=tuple(colliders))
+        self.entries: list[_Entry] = []
+        self.owners: list[int] = []
+        for k, term in enumerate(self._terms.colliders):
+            self.entries.append(_Entry(term.force, term.offset, len(self.owners)))
+            self.owners += [k] * term.force.sides
+
+    def numbers(self) -> np.ndarray:
+        """The colliders' run-time numbers, (m,) float32."""
+        return self._terms.numbers(np.float32)
+
+    def __hash__(self):
+        return hash(self._terms)
+
+    def __eq__(self, other):
+        return isinstance(other, ColliderTerms) and self._terms == other._terms
+
+
+@traced
+def cast_by(entry) -> bool:
+    """Whether a collider shadows others: a solid does, a box or a hollow sphere that contains the scene does not."""
+    return entry.collider.sides == 1 and not entry.collider.values.get("inside", False)
+
+
+@ti.func
+def ray_in_start_frame(entry: ti.template(), q: ti.template(), origin, direction, time):
+    """Origin and direction of a ray in the collider's frame at time 0."""
+    o, axis, angle = to_start_frame(entry.collider, q, origin, time)
+    d = direction
+    if ti.static(entry.collider.rotates):
+        d = rotated_about(direction, axis, -angle)
+    return o, d
+
+
+@ti.func
+def side_hit(entry: ti.template(), q: ti.template(), side, o, d, low, high, tolerance, per_length):
+    """The distance along a ray at which it enters a side from its positive side, or `high` if it does not before that.
+
+    o, d : origin and unit direction in the collider's frame at time 0
+    tolerance, per_length : the hit is exact to tolerance + per_length * (distance along the ray)
+    """
+    t, result = low, high
+    f = entry.collider.distance(o + d * t, q, side)
+    if ti.static(entry.collider.convex):
+        if f > 0.0:
+            steps = 0
+            while steps < _NEWTON_STEPS:
+                slope = entry.collider.gradient(o + d * t, q, side).dot(d)
+                steps += 1
+                t -= f / ti.min(slope, -_PARALLEL)
+                if slope > -_PARALLEL or t >= high:
+                    steps = _NEWTON_STEPS
+                else:
+                    f = entry.collider.distance(o + d * t, q, side)
+                    if f <= tolerance + per_length * t:
+                        result = t
+                        steps = _NEWTON_STEPS
+    else:
+        steps, was_outside, before = 0, f > 0.0, t
+        while steps < _MARCH_STEPS:
+            steps += 1
+            before = t
+            previous = f
+            t += ti.max(abs(f), tolerance + per_length * t)
+            f = entry.collider.distance(o + d * t, q, side)
+            if was_outside and f <= tolerance + per_length * t:
+                if f < 0.0:
+                    t = before + (t - before) * previous / (previous - f)
+                result = ti.min(t, high)
+                steps = _MARCH_STEPS
+            if t >= high:
+                steps = _MARCH_STEPS
+            was_outside = was_outside or f > 0.0
+    return result
+
+
+@ti.func
+def first_hit(entries: ti.template(), Q: ti.template(), origin, direction, time, low, high, tolerance, per_length):
+    """(distance along the ray, surface) of the first surface that a ray enters, or (high, -1)."""
+    nearest, surface = high, -1
+    for entry in ti.static(entries):
+        q = parameters(Q, entry.collider, entry.offset)
+        o, d = ray_in_start_frame(entry, q, origin, direction, time)
+        for side in range(entry.collider.sides):
+            t = side_hit(entry, q, side, o, d, low, nearest, tolerance, per_length)
+            if t < nearest:
+                inside = 1
+                if ti.static(entry.collider.sides > 1):  # one side's surface goes on beyond the edges of the others
+                    inside = ti.cast(entry.collider.nearest(o + d * t, q) >= -4.0 * (tolerance + per_length * t), ti.i32)
+                if inside == 1:
+                    nearest, surface = t, entry.first_surface + side
+    return nearest, surface
+
+
+@ti.func
+def surface_normal(entries: ti.template(), Q: ti.template(), surface, x, time):
+    """The unit normal (3,) of a surface at the position x and the time."""
+    found = distance_and_normal(entries, Q, surface, x, time, 1)
+    return ti.Vector([found[0], found[1], found[2]])

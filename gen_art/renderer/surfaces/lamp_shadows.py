@@ -1,0 +1,171 @@
+"""How much of a distant lamp's disc a point sees past colliders and balls.
+
+The lamp is sampled at LAMP_POINTS points, evenly spread over its disc. What hides a point of it is found by geometry: a ball by
+its outline as the lamp's rays meet it, a collider by the rays themselves. Each shadow is a set of bits, one for each point, so
+shadows that overlap are counted once. A ray starts from the pixel's area instead of a point of it, in step with the lamp's
+disc, so no edge of a shadow is sharper than a pixel.
+
+Balls are listed in cells of a grid across the lamp's direction, each in the cells that its half-shadow may reach.
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen_art.backend.kernel_views import parameters
+from gen_art.backend.runtime import ti
+from gen_art.maths.array_functions import cos, sin
+from gen_art.renderer.surfaces.cell_lists import cell_lists
+from gen_art.renderer.surfaces.collider_rays import cast_by, ray_in_start_frame, side_hit
+
+__all__ = ["LAMP_POINTS", "BallBins", "ball_shadow", "collider_shadow", "lamp_disc", "set_bits"]
+
+LAMP_POINTS = 64
+_ALL = -1  # all bits of a set
+_GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
+_CELLS = 1024  # most cells along a side of the grid
+_UMBRAS = 4.0  # a ball's half-shadow is followed until it is this many radii wide, where the ball hides 1/16 of the lamp
+_CONE_STEPS = 100
+_DEPTHS = 4  # places inside a collider at which a ray is tested for a full shadow
+
+
+def lamp_disc() -> np.ndarray:
+    """(LAMP_POINTS, 2) float32: points spread evenly over the unit disc, by the golden angle."""
+    k = np.arange(LAMP_POINTS)
+    radius = np.sqrt((k + 0.5) / LAMP_POINTS)
+    return np.stack([radius * cos(k * _GOLDEN), radius * sin(k * _GOLDEN)], axis=1).astype(np.float32)
+
+
+@dataclass(frozen=True)
+class BallBins:
+    """Balls in cells of a grid across the lamp's direction.
+
+    axes : (3, 3), rows: two directions across the lamp's rays, then the direction in which they travel
+    corner : (2,) of the grid along the first two axes
+    cell : side of a cell
+    shape : (2,) cells along both
+    starts : (cells + 1,) int32, the first of each cell's balls
+    balls : their indices
+    """
+
+    axes: np.ndarray
+    corner: np.ndarray
+    cell: float
+    shape: tuple[int, int]
+    starts: np.ndarray
+    balls: np.ndarray
+
+    @classmethod
+    def of(cls, positions, radii, axes, tangent: float, depth: float) -> "BallBins":
+        """The bins of balls.
+
+        positions, radii : (n, 3) and (n,)
+        tangent : of half the lamp's angle
+        depth : farthest distance from a ball to what it may shadow
+        """
+        if not len(positions):
+            return cls(axes, np.zeros(2), 1.0, (1, 1), np.zeros(2, np.int32), np.zeros(1, np.int32))
+        across = np.asarray(positions, np.float64) @ axes[:2].T
+        reach = radii + np.minimum(depth * tangent, _UMBRAS * radii)
+        low, high = (across - reach[:, None]).min(axis=0), (across + reach[:, None]).max(axis=0)
+        cell = max(2.0 * float(np.median(reach)), float((high - low).max()) / _CELLS, 1e-9)
+        shape = np.maximum(np.ceil((high - low) / cell).astype(np.int64), 1)
+        first = np.clip(((across - reach[:, None] - low) / cell).astype(np.int64), 0, shape - 1)
+        last = np.clip(((across + reach[:, None] - low) / cell).astype(np.int64), 0, shape - 1)
+        rows, columns = int(shape[0]), int(shape[1])
+        return cls(axes, low, cell, (rows, columns), *cell_lists(first, last, (rows, columns)))
+
+
+
+@ti.func
+def set_bits(hidden):
+    """The number of set bits of a set of LAMP_POINTS."""
+    rest, count = hidden, 0
+    if rest == ti.i64(_ALL):
+        count = LAMP_POINTS
+    else:
+        while rest != ti.i64(0):
+            rest &= rest - ti.i64(1)
+            count += 1
+    return count
+
+
+@ti.func
+def ball_shadow(hidden, offset, radius, to_lamp, side, up, tangent, half_pixel, D: ti.template()):
+    """The set `hidden` with the lamp's points that a ball hides.
+
+    offset : (3,) from the point to the ball's centre
+    side, up : unit vectors across the direction `to_lamp`
+    D : (LAMP_POINTS, 2) of lamp_disc
+    """
+    result = hidden
+    along = offset.dot(to_lamp)
+    if along > 0.0:
+        u, v = offset.dot(side), offset.dot(up)
+        cone = half_pixel + along * tangent
+        distance2 = u * u + v * v
+        reach = radius + cone
+        if distance2 < reach * reach:
+            if radius > cone and distance2 <= (radius - cone) * (radius - cone):
+                result = ti.i64(_ALL)
+            else:
+                for k in range(LAMP_POINTS):
+                    du, dv = u - cone * D[k, 0], v - cone * D[k, 1]
+                    if du * du + dv * dv < radius * radius:
+                        result |= ti.i64(1) << ti.cast(k, ti.i64)
+    return result
+
+
+@ti.func
+def collider_shadow(
+    entries: ti.template(), Q: ti.template(), x, to_lamp, side, up, tangent, half_pixel, time, far, D: ti.template()
+):  # fmt: skip
+    """The set of the lamp's points that colliders hide from x."""
+    hidden = ti.i64(0)
+    for entry in ti.static(entries):
+        if ti.static(cast_by(entry)):
+            if hidden != ti.i64(_ALL):
+                q = parameters(Q, entry.collider, entry.offset)
+                o, d = ray_in_start_frame(entry, q, x, to_lamp, time)
+                reaches, low = _reaches_cone(entry, q, o, d, tangent, half_pixel, far)
+                if reaches == 2:
+                    hidden = ti.i64(_ALL)
+                if reaches == 1:
+                    for k in range(LAMP_POINTS):
+                        across = side * D[k, 0] + up * D[k, 1]
+                        towards = (to_lamp + across * tangent).normalized()
+                        o_k, d_k = ray_in_start_frame(entry, q, x + across * half_pixel, towards, time)
+                        if side_hit(entry, q, 0, o_k, d_k, low, far, 1e-4 * half_pixel, 1e-6) < far:
+                            hidden |= ti.i64(1) << ti.cast(k, ti.i64)
+    return hidden
+
+
+@ti.func
+def _reaches_cone(entry: ti.template(), q: ti.template(), o, d, tangent, half_pixel, far):
+    """Whether a collider reaches into the cone of rays about a ray: (0 no, 1 in part, 2 it hides the lamp; from where on).
+
+    The distance less the cone's radius falls by 1 + tangent per length at most; for a convex collider it is convex.
+    """
+    state, t, steps = 1, 0.0, 0
+    f = entry.collider.distance(o, q, 0) - half_pixel
+    while f > 1e-3 * half_pixel and steps < _CONE_STEPS:
+        steps += 1
+        slope = -(1.0 + tangent)
+        if ti.static(entry.collider.convex):
+            slope = entry.collider.gradient(o + d * t, q, 0).dot(d) - tangent
+        t -= f / ti.min(slope, -1e-6)
+        if slope > -1e-6 or t >= far:
+            state, steps = 0, _CONE_STEPS
+        else:
+            f = entry.collider.distance(o + d * t, q, 0) - half_pixel - tangent * t
+    if state == 1:
+        # deeper inside than the cone is wide, no ray of the cone gets past
+        depth = 2.0 * (half_pixel + tangent * t)
+        for _ in range(_DEPTHS):
+            at = t + depth
+            depth *= 3.0
+            if entry.collider.distance(o + d * at, q, 0) <= -(half_pixel + tangent * at):
+                state = 2
+    return state, t * 0.99

@@ -1,0 +1,67 @@
+"""The sky's light at places among balls and smoke, which hide a part of it.
+
+At each node of a grid the light from the 14 directions of Lebedev's rule, each through what lies on its way, is kept as its
+mean c0 and its slope c1: the radiance from the direction w is about c0 + c1.w. A surface with the normal n then has the
+irradiance pi (c0 + 2/3 c1.n). For a sky that fades linearly from the zenith to the nadir both are exact.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen_art.preset.light import KeyLight
+from gen_art.renderer.colour import linear
+from gen_art.renderer.smoke_density import DIRECTIONS, WEIGHTS, Smoke
+from gen_art.maths.array_functions import exp
+
+__all__ = ["SkyLight"]
+
+RESOLUTION = 40  # cells along the longest side
+_MARGIN = 0.35  # the grid extends beyond what hides the sky by this part of its longest side
+
+
+@dataclass(frozen=True)
+class SkyLight:
+    """The sky's light on a grid along the axes of the world.
+
+    origin : (3,) position of the first node, m
+    cell : distance of two nodes, m
+    shape : nodes along each axis
+    light : (nodes, 12) float32, c0 of the three colours, then c1 along x, y and z of each
+    open : (12,) the same where nothing hides the sky
+    """
+
+    origin: np.ndarray
+    cell: float
+    shape: tuple[int, int, int]
+    light: np.ndarray
+    open: np.ndarray
+
+    @classmethod
+    def of(cls, light: KeyLight, positions, cross_sections, radii) -> "SkyLight":
+        """The sky's light among particles of these extinction cross sections, m^2; no particles leave it open everywhere."""
+        from_above, from_below = (
+            linear(c) * light.ambient_intensity
+            for c in (light.ambient, light.ambient if light.ground is None else light.ground)
+        )
+        mean, slope = 0.5 * (from_above + from_below), 0.5 * (from_above - from_below)
+        unhidden = np.zeros((3, 4))
+        unhidden[:, 0], unhidden[:, 2] = mean, slope
+        if not (np.asarray(cross_sections) > 0).any() or light.ambient_intensity == 0.0:
+            return cls(np.zeros(3), 1.0, (1, 1, 1), _row(unhidden)[None], _row(unhidden))
+        matter = Smoke.of(positions, cross_sections, radii, np.eye(3), RESOLUTION, _MARGIN)
+        total = np.zeros((*matter.extinction.shape, 3, 4))
+        for direction, weight in zip(DIRECTIONS, WEIGHTS):
+            towards = -direction / np.linalg.norm(direction)
+            colour = mean + slope * towards[1]
+            arriving = exp(-matter.depth(direction).astype(np.float64))
+            basis = np.array([1.0, *(3.0 * towards)])
+            total += weight * arriving[..., None, None] * (colour[:, None] * basis)
+        return cls(matter.corner * matter.cell, matter.cell, matter.extinction.shape, _row(total), _row(unhidden))
+
+
+def _row(coefficients: np.ndarray) -> np.ndarray:
+    """(..., 3 colours, 4) -> (n, 12) float32: c0 of the colours, then c1 of each; (12,) for one."""
+    c0, c1 = coefficients[..., 0], coefficients[..., 1:].reshape(*coefficients.shape[:-2], 9)
+    flat = np.concatenate([c0, c1], axis=-1).astype(np.float32)
+    return flat if flat.ndim == 1 else np.ascontiguousarray(flat.reshape(-1, 12))
