@@ -29,7 +29,9 @@ class Collider(Parametric):
     """
 
     sides: ClassVar[int] = 1
-    convex: ClassVar[bool] = False  # whether each side is the surface of a convex solid, which a ray meets by Newton's method
+    convex: ClassVar[bool] = (
+        False  # whether each side is the surface of a convex solid, which a ray meets by Newton's method
+    )
     repeat: ClassVar[None] = None
 
     restitution: float = param(
@@ -44,7 +46,9 @@ class Collider(Parametric):
     velocity: tuple = param((0.0, 0.0, 0.0), unit="m/s", doc="of the surface")
     angular_velocity: tuple = param((0.0, 0.0, 0.0), unit="rad/s", doc="of the surface about the pivot, right-handed")
     pivot: tuple = param((0.0, 0.0, 0.0), unit="m", doc="a point of the axis of rotation at time 0")
-    look: object = param(None, kind="look", doc="how its surface is drawn, see `look: of a collider`; unseen when left out")
+    look: object = param(
+        None, kind="look", doc="how its surface is drawn, see `look: of a collider`; unseen when left out"
+    )
 
     def __init_subclass__(cls, **kwargs):
         super().__init_subclass__(**kwargs)

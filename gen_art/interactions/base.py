@@ -9,7 +9,7 @@ from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.storage import Particles
 from gen_art.registry import Parametric, Registry
 
-__all__ = ["INTERACTIONS", "ForcePart", "ForceRequest", "ImplicitStage", "Interaction", "interaction"]
+__all__ = ["INTERACTIONS", "ForcePart", "ForceRequest", "ImplicitStage", "Interaction", "Shapes", "interaction"]
 
 INTERACTIONS = Registry("interaction")
 interaction = INTERACTIONS
@@ -70,6 +70,24 @@ class ImplicitStage:
     with_ledger: bool
 
 
+@dataclass(frozen=True)
+class Shapes:
+    """What an interaction makes of its particles to be seen: boxes with rounded edges, of which capsules and balls are some.
+
+    particle : (n,), slot of the particle that gives each its colour and size
+    center : (n, 3) m
+    half : (n, 3) m, half extents of the box inside the rounding, along its own axes
+    radius : (n,) m, of the rounding; NaN for that of the particle
+    axes : (n, 3, 3), rows: its axes in the world
+    """
+
+    particle: np.ndarray
+    center: np.ndarray
+    half: np.ndarray
+    radius: np.ndarray
+    axes: np.ndarray
+
+
 class Interaction(Parametric):
     """Forces between particles.
 
@@ -120,6 +138,10 @@ class Interaction(Parametric):
     def advice(self, state: Particles) -> list[str]:
         """Called now and then during a run. Returns sentences about a state that cannot be right."""
         return []
+
+    def shapes(self, state: Particles) -> Shapes | None:
+        """The shapes of bodies (`draw: body`) or of links between particles (`draw: thread`), or None if it has none."""
+        return None
 
     def accelerate(self, request: ForceRequest, out: np.ndarray) -> None:
         raise NotImplementedError

@@ -9,6 +9,7 @@ from gen_art.errors import UsageError
 from gen_art.interactions.adjacency import Adjacency
 from gen_art.interactions.base import ForcePart, ForceRequest, Interaction, interaction
 from gen_art.interactions.implicit_springs import solve_implicit
+from gen_art.interactions.links import capsules_along
 from gen_art.interactions.spring_kernels import spring_kernels
 from gen_art.particles.fixed import fixed_lifetimes
 from gen_art.particles.rows import LIFETIME, MASS, POSITION, VELOCITY
@@ -199,6 +200,11 @@ class Springs(Interaction):
                 if self.values["tether"] is not None:
                     self._tethers = tethers.find_tethers(self._springs, fixed, dtype)
         return self._springs
+
+    def shapes(self, state):
+        """A capsule along each unbroken spring, as thick as its particles."""
+        springs = self._adjacency(state)
+        return capsules_along(state.floats[POSITION].astype(np.float64), springs.pairs[springs.numbers[:, 0] > 0])
 
     def accelerate(self, request: ForceRequest, out):
         springs = self._adjacency(request.state)

@@ -21,7 +21,9 @@ class KeyLight(Model):
 
     direction: Vector = about((-1.0, -1.0, -0.5), "direction in which the lamp's light travels")
     size: Annotated[float, Within(0, 90, open_low=True)] = about(
-        0.53, "diameter of the lamp as things see it, which makes the edges of shadows soft: the sun has 0.53", unit="degrees"
+        0.53,
+        "diameter of the lamp as things see it, which makes the edges of shadows soft: the sun has 0.53",
+        unit="degrees",
     )
     color: ColourValue = about("white", "colour of the lamp")
     intensity: Light = about(3.0, "brightness of the lamp")

@@ -11,7 +11,6 @@ from gen_art.preset.colour_names import Gradient
 from gen_art.preset.fields import (
     MOST_LIGHT,
     MOST_SIZE,
-    ColourValue,
     CurveValue,
     Fraction,
     GradientValue,
@@ -22,9 +21,7 @@ from gen_art.preset.fields import (
     Positive,
     RangeValue,
     Size,
-    Vector,
     Within,
-    Words,
 )
 from gen_art.preset.files import ImageFile, PresetFile
 from gen_art.preset.light import KeyLight
@@ -287,11 +284,12 @@ def _legend(value):
 class Look(Model):
     """How a system's particles are drawn. All sizes scale with the picture's height."""
 
-    draw: Literal["point", "pixel", "disc", "streak", "sphere", "picture"] = about(
+    draw: Literal["point", "pixel", "disc", "streak", "sphere", "picture", "body", "thread"] = about(
         "point",
         "`point` is a dot placed between pixels, `pixel` lights only the pixel that it falls in, `disc` is a soft Gaussian "
         "sprite whose radius is 2.2 standard deviations, `streak` the path of the last `length` seconds, `sphere` an even "
-        "disc with a sharp rim, `picture` an image",
+        "disc with a sharp rim, or a ball where it is opaque in the preset's `light`, `picture` an image, `body` the shapes of "
+        "rigid bodies, `thread` the springs between particles as rods",
     )
     picture: Picture | None = about(None, "the image of `draw: picture`")
     blend: Literal["add", "alpha", "opaque"] = about(
@@ -324,7 +322,8 @@ class Look(Model):
     albedo: Color = about(Color.model_validate({}), "the part of the light that is scattered, by colour")
     light: KeyLight | None = about(None, "the light on smoke; the preset's `light` when left out")
     finish: Finish = about(
-        Finish.model_validate({}), "how balls reflect, which are `draw: sphere` with `blend: opaque` in the preset's `light`"
+        Finish.model_validate({}),
+        "how balls reflect, which are `draw: sphere` with `blend: opaque` in the preset's `light`",
     )
     falloff: Literal["none", "inverse_square"] = about(
         "none", "`inverse_square` dims points as 1/d^2, with a factor of 1 at the camera's target"
@@ -334,6 +333,11 @@ class Look(Model):
     legend: Annotated[Legend | None, BeforeValidator(_legend)] = about(
         None, "a legend of the joules that a colour or number goes by"
     )
+
+    @property
+    def shapes(self) -> bool:
+        """Whether the shapes of bodies or threads are drawn instead of the particles."""
+        return self.draw in ("body", "thread")
 
     def ramps(self) -> "dict[tuple[str, ...], Ramp | Color]":
         """The numbers and colours that may depend on a quantity, by their keys: first those that a legend shows first."""
@@ -372,6 +376,10 @@ class Look(Model):
             raise UsageError("draw: pixel has no size: leave out `pixels`, or give draw: disc")
         if (self.draw == "picture") != (self.picture is not None):
             raise UsageError("`draw: picture` and `picture: spark.png` need each other")
+        if self.shapes and self.blend != "add":
+            raise UsageError(f"draw: {self.draw} hides what is behind it: leave out `blend`")
+        if self.shapes and (self.trail is not None or self.light is not None):
+            raise UsageError(f"draw: {self.draw} has no {'trail' if self.trail else 'light of its own'}: leave it out")
         if self.blend == "alpha" and self.draw not in ("disc", "sphere", "picture"):
             raise UsageError("blend: alpha needs draw: disc, sphere or picture")
         if self.blend == "opaque" and self.draw not in ("sphere", "picture"):

@@ -88,7 +88,9 @@ def surface_look(value: Any) -> SurfaceLook | None:
     if value is None or value is False or isinstance(value, SurfaceLook):
         return value or None
     if not isinstance(value, (Mapping, str, bool, list, tuple)):
-        raise UsageError(f"the look of a collider must be a ga.SurfaceLook, a mapping of its keys or a colour, not {shown(value)}")
+        raise UsageError(
+            f"the look of a collider must be a ga.SurfaceLook, a mapping of its keys or a colour, not {shown(value)}"
+        )
     try:
         return SurfaceLook.model_validate(dict(value) if isinstance(value, Mapping) else value)
     except ValidationError as error:

@@ -170,23 +170,26 @@ def kernel_numbers(
         q[FOG_START], q[FOG_RATE] = view.fog[0], 1.0 / view.fog[1]
         q[FOG_RED : FOG_RED + 3] = view.fog[2]
     q[KIND] = KINDS[look.draw]
-    q[AREA_OF] = {"sphere": math.pi, "picture": 4.0 * texels(look.picture.image.place)[1] if look.picture else 0.0}.get(
-        look.draw, AREA * FOOTPRINT_PER_RADIUS * FOOTPRINT_PER_RADIUS
-    )
+    q[AREA_OF] = {
+        "sphere": math.pi,
+        "body": math.pi,
+        "thread": math.pi,
+        "picture": 4.0 * texels(look.picture.image.place)[1] if look.picture else 0.0,
+    }.get(look.draw, AREA * FOOTPRINT_PER_RADIUS * FOOTPRINT_PER_RADIUS)
     if look.pixels is not None:
         q[SIZE_MODE], q[SIZE_VALUE] = 2, 0.5 * look.pixels
     elif look.radius is not None or look.width is not None:
         q[SIZE_MODE], q[SIZE_VALUE] = 1, look.radius if look.radius is not None else 0.5 * (look.width or 0.0)
     q[SIZE_VALUE] *= width
     q[RIBBON] = look.ribbon is not None
-    q[BLEND] = ("add", "alpha", "opaque").index(look.blend)
+    q[BLEND] = 2 if look.shapes else ("add", "alpha", "opaque").index(look.blend)
     q[CONSERVE] = look.reference or 0.0
     q[FALLOFF] = view.distance**2 if look.falloff == "inverse_square" else 0.0
     emission = look.emission
     if emission and emission.strobe:
         q[STROBE_LO], q[STROBE_HI], q[DUTY] = emission.strobe.lo, max(emission.strobe.hi, 1e-12), emission.duty
     q[RAW], q[WEIGHT], q[LIT] = raw, weight, lit
-    q[EMITS] = emission is not None or look.blend == "add"
+    q[EMITS] = emission is not None or (look.blend == "add" and not look.shapes)
     q[FOCUS] = 1.0
     lens = getattr(view, "lens", None)
     if lens is not None:

@@ -24,7 +24,8 @@ from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.supersample import box_averaged
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES, SurfaceDepths, hide_small_sprites
 from gen_art.renderer.surfaces.scene import Scene
-from gen_art.renderer.surfaces.surface_pass import Balls, SurfacePass
+from gen_art.renderer.surfaces.solid_rows import SolidSystem, shapes_of
+from gen_art.renderer.surfaces.surface_pass import SurfacePass
 
 if TYPE_CHECKING:
     from gen_art.simulation import Simulation
@@ -166,7 +167,7 @@ class Painter:
         """Draw systems over what the framebuffer holds; where `trails` are given, first the surfaces and then these trails."""
         drawn: dict[str, tuple] = {}
         lit: dict[str, tuple] = {}
-        balls: list[Balls] = []
+        solids: list[SolidSystem] = []
         sprites, looks = self._sprites, {}
         for name in names:
             if self.looks.get(name, self._default_look) is not None:
@@ -175,30 +176,33 @@ class Painter:
                 look = looks[name] = tables.look
                 if look.ribbon is not None:
                     continue
-                light, is_ball = self._light_on(look), self._is_ball(look)
+                light, solid = self._light_on(look), self._is_solid(look)
                 q = kernel_numbers(
-                    tables, replace(view, fog=None) if is_ball else view, self.size, sim.time, film_time, shutter, raw, weight,
-                    lit=is_ball or light is not None,
+                    tables, replace(view, fog=None) if solid else view, self.size, sim.time, film_time, shutter, raw, weight,
+                    lit=solid or light is not None,
                 )  # fmt: skip
                 shade(projected, system, tables, q, self._acceleration(name, system, sim.time))
                 drawn[name] = system, projected.used
-                if is_ball:
-                    balls.append(Balls(look.finish, projected.used, projected.lit[: projected.count]))
+                if solid:
+                    shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
+                    solids.append(SolidSystem(look.finish, projected.used, projected.lit[: projected.count], shapes))
                 elif light is not None and projected.count:
                     lit[name] = light, projected.used, projected.lit[: projected.count]
         smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1])) if lit else {}
         sprites.clear()
         if trails is not None:
-            sprites.hidden_by = self._draw_surfaces(sim, view, balls, smoke, framebuffer)
+            sprites.hidden_by = self._draw_surfaces(sim, view, solids, smoke, framebuffer)
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
-        sprites.layered = any(look.blend != "add" and not self._is_ball(look) for look in looks.values()) and recolour is None
+        sprites.layered = (
+            any(look.blend != "add" and not self._is_solid(look) for look in looks.values()) and recolour is None
+        )
         for name, look in looks.items():
             if recolour is not None and name in drawn:
                 recolour(*drawn[name])
             if look.ribbon is not None and recolour is None:
                 self._add_ribbons(sim, name, view, film_time, weight, framebuffer)
-            elif look.ribbon is None and (not self._is_ball(look) or trails is None):
+            elif look.ribbon is None and not self._is_solid(look):
                 self._add_sprites(look, self._projected[name], framebuffer)
         splat(sprites, framebuffer)
 
@@ -206,19 +210,21 @@ class Painter:
         """The light that a system of smoke scatters: its own, or the scene's."""
         return look.light or (self.scene.light if look.blend == "alpha" else None)
 
-    def _is_ball(self, look: Look) -> bool:
-        """Whether a system's particles are drawn as balls, with the scene's light on their surfaces."""
-        return self.scene.light is not None and look.draw == "sphere" and look.blend == "opaque"
+    def _is_solid(self, look: Look) -> bool:
+        """Whether a system is drawn by surfaces in the scene's light: balls, bodies or threads."""
+        return look.shapes or (self.scene.light is not None and look.draw == "sphere" and look.blend == "opaque")
 
-    def _draw_surfaces(self, sim, view, balls: list[Balls], smoke: dict, framebuffer: FrameBuffer) -> SurfaceDepths:
+    def _draw_surfaces(
+        self, sim, view, solids: list[SolidSystem], smoke: dict, framebuffer: FrameBuffer
+    ) -> SurfaceDepths:
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
         light = self.scene.light
-        if not balls and not self.scene.surfaces:
+        if not solids and not self.scene.surfaces:
             return NOTHING_HIDES
         if self._surfaces is None:
             self._surfaces = SurfacePass(self.size)
         shading = smoke.get((light.direction, light.resolution)) if light is not None else None
-        found = self._surfaces.draw(self.scene, view, sim.time, balls, shading and shading[:2], framebuffer)
+        found = self._surfaces.draw(self.scene, view, sim.time, solids, shading and shading[:2], framebuffer)
         if not found:
             return NOTHING_HIDES
         depths, tiles = self._surfaces.depths, self._surfaces.bounds

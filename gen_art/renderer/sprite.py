@@ -31,6 +31,8 @@ KINDS = {
     "disc": DISC,
     "streak": STREAK,
     "sphere": SPHERE,
+    "body": SPHERE,  # for shading alone: shapes are drawn as surfaces
+    "thread": SPHERE,
     "picture": PICTURE,
 }  # keys: the look's `draw`
 # Channels of a projected particle: position (pixels), footprint (pixels), EDGE, movement (pixels), light times area,

@@ -11,7 +11,7 @@ import numpy as np
 
 from gen_art.arguments import instances, shown
 from gen_art.errors import UsageError
-from gen_art.interactions.base import Interaction, interaction
+from gen_art.interactions.base import Interaction, Shapes, interaction
 from gen_art.particles.storage import Particles
 from gen_art.registry import param
 
@@ -95,6 +95,9 @@ class Rigid(Interaction):
         self.values["friction"] = (min(pair), max(pair))
         self._colliders: list = []
         self._world = None
+
+    def shapes(self, state: Particles) -> Shapes | None:
+        return self._world.shapes() if self._world is not None else None
 
     def take_colliders(self, colliders: list, names: dict) -> list:
         """Take over the system's colliders, which act on the bodies instead of their particles."""

@@ -3,6 +3,7 @@
 import numpy as np
 
 from gen_art.errors import UsageError
+from gen_art.interactions.base import Shapes
 from gen_art.interactions.rigid.body import AXLED, FREE, STATIC, Body
 from gen_art.interactions.rigid.body_kernels import particle_kernels
 from gen_art.interactions.rigid.contact_set import ContactSet
@@ -93,6 +94,19 @@ class World:
             self.joints.forces = saved_arrays["joints"].copy()
         self.contacts.restore_arrays(saved_arrays)
         self.contacts.detect(time)
+
+    def shapes(self) -> Shapes:
+        """The parts of all bodies where they are now."""
+        parts = [(k, part) for k, body in enumerate(self.members) for part in body.parts]
+        owner = np.array([k for k, _ in parts])
+        R = self.R[owner]
+        return Shapes(
+            particle=self._first[owner],
+            center=self.x[owner] + apply(R, np.array([part.center for _, part in parts])),
+            half=np.array([part.half for _, part in parts]),
+            radius=np.array([part.radius for _, part in parts]),
+            axes=transposed(compose(R, np.array([part.axes for _, part in parts]))),
+        )
 
     def disturb(self, share: float, push: np.ndarray) -> None:
         """Move the velocities of free bodies towards `push`, m/s, by a share, and lessen their angular momenta by it."""

@@ -129,7 +129,9 @@ def first_hit(entries: ti.template(), Q: ti.template(), origin, direction, time,
             if t < nearest:
                 inside = 1
                 if ti.static(entry.collider.sides > 1):  # one side's surface goes on beyond the edges of the others
-                    inside = ti.cast(entry.collider.nearest(o + d * t, q) >= -4.0 * (tolerance + per_length * t), ti.i32)
+                    inside = ti.cast(
+                        entry.collider.nearest(o + d * t, q) >= -4.0 * (tolerance + per_length * t), ti.i32
+                    )
                 if inside == 1:
                     nearest, surface = t, entry.first_surface + side
     return nearest, surface

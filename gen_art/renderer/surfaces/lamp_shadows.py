@@ -1,11 +1,11 @@
-"""How much of a distant lamp's disc a point sees past colliders and balls.
+"""How much of a distant lamp's disc a point sees past colliders and solids.
 
 The lamp is sampled at LAMP_POINTS points, evenly spread over its disc. What hides a point of it is found by geometry: a ball by
-its outline as the lamp's rays meet it, a collider by the rays themselves. Each shadow is a set of bits, one for each point, so
+its outline as the lamp's rays meet it, all else by the rays themselves. Each shadow is a set of bits, one for each point, so
 shadows that overlap are counted once. A ray starts from the pixel's area instead of a point of it, in step with the lamp's
 disc, so no edge of a shadow is sharper than a pixel.
 
-Balls are listed in cells of a grid across the lamp's direction, each in the cells that its half-shadow may reach.
+Solids are listed in cells of a grid across the lamp's direction, each in the cells that its half-shadow may reach.
 
 The one-letter names in kernels are in docs/glossary.md.
 """
@@ -19,14 +19,18 @@ from gen_art.backend.runtime import ti
 from gen_art.maths.array_functions import cos, sin
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.collider_rays import cast_by, ray_in_start_frame, side_hit
+from gen_art.renderer.surfaces.solids import BOUND, HALF, NEVER, solid_hit
 
-__all__ = ["LAMP_POINTS", "BallBins", "ball_shadow", "collider_shadow", "lamp_disc", "set_bits"]
+__all__ = ["LAMP_POINTS", "ShadowBins", "solid_shadow", "collider_shadow", "lamp_disc", "set_bits"]
 
 LAMP_POINTS = 64
 _ALL = -1  # all bits of a set
 _GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 _CELLS = 1024  # most cells along a side of the grid
-_UMBRAS = 4.0  # a ball's half-shadow is followed until it is this many radii wide, where the ball hides 1/16 of the lamp
+_UMBRAS = (
+    4.0  # a ball's half-shadow is followed until it is this many radii wide, where the ball hides 1/16 of the lamp
+)
+_RIM = 24  # of the lamp's points, those along its rim
 _CONE_STEPS = 100
 _DEPTHS = 4  # places inside a collider at which a ray is tested for a full shadow
 
@@ -39,15 +43,15 @@ def lamp_disc() -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class BallBins:
-    """Balls in cells of a grid across the lamp's direction.
+class ShadowBins:
+    """Solids in cells of a grid across the lamp's direction.
 
     axes : (3, 3), rows: two directions across the lamp's rays, then the direction in which they travel
     corner : (2,) of the grid along the first two axes
     cell : side of a cell
     shape : (2,) cells along both
-    starts : (cells + 1,) int32, the first of each cell's balls
-    balls : their indices
+    starts : (cells + 1,) int32, the first of each cell's solids
+    solids : their indices
     """
 
     axes: np.ndarray
@@ -55,15 +59,15 @@ class BallBins:
     cell: float
     shape: tuple[int, int]
     starts: np.ndarray
-    balls: np.ndarray
+    solids: np.ndarray
 
     @classmethod
-    def of(cls, positions, radii, axes, tangent: float, depth: float) -> "BallBins":
-        """The bins of balls.
+    def of(cls, positions, radii, axes, tangent: float, depth: float) -> "ShadowBins":
+        """The bins of solids.
 
-        positions, radii : (n, 3) and (n,)
+        positions, radii : (n, 3) and (n,), of the balls around them
         tangent : of half the lamp's angle
-        depth : farthest distance from a ball to what it may shadow
+        depth : farthest distance from a solid to what it may shadow
         """
         if not len(positions):
             return cls(axes, np.zeros(2), 1.0, (1, 1), np.zeros(2, np.int32), np.zeros(1, np.int32))
@@ -76,7 +80,6 @@ class BallBins:
         last = np.clip(((across + reach[:, None] - low) / cell).astype(np.int64), 0, shape - 1)
         rows, columns = int(shape[0]), int(shape[1])
         return cls(axes, low, cell, (rows, columns), *cell_lists(first, last, (rows, columns)))
-
 
 
 @ti.func
@@ -93,28 +96,43 @@ def set_bits(hidden):
 
 
 @ti.func
-def ball_shadow(hidden, offset, radius, to_lamp, side, up, tangent, half_pixel, D: ti.template()):
-    """The set `hidden` with the lamp's points that a ball hides.
+def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, half_pixel, D: ti.template()):
+    """The set `hidden` with the lamp's points that solid i hides from x (relative to the camera).
 
-    offset : (3,) from the point to the ball's centre
     side, up : unit vectors across the direction `to_lamp`
     D : (LAMP_POINTS, 2) of lamp_disc
     """
     result = hidden
+    offset, radius = ti.Vector([B[i, 0], B[i, 1], B[i, 2]]) - x, B[i, BOUND]
     along = offset.dot(to_lamp)
-    if along > 0.0:
+    ball = B[i, HALF] + B[i, HALF + 1] + B[i, HALF + 2] == 0.0
+    if along > 0.0 or (not ball and along > -radius):
         u, v = offset.dot(side), offset.dot(up)
-        cone = half_pixel + along * tangent
+        cone = half_pixel + ti.max(along, 0.0) * tangent
         distance2 = u * u + v * v
         reach = radius + cone
         if distance2 < reach * reach:
-            if radius > cone and distance2 <= (radius - cone) * (radius - cone):
-                result = ti.i64(_ALL)
+            if ball:
+                if radius > cone and distance2 <= (radius - cone) * (radius - cone):
+                    result = ti.i64(_ALL)
+                else:
+                    for k in range(LAMP_POINTS):
+                        du, dv = u - cone * D[k, 0], v - cone * D[k, 1]
+                        if du * du + dv * dv < radius * radius:
+                            result |= ti.i64(1) << ti.cast(k, ti.i64)
             else:
-                for k in range(LAMP_POINTS):
-                    du, dv = u - cone * D[k, 0], v - cone * D[k, 1]
-                    if du * du + dv * dv < radius * radius:
+                # from the rim of the lamp inwards: a convex solid that hides the rim hides all of it
+                k, rim_hidden = LAMP_POINTS - 1, 1
+                while k >= 0:
+                    across = side * D[k, 0] + up * D[k, 1]
+                    if solid_hit(B, i, x + across * half_pixel, (to_lamp + across * tangent).normalized()) < NEVER:
                         result |= ti.i64(1) << ti.cast(k, ti.i64)
+                    else:
+                        rim_hidden = 0
+                    k -= 1
+                    if k == LAMP_POINTS - _RIM and rim_hidden == 1:
+                        result = ti.i64(_ALL)
+                        k = -1
     return result
 
 

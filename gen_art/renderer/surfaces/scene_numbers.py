@@ -55,7 +55,7 @@ def scene_numbers(view: CameraView, size, time: float, light: KeyLight, shadows:
 
     size : (width, height) of the picture
     time : simulated seconds
-    bins : BallBins
+    bins : ShadowBins
     sky : SkyLight
     smoke : the Smoke that shadows the lamp, along the lamp's axes, or None
     """

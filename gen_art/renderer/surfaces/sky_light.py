@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen_art.maths.array_functions import exp
 from gen_art.preset.light import KeyLight
 from gen_art.renderer.colour import linear
 from gen_art.renderer.smoke_density import DIRECTIONS, WEIGHTS, Smoke
-from gen_art.maths.array_functions import exp
 
 __all__ = ["SkyLight"]
 

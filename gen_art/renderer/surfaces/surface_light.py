@@ -1,11 +1,11 @@
-"""The light that arrives at a place of a surface: from the sky, and from the lamp past colliders, balls and smoke.
+"""The light that arrives at a place of a surface: from the sky, and from the lamp past colliders, solids and smoke.
 
 The one-letter names in kernels are in docs/glossary.md.
 """
 
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp
-from gen_art.renderer.surfaces.lamp_shadows import LAMP_POINTS, ball_shadow, collider_shadow, set_bits
+from gen_art.renderer.surfaces.lamp_shadows import LAMP_POINTS, collider_shadow, set_bits, solid_shadow
 from gen_art.renderer.surfaces.scene_numbers import (
     BIN_CELL,
     BIN_CORNER,
@@ -89,7 +89,7 @@ def _smoke_depth(N: ti.template(), depth: ti.template(), place):
 
 @ti.func
 def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel):
-    """The share of the lamp's light that reaches x (relative to the camera) past colliders, balls and smoke.
+    """The share of the lamp's light that reaches x (relative to the camera) past colliders, solids and smoke.
 
     scene : view of the kernel's arrays
     pixel : side of a pixel at x, in world units
@@ -109,9 +109,8 @@ def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel):
             cell = i * columns + j
             k, end = scene.shadow_starts[cell], scene.shadow_starts[cell + 1]
             while k < end:
-                b = scene.shadow_balls[k]
-                offset = ti.Vector([scene.B[b, 0], scene.B[b, 1], scene.B[b, 2]]) - x
-                hidden = ball_shadow(hidden, offset, scene.B[b, 3], to_lamp, side, up, tangent, half_pixel, scene.D)
+                solid = scene.shadow_solids[k]
+                hidden = solid_shadow(hidden, scene.B, solid, x, to_lamp, side, up, tangent, half_pixel, scene.D)
                 k = ti.select(hidden == ti.i64(-1), end, k + 1)
         share = 1.0 - ti.cast(set_bits(hidden), ti.f32) * (1.0 / LAMP_POINTS)
         if share > 0.0:

@@ -1,0 +1,101 @@
+"""The rows of solids from shaded particles: balls, and the shapes of bodies and threads."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen_art.errors import UsageError
+from gen_art.interactions.base import Shapes
+from gen_art.preset.surface import Finish
+from gen_art.renderer.shading import LIT_ALBEDO, LIT_POSITION, LIT_RADIUS
+from gen_art.renderer.sprite import ALPHA, BLUE, RED
+from gen_art.renderer.surfaces.solids import ALBEDO, AXES, BOUND, CENTER, EMITTED, HALF, MATERIAL, RADIUS, SOLID_FLOATS
+
+__all__ = ["SolidSystem", "pixel_rectangles", "shapes_of", "solid_rows"]
+
+_EXACT = 2.0**24  # pixels beyond which a rectangle of the picture is cut
+_WHERE = {"body": "rigid bodies (interactions: {rigid: {}})", "thread": "springs (interactions: {springs: ...})"}
+
+
+@dataclass(frozen=True)
+class SolidSystem:
+    """The solids of one system, as its particles are shaded.
+
+    finish : how they reflect
+    channels : (11, n) of ProjectedParticles
+    columns : (n, 8) LIT_... of shading.py
+    shapes : of bodies or threads; balls if None
+    """
+
+    finish: Finish
+    channels: np.ndarray
+    columns: np.ndarray
+    shapes: Shapes | None = None
+
+
+def shapes_of(name: str, draw: str, interactions, state) -> Shapes:
+    """What `draw: body` or `draw: thread` shows of a system. Raises UsageError if it has no such thing."""
+    wanted = "rigid" if draw == "body" else "springs"
+    for interaction in interactions:
+        if interaction.name == wanted:
+            found = interaction.shapes(state)
+            if found is not None:
+                return found
+    raise UsageError(f"systems.{name}.look: draw: {draw} shows {_WHERE[draw]}, and '{name}' has none")
+
+
+def solid_rows(systems: list[SolidSystem], first_material: int, view) -> np.ndarray:
+    """(n, SOLID_FLOATS) rows of all solids whose particles the camera could see; materials count on from `first_material`."""
+    found = [np.zeros((0, SOLID_FLOATS), np.float32)]
+    for k, system in enumerate(systems):
+        shapes = system.shapes
+        particle = np.arange(system.channels.shape[1]) if shapes is None else shapes.particle
+        here = np.flatnonzero(system.channels[ALPHA, particle] > 0.0)
+        particle = particle[here]
+        area, columns = system.channels[ALPHA, particle], system.columns[particle]
+        rows = np.zeros((len(here), SOLID_FLOATS), np.float32)
+        rows[:, RADIUS] = columns[:, LIT_RADIUS]
+        if shapes is None:
+            rows[:, CENTER : CENTER + 3] = columns[:, LIT_POSITION].astype(np.float64) - view.position
+        else:
+            rows[:, CENTER : CENTER + 3] = shapes.center[here] - view.position
+            rows[:, HALF : HALF + 3], rows[:, AXES : AXES + 9] = shapes.half[here], shapes.axes[here].reshape(-1, 9)
+            own = np.isfinite(shapes.radius[here])
+            rows[own, RADIUS] = shapes.radius[here][own]
+        half = rows[:, HALF : HALF + 3]
+        rows[:, BOUND] = np.sqrt((half * half).sum(axis=1)) + rows[:, RADIUS]
+        rows[:, ALBEDO : ALBEDO + 3] = columns[:, LIT_ALBEDO] / area[:, None]
+        rows[:, EMITTED : EMITTED + 3] = (system.channels[RED : BLUE + 1, particle] / area).T
+        rows[:, MATERIAL] = first_material + k
+        found.append(rows)
+    return np.concatenate(found)
+
+
+def pixel_rectangles(rows: np.ndarray, view, size) -> np.ndarray:
+    """(n, 4) int32: first and last column and row of the pixels that solids may cover, clipped to the picture.
+
+    The outline of the ball around a solid lies between the two tangents through the camera, along each axis.
+    """
+    if not len(rows):
+        return np.zeros((0, 4), np.int32)
+    local = rows[:, :3].astype(np.float64) @ view.axes.T
+    radius, scale = rows[:, BOUND].astype(np.float64), view.scale(size[1])
+    edges = np.zeros((len(rows), 2, 2))
+    for axis, sign in ((0, 1.0), (1, -1.0)):
+        x, z = sign * local[:, axis], local[:, 2]
+        if view.height is not None:
+            low, high = x - radius, x + radius
+        else:
+            square = z * z - radius * radius
+            reach = radius * np.sqrt(np.maximum(x * x + square, 0.0))
+            before = (square > 0.0) & (z > 0.0)
+            safe = np.where(before, square, 1.0)
+            low = np.where(before, (x * z - reach) / safe, -_EXACT)
+            high = np.where(before, (x * z + reach) / safe, _EXACT)
+        edges[:, axis, 0], edges[:, axis, 1] = low * scale + 0.5 * size[axis], high * scale + 0.5 * size[axis]
+    limits = np.array(size)[None, :, None] - 1
+    pixels = np.floor(np.clip(edges, -_EXACT, _EXACT)).astype(np.int64)
+    outside = ((pixels[:, :, 1] < 0) | (pixels[:, :, 0] > limits[:, :, 0])).any(axis=1)
+    pixels = np.clip(pixels, 0, limits)
+    pixels[outside] = (0, -1)
+    return np.ascontiguousarray(pixels.reshape(-1, 4), np.int32)

@@ -1,0 +1,95 @@
+"""Balls, capsules and boxes: boxes with rounded edges, each a row of SOLID_FLOATS, and where rays meet them.
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
+
+from gen_art.backend.runtime import ti
+
+__all__ = ["NEVER", "SOLID_FLOATS", "solid_hit", "solid_normal"]
+
+# a solid's row: centre relative to the camera, radius of the rounding, half extents inside it, its axes in the world (rows),
+# albedo, emission, row of its material, radius of the ball around it
+CENTER, RADIUS, HALF, AXES, ALBEDO, EMITTED, MATERIAL, BOUND = 0, 3, 4, 7, 16, 19, 22, 23
+SOLID_FLOATS = 24
+NEVER = 1e30  # distance along a ray that meets nothing
+_NEWTON_STEPS = 24
+
+
+@ti.func
+def _vector(B: ti.template(), i, k):
+    return ti.Vector([B[i, k], B[i, k + 1], B[i, k + 2]])
+
+
+@ti.func
+def _local(B: ti.template(), i, v):
+    """A direction along the solid's axes."""
+    return ti.Vector([_vector(B, i, AXES).dot(v), _vector(B, i, AXES + 3).dot(v), _vector(B, i, AXES + 6).dot(v)])
+
+
+@ti.func
+def solid_hit(B: ti.template(), i, o, d):
+    """The distance along a ray (relative to the camera) at which it enters a solid, or NEVER."""
+    c, radius = _vector(B, i, CENTER) - o, B[i, RADIUS]
+    along = c.dot(d)
+    aside = c - d * along
+    inside = B[i, BOUND] * B[i, BOUND] - aside.dot(aside)
+    result = NEVER
+    if inside > 0.0:
+        reach = ti.sqrt(inside)
+        half = _vector(B, i, HALF)
+        if half.max() == 0.0:
+            if along > reach:
+                result = along - reach
+        elif along + reach > 0.0:
+            # from the point of the ray that is nearest to the centre, where float32 is exact enough
+            p, v = -_local(B, i, aside), _local(B, i, d)
+            low, high, outer = -reach, reach, half + radius
+            for k in ti.static(range(3)):
+                inverse = 1.0 / ti.select(abs(v[k]) > 1e-12, v[k], 1e-12)
+                a, b = (-outer[k] - p[k]) * inverse, (outer[k] - p[k]) * inverse
+                low, high = ti.max(low, ti.min(a, b)), ti.min(high, ti.max(a, b))
+            if low <= high:
+                if radius == 0.0:
+                    if along + low > 0.0:
+                        result = along + low
+                else:
+                    t, steps = low, 0
+                    while steps < _NEWTON_STEPS:
+                        steps += 1
+                        x = p + v * t
+                        q = ti.max(abs(x) - half, 0.0)
+                        distance = q.norm() - radius
+                        if distance < 1e-5 * radius:
+                            if along + t > 0.0 and steps > 0:
+                                result = along + t
+                            steps = _NEWTON_STEPS
+                        else:
+                            slope = 0.0
+                            for k in ti.static(range(3)):
+                                slope += ti.select(x[k] < 0.0, -q[k], q[k]) * v[k]
+                            slope /= q.norm()
+                            t -= distance / ti.min(slope, -1e-6)
+                            if slope > -1e-6 or t > high:
+                                steps = _NEWTON_STEPS
+    return result
+
+
+@ti.func
+def solid_normal(B: ti.template(), i, x):
+    """The unit normal at a point of the surface, relative to the camera."""
+    r = x - _vector(B, i, CENTER)
+    n, half = r, _vector(B, i, HALF)
+    if half.max() > 0.0:
+        local = _local(B, i, r)
+        q, m = abs(local) - half, local * 0.0
+        if B[i, RADIUS] > 0.0:
+            for k in ti.static(range(3)):
+                m[k] = ti.select(local[k] < 0.0, -1.0, 1.0) * ti.max(q[k], 0.0)
+        else:
+            found = 0
+            for k in ti.static(range(3)):
+                if found == 0 and q[k] == q.max():
+                    m[k] = ti.select(local[k] < 0.0, -1.0, 1.0)
+                    found = 1
+        n = _vector(B, i, AXES) * m[0] + _vector(B, i, AXES + 3) * m[1] + _vector(B, i, AXES + 6) * m[2]
+    return n.normalized()
