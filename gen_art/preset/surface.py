@@ -52,6 +52,11 @@ class SurfaceLook(Finish):
 
     albedo: ColourValue = about("#8c8c8c", "the part of the light that is scattered, by colour")
     checker: Checker | None = about(None, "a checker of the albedo and a second colour")
+    mirror: bool = about(
+        False,
+        "whether it reflects the things of the scene and not the sky alone: for one `plane` or the `ground`; `roughness` "
+        "blurs the reflection",
+    )
     emission: ColourValue = about("black", "colour of the light that the surface emits")
     emission_intensity: Light = about(1.0, "brightness of that light")
 

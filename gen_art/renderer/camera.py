@@ -6,7 +6,7 @@ Right-handed, y up. The picture's rows run from top to bottom; pixel (row, colum
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,6 +48,15 @@ class CameraView:
     def scale(self, rows: int) -> float:
         """Pixels per world unit (orthographic), or pixels per unit of slope (perspective)."""
         return rows / self.height if self.height else 0.5 * rows / math.tan(math.radians(self.fov) / 2)
+
+    def mirrored(self, point, normal) -> "CameraView":
+        """The view of the camera's mirror image in a plane, whose picture fits this one's pixel by pixel: its axes are left-handed.
+
+        point, normal : (3,) of the plane, the normal of length 1
+        """
+        n = np.asarray(normal, np.float64)
+        position = self.position - 2.0 * float((self.position - np.asarray(point)) @ n) * n
+        return replace(self, position=position, axes=self.axes - 2.0 * np.outer(self.axes @ n, n))
 
     def project(self, points, size) -> np.ndarray:
         """(n, 3) column, row and depth of world points (n, 3) in a picture of size (width, height)."""

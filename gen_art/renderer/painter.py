@@ -19,10 +19,11 @@ from gen_art.renderer.look_tables import LookTables, kernel_numbers
 from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import ProjectedParticles, shade
 from gen_art.renderer.smoke_lighting import add_scattered_light
-from gen_art.renderer.sprite import DISC, FOOTPRINT, HIDDEN, KINDS, POINT, STREAK
+from gen_art.renderer.sprite import ALPHA, DISC, FOOTPRINT, HIDDEN, KINDS, POINT, STREAK
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.supersample import box_averaged
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES, SurfaceDepths, hide_small_sprites
+from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.solid_rows import SolidSystem, shapes_of
 from gen_art.renderer.surfaces.surface_pass import SurfacePass
@@ -78,6 +79,7 @@ class Painter:
         self.scene = scene or Scene()
         self.framebuffer = FrameBuffer(self.size)
         self._surfaces: SurfacePass | None = None
+        self._film: MirrorFilm | None = None
         self._sprites = Sprites()
         self._projected: dict[str, ProjectedParticles] = {}
         self._trails: dict[str, FrameBuffer] = {}
@@ -99,9 +101,12 @@ class Painter:
         The next picture overwrites the view. Trails lie between the surfaces and the sprites, as `expose_trails` left them. Raises PresetError for
         light that is not finite.
         """
-        self.framebuffer.clear()
         view = self.view(sim, film_time)
-        self._draw(sim, list(sim.systems), view, film_time, self.shutter, 1.0, self.framebuffer, trails=self._trails)
+        film = self._mirror_film(sim, view, film_time)
+        self.framebuffer.clear()
+        self._draw(
+            sim, list(sim.systems), view, film_time, self.shutter, 1.0, self.framebuffer, trails=self._trails, film=film
+        )
         pixels = self.framebuffer.pixels if self.supersample == 1 else box_averaged(self.framebuffer, self.supersample)
         if not math.isfinite(pixels.max()):  # light is never negative; a NaN anywhere is the largest, too
             raise PresetError(
@@ -109,6 +114,22 @@ class Painter:
                 "distance is too large for float32, whose largest number is 3.4e38; its square must fit too"
             )
         return pixels
+
+    def _mirror_film(self, sim, view, film_time: float) -> MirrorFilm:
+        """What the scene's mirror shows; NO_MIRROR if it has none."""
+        if self.scene.mirror < 0:
+            return NO_MIRROR
+        collider, look = self.scene.surfaces[self.scene.mirror]
+        point, normal = collider.values["point"], collider.values["normal"]
+        if self._film is None:
+            self._film = MirrorFilm(self.size)
+        self.framebuffer.clear()
+        behind, mirror = view.mirrored(point, normal), (point, normal)
+        self._draw(
+            sim, list(sim.systems), behind, film_time, self.shutter, 1.0, self.framebuffer, trails={}, mirror=mirror
+        )
+        self._film.take(self.framebuffer.pixels, look.roughness > 0.0)
+        return self._film
 
     def draw(self, sim, film_time: float, framebuffer: FrameBuffer, recolour=None) -> None:
         """Draw all systems into a framebuffer of this painter's size.
@@ -162,9 +183,13 @@ class Painter:
 
     def _draw(
         self, sim, names, view, film_time, shutter, weight, framebuffer: FrameBuffer, recolour=None,
-        trails: dict[str, FrameBuffer] | None = None,
+        trails: dict[str, FrameBuffer] | None = None, film: MirrorFilm = NO_MIRROR, mirror=None,
     ) -> None:  # fmt: skip
-        """Draw systems over what the framebuffer holds; where `trails` are given, first the surfaces and then these trails."""
+        """Draw systems over what the framebuffer holds; where `trails` are given, first the surfaces and then these trails.
+
+        film : what the scene's mirror shows
+        mirror : (point, normal) of the plane behind which the view lies as its mirror image, or None
+        """
         drawn: dict[str, tuple] = {}
         lit: dict[str, tuple] = {}
         solids: list[SolidSystem] = []
@@ -182,6 +207,8 @@ class Painter:
                     lit=solid or light is not None,
                 )  # fmt: skip
                 shade(projected, system, tables, q, self._acceleration(name, system, sim.time))
+                if mirror is not None:
+                    _hide_below(projected, system, *mirror)
                 drawn[name] = system, projected.used
                 if solid:
                     shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
@@ -191,7 +218,7 @@ class Painter:
         smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1])) if lit else {}
         sprites.clear()
         if trails is not None:
-            sprites.hidden_by = self._draw_surfaces(sim, view, solids, smoke, framebuffer)
+            sprites.hidden_by = self._draw_surfaces(sim, view, solids, smoke, framebuffer, film, mirror)
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
         sprites.layered = (
@@ -214,17 +241,17 @@ class Painter:
         """Whether a system is drawn by surfaces in the scene's light: balls, bodies or threads."""
         return look.shapes or (self.scene.light is not None and look.draw == "sphere" and look.blend == "opaque")
 
-    def _draw_surfaces(
-        self, sim, view, solids: list[SolidSystem], smoke: dict, framebuffer: FrameBuffer
-    ) -> SurfaceDepths:
+    def _draw_surfaces(self, sim, view, solids, smoke: dict, framebuffer, film: MirrorFilm, mirror) -> SurfaceDepths:
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
-        light = self.scene.light
-        if not solids and not self.scene.surfaces:
+        scene = self.scene if mirror is None else self.scene.without_mirror()
+        light = scene.light
+        if not solids and not scene.surfaces:
             return NOTHING_HIDES
         if self._surfaces is None:
             self._surfaces = SurfacePass(self.size)
         shading = smoke.get((light.direction, light.resolution)) if light is not None else None
-        found = self._surfaces.draw(self.scene, view, sim.time, solids, shading and shading[:2], framebuffer)
+        smoke_of_lamp = shading and shading[:2]
+        found = self._surfaces.draw(scene, view, sim.time, solids, smoke_of_lamp, framebuffer, film, mirror)
         if not found:
             return NOTHING_HIDES
         depths, tiles = self._surfaces.depths, self._surfaces.bounds
@@ -287,6 +314,13 @@ class Painter:
             if largest <= min_footprint:
                 return
         sprites.add(projected, kind, framebuffer, look.tail, look.taper, min_footprint)
+
+
+def _hide_below(projected: ProjectedParticles, system, point, normal) -> None:
+    """Hide the particles behind a plane."""
+    height = np.asarray(normal, np.float64) @ system.floats[POSITION, : projected.count] - float(np.dot(normal, point))
+    projected.used[FOOTPRINT, height < 0.0] = HIDDEN
+    projected.used[ALPHA, height < 0.0] = 0.0
 
 
 def render_frame(sim: "Simulation", size: tuple[int, int] = (1280, 720), camera: Camera | None = None) -> np.ndarray:

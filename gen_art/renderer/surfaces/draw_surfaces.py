@@ -13,6 +13,7 @@ from gen_art.backend.runtime import kernel, ti
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms, first_hit, surface_normal
 from gen_art.renderer.surfaces.scene_numbers import (
     CAMERA,
+    CLIP,
     FAR,
     FORWARD,
     NEAR,
@@ -22,6 +23,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     TIME,
     WIDTH,
     camera_ray,
+    first_distance,
     vector_at,
 )
 from gen_art.renderer.surfaces.solids import ALBEDO, EMITTED, MATERIAL, NEVER, solid_hit, solid_normal
@@ -61,10 +63,10 @@ def _collider_hit(entries: ti.template(), scene: ti.template(), o, d):
     stretch, per_length, tolerance = 1.0, 0.0, 0.02 / N[SCALE]
     if N[PARALLEL] < 0.5:
         stretch, per_length, tolerance = 1.0 / ti.max(d.dot(vector_at(N, FORWARD)), 1e-6), tolerance, 1e-7
-    high = ti.min(N[FAR] * stretch, NEVER)
-    t, surface = first_hit(
-        entries, scene.Q, o + vector_at(N, CAMERA), d, N[TIME], N[NEAR] * stretch, high, tolerance, per_length
-    )
+    low, high = ti.max(N[NEAR] * stretch, first_distance(N, o, d)), ti.min(N[FAR] * stretch, NEVER)
+    if N[PARALLEL] > 0.5 and N[CLIP] ** 2 + N[CLIP + 1] ** 2 + N[CLIP + 2] ** 2 == 0.0:
+        low = N[NEAR]
+    t, surface = first_hit(entries, scene.Q, o + vector_at(N, CAMERA), d, N[TIME], low, high, tolerance, per_length)
     if surface < 0:
         t = NEVER
     return t, surface
@@ -106,7 +108,7 @@ def _trace_solid(scene: ti.template(), i, who, box, ox, oy, distance: ti.templat
                 r = (row * TILE + column) * SUBPIXELS + s
                 o, d = _subpixel_ray(N, ox + column, oy + row, s)
                 t = solid_hit(scene.B, i, o, d)
-                if t < distance[r]:
+                if t < distance[r] and t > first_distance(N, o, d):
                     distance[r], owner[r] = t, who
 
 
@@ -126,7 +128,7 @@ def _light(entries: ti.template(), surfaces: ti.template(), scene: ti.template()
             m = scene.owners[who]
             albedo = albedo_at(scene.M, N, m, x, n, t, ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5)
             emission = row_vector(scene.M, m, EMISSION)
-    return surface_radiance(entries, scene, m, x, n, -d, albedo, emission, t, depth)
+    return surface_radiance(entries, scene, m, x, n, -d, albedo, emission, t, depth, column, row)
 
 
 @ti.func
@@ -147,7 +149,7 @@ def draw_kernel(terms: ColliderTerms):
     def draw(
         N: F1, Q: F1, owners: I1, M: F2, E: F3, B: F2, rectangles: I2, bin_starts: I1, bin_solids: I1, shadow_starts: I1,
         shadow_solids: I1, D: F2, sky: F2, open_sky: F1, smoke: F1, across: ti.i32, down: ti.i32, framebuffer: F1,
-        stride: ti.i32, depths: F3, bounds: F3,
+        stride: ti.i32, depths: F3, bounds: F3, T: F2, levels: I2, G: F2,
     ):  # fmt: skip
         """Draw surfaces into a clear framebuffer, and their distances along the line of sight into `depths`.
 
@@ -158,12 +160,13 @@ def draw_kernel(terms: ColliderTerms):
         D : of lamp_disc; sky, open_sky : of SkyLight; smoke : optical depths from the lamp
         depths : (rows, columns, SUBPIXELS), NEVER where nothing is met
         bounds : (down, across, 2) the least and the largest of them in each tile
+        T, levels : of the MirrorFilm; G : of blur_points
         """
         ti.loop_config(block_dim=1)
         for tile in range(across * down * TILES * TILES):
             scene = arrays(
                 N=N, Q=Q, owners=owners, M=M, E=E, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D,
-                sky=sky, open_sky=open_sky, smoke=smoke,
+                sky=sky, open_sky=open_sky, smoke=smoke, T=T, levels=levels, G=G,
             )  # fmt: skip
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE

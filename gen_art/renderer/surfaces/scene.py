@@ -1,11 +1,12 @@
 """What lights a picture and what stands in it: the lamp and the sky, the ground, and the colliders that are drawn."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from gen_art.colliders.base import Collider
 from gen_art.colliders.plane import Plane
+from gen_art.errors import UsageError
 from gen_art.preset.light import KeyLight
 from gen_art.preset.surface import Ground, SurfaceLook, surface_look
 
@@ -45,4 +46,31 @@ class Scene:
             look = surface_look(collider.values["look"])
             if look is not None:
                 found.append((collider, look))
+        _check_mirrors(found)
         return found
+
+    @cached_property
+    def mirror(self) -> int:
+        """The index of the surface that reflects the scene, or -1."""
+        return next((k for k, (_, look) in enumerate(self.surfaces) if look.mirror), -1)
+
+    def without_mirror(self) -> "Scene":
+        """The scene as the mirror shows it: without the mirror itself."""
+        collider, _ = self.surfaces[self.mirror]
+        if self.ground is not None and self.mirror == 0:
+            return replace(self, ground=None)
+        return replace(self, colliders=tuple(other for other in self.colliders if other is not collider))
+
+
+def _check_mirrors(surfaces) -> None:
+    """Raise UsageError unless there is one mirror at most, a plane that stands still."""
+    mirrors = [collider for collider, look in surfaces if look.mirror]
+    if len(mirrors) > 1:
+        raise UsageError(
+            f"{len(mirrors)} surfaces have `mirror: true`, and a mirror that faces a mirror shows itself without end: leave one"
+        )
+    for collider in mirrors:
+        if not isinstance(collider, Plane):
+            raise UsageError(f"only a plane or the ground can be a mirror, not a {collider.name}: leave out `mirror`")
+        if collider.rotates or any(collider.values["velocity"]):
+            raise UsageError("a mirror must stand still: leave out the velocity of the plane, or its `mirror`")

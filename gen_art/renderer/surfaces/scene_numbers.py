@@ -13,16 +13,16 @@ from gen_art.renderer.camera import CameraView
 from gen_art.renderer.colour import linear
 from gen_art.renderer.smoke_lighting import lamp_axes
 
-__all__ = ["NUMBERS", "camera_ray", "lamp_tangent", "scene_numbers", "vector_at"]
+__all__ = ["NUMBERS", "camera_ray", "first_distance", "lamp_tangent", "scene_numbers", "vector_at"]
 
 (
     CAMERA, RIGHT, UP, FORWARD, SCALE, PARALLEL, NEAR, FAR, WIDTH, ROWS, TIME, TO_LAMP, LAMP_SIDE, LAMP_UP, LAMP_TANGENT,
     LAMP_COLOUR, SHADOWS, SHADOW_REACH, FOG_START, FOG_RATE, FOG_COLOUR, BIN_CORNER, BIN_CELL, BIN_SHAPE, SKY_ORIGIN, SKY_CELL,
-    SKY_SHAPE, SMOKE_CORNER, SMOKE_CELL, SMOKE_SHAPE,
+    SKY_SHAPE, SMOKE_CORNER, SMOKE_CELL, SMOKE_SHAPE, CLIP, MIRROR,
 ) = (
-    0, 3, 6, 9, 12, 13, 14, 15, 16, 17, 18, 19, 22, 25, 28, 29, 32, 33, 34, 35, 36, 39, 41, 42, 44, 47, 48, 51, 54, 55,
+    0, 3, 6, 9, 12, 13, 14, 15, 16, 17, 18, 19, 22, 25, 28, 29, 32, 33, 34, 35, 36, 39, 41, 42, 44, 47, 48, 51, 54, 55, 58, 62,
 )  # fmt: skip
-NUMBERS = 58
+NUMBERS = 63
 _FARTHEST = 1e15  # its square is a float32
 
 
@@ -30,6 +30,20 @@ _FARTHEST = 1e15  # its square is a float32
 def vector_at(N: ti.template(), k):
     """The three numbers from N[k] on."""
     return ti.Vector([N[k], N[k + 1], N[k + 2]])
+
+
+@ti.func
+def first_distance(N: ti.template(), o, d):
+    """The distance along a ray from which on the scene is drawn: 0, or where it crosses the plane of a mirror from behind.
+
+    It is _FARTHEST for a ray that does not.
+    """
+    result, normal = 0.0, vector_at(N, CLIP)
+    if normal.dot(normal) > 0.0:
+        towards, result = normal.dot(d), ti.static(_FARTHEST)
+        if towards > 1e-9:
+            result = ti.max((N[CLIP + 3] - normal.dot(o)) / towards, 0.0)
+    return result
 
 
 @ti.func
@@ -50,7 +64,9 @@ def lamp_tangent(light: KeyLight) -> float:
     return math.tan(math.radians(light.size) / 2.0)
 
 
-def scene_numbers(view: CameraView, size, time: float, light: KeyLight, shadows: bool, bins, sky, smoke) -> np.ndarray:
+def scene_numbers(
+    view: CameraView, size, time: float, light: KeyLight, shadows: bool, bins, sky, smoke, clip=None, mirror: int = -1
+) -> np.ndarray:  # fmt: skip
     """N, (NUMBERS,) float32.
 
     size : (width, height) of the picture
@@ -58,6 +74,8 @@ def scene_numbers(view: CameraView, size, time: float, light: KeyLight, shadows:
     bins : ShadowBins
     sky : SkyLight
     smoke : the Smoke that shadows the lamp, along the lamp's axes, or None
+    clip : (point, normal) of the plane before which nothing is drawn, as behind a mirror, or None
+    mirror : the material of the mirror, or -1
     """
     n = np.zeros(NUMBERS)
     n[CAMERA : CAMERA + 3] = view.position
@@ -80,6 +98,10 @@ def scene_numbers(view: CameraView, size, time: float, light: KeyLight, shadows:
     if smoke is not None:
         n[SMOKE_CORNER : SMOKE_CORNER + 3], n[SMOKE_CELL] = smoke.corner, smoke.cell
         n[SMOKE_SHAPE : SMOKE_SHAPE + 3] = smoke.extinction.shape
+    if clip is not None:
+        point, normal = (np.asarray(vector, np.float64) for vector in clip)
+        n[CLIP : CLIP + 3], n[CLIP + 3] = normal, (point - view.position) @ normal
+    n[MIRROR] = mirror
     return n.astype(np.float32)
 
 

@@ -10,6 +10,7 @@ from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms
 from gen_art.renderer.surfaces.draw_surfaces import BIN, SUBPIXELS, TILE, draw_kernel
 from gen_art.renderer.surfaces.lamp_shadows import ShadowBins, lamp_disc
+from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm, blur_points
 from gen_art.renderer.surfaces.reflection import reflected_share
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.scene_numbers import lamp_tangent, scene_numbers
@@ -40,13 +41,17 @@ class SurfacePass:
         self.size = size
         self.depths = np.zeros((size[1], size[0], SUBPIXELS), np.float32)
         self.bounds = np.zeros((-(-size[1] // TILE), -(-size[0] // TILE), 2), np.float32)
-        self._disc = lamp_disc()
+        self._disc, self._blur = lamp_disc(), blur_points()
 
-    def draw(self, scene: Scene, view, time: float, solids: list[SolidSystem], smoke, framebuffer) -> bool:
+    def draw(
+        self, scene: Scene, view, time: float, solids: list[SolidSystem], smoke, framebuffer, film: MirrorFilm = NO_MIRROR, clip=None
+    ) -> bool:  # fmt: skip
         """Draw what there is into a clear framebuffer; False if there is nothing to draw.
 
         solids : of each system of them
         smoke : (Smoke along the lamp's axes, its optical depths from the lamp) that shadows surfaces, or None
+        film : what the scene's mirror shows
+        clip : (point, normal) of the plane before which nothing is drawn, or None
         """
         surfaces = scene.surfaces
         rows = solid_rows(solids, len(surfaces), view)
@@ -62,7 +67,8 @@ class SurfacePass:
         bins = ShadowBins.of(positions, radii, lamp_axes(light.direction), lamp_tangent(light), depth)
         sky = SkyLight.of(light, positions, np.pi * radii**2 * scene.shadows, radii)
         grid, depths = smoke if smoke is not None and scene.shadows else (None, np.zeros(1, np.float32))
-        numbers = scene_numbers(view, self.size, time, light, scene.shadows, bins, sky, grid)
+        mirror = scene.mirror if film is not NO_MIRROR else -1
+        numbers = scene_numbers(view, self.size, time, light, scene.shadows, bins, sky, grid, clip, mirror)
         rectangles = pixel_rectangles(rows, view, self.size)
         across, down = framebuffer.across, framebuffer.down
         first, last = rectangles[:, 2::-2] // BIN, rectangles[:, 3::-2] // BIN
@@ -70,7 +76,7 @@ class SurfacePass:
         draw_kernel(terms)(
             numbers, terms.numbers(), np.array(terms.owners or [0], np.int32), table, shares, _some(rows), _some(rectangles),
             bin_starts, _some(bin_solids), bins.starts, _some(bins.solids), self._disc, sky.light, sky.open, depths, across, down,
-            framebuffer.buffer, framebuffer.stride, self.depths, self.bounds,
+            framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, film.texels, film.levels, self._blur,
         )  # fmt: skip
         return True
 

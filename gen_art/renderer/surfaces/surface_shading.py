@@ -5,6 +5,7 @@ The one-letter names in kernels are in docs/glossary.md.
 
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp
+from gen_art.renderer.surfaces.mirror_film import mirrored_light
 from gen_art.renderer.surfaces.reflection import ANGLES, SMOOTH, fresnel_of, microfacets
 from gen_art.renderer.surfaces.scene_numbers import (
     CAMERA,
@@ -13,10 +14,13 @@ from gen_art.renderer.surfaces.scene_numbers import (
     FOG_START,
     LAMP_COLOUR,
     LAMP_TANGENT,
+    MIRROR,
     PARALLEL,
+    RIGHT,
     SCALE,
     SKY_CELL,
     TO_LAMP,
+    UP,
     camera_ray,
     vector_at,
 )
@@ -83,12 +87,15 @@ def albedo_at(M: ti.template(), N: ti.template(), m, x, n, t, column, row):
 
 
 @ti.func
-def surface_radiance(entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, emission, t, depth):
+def surface_radiance(
+    entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, emission, t, depth, column, row
+):  # fmt: skip
     """The radiance (3,) from x towards the camera.
 
     m : row of the material
     x : position relative to the camera; n : unit normal; view : unit vector to the camera
     t, depth : distance along the ray, and along the line of sight
+    column, row : the pixel
     """
     N, M, E = ti.static(scene.N, scene.M, scene.E)
     pixel = ti.select(N[PARALLEL] > 0.5, 1.0, t) / N[SCALE]
@@ -113,11 +120,14 @@ def surface_radiance(entries: ti.template(), scene: ti.template(), m, x, n, view
     mirrored = n * (2.0 * n.dot(view)) - view
     schlick, dielectric = (1.0 - vh) ** 5, fresnel_of(vh, M[m, IOR]) * lobe
     blur = 1.0 - rough * (1.0 / 3.0)
+    film = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    if N[MIRROR] == ti.cast(m, ti.f32):
+        film = _mirrored(scene, n, nv, rough, column, row)
     result = emission
     for k in ti.static(range(3)):
         lamp, slope = N[LAMP_COLOUR + k] * share, ti.Vector([sky[3 + 3 * k], sky[4 + 3 * k], sky[5 + 3 * k]])
         arriving = 4.0 * lamp * ti.max(nl, 0.0) + ti.max(sky[k] + (2.0 / 3.0) * slope.dot(n), 0.0)
-        reflected = ti.max(sky[k] + blur * slope.dot(mirrored), 0.0)
+        reflected = film[k] + (1.0 - film[3]) * ti.max(sky[k] + blur * slope.dot(mirrored), 0.0)
         painted = (1.0 - c) * arriving * albedo[k] + c * reflected + dielectric * lamp
         again = 1.0 + albedo[k] * (1.0 / ti.max(a + b, 1e-3) - 1.0)  # what a rough metal reflects twice
         bare = (albedo[k] * a + b) * reflected + (albedo[k] + (1.0 - albedo[k]) * schlick) * lobe * lamp
@@ -126,6 +136,21 @@ def surface_radiance(entries: ti.template(), scene: ti.template(), m, x, n, view
         seen = exp(-ti.max(depth - N[FOG_START], 0.0) * N[FOG_RATE])
         result = result * seen + vector_at(N, FOG_COLOUR) * (1.0 - seen)
     return result
+
+
+@ti.func
+def _mirrored(scene: ti.template(), n, nv, rough, column, row):
+    """(4,) light and coverage that the mirror shows in a pixel."""
+    N = ti.static(scene.N)
+    # the slopes of facets have the standard deviation alpha / sqrt(2); a reflected ray turns by twice the angle
+    spread = 1.4142135 * rough * rough * N[SCALE]
+    up = ti.Vector([n.dot(vector_at(N, RIGHT)), -n.dot(vector_at(N, UP))])
+    length = up.norm()
+    cosine, sine = 0.0, 1.0
+    if length > 1e-6:
+        cosine, sine = up[0] / length, up[1] / length
+    x, y = ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5
+    return mirrored_light(scene.T, scene.levels, scene.G, x, y, spread, spread * nv, cosine, sine)
 
 
 @ti.func

@@ -1,0 +1,111 @@
+"""What a mirror shows: the scene as a camera behind the mirror sees it, blurred by the mirror's roughness.
+
+The mirrored camera's picture fits the camera's own picture pixel by pixel. A rough plane spreads the reflection: by the slopes of
+its facets along the direction in which its normal points in the picture, and by less across it the flatter the view is.
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
+
+import numpy as np
+
+from gen_art.backend.runtime import kernel, ti
+from gen_art.maths.array_functions import cos, log, sin
+
+__all__ = ["LEVELS", "NO_MIRROR", "MirrorFilm", "blur_points", "mirrored_light"]
+
+LEVELS = 7  # of a pyramid of pictures, each of half the size of the one before
+POINTS = 16  # at which a rough mirror reads the pyramid
+_GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
+_FINER = 0.6  # standard deviation of the texels that a point reads, relative to the spread of the points
+
+F2, I2 = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i32, 2)
+
+
+def blur_points() -> np.ndarray:
+    """(POINTS, 2) float32: a normal distribution of standard deviation 1 along both axes, by the golden angle."""
+    k = np.arange(POINTS)
+    radius = np.sqrt(-2.0 * log(1.0 - (k + 0.5) / POINTS))
+    return np.stack([radius * cos(k * _GOLDEN), radius * sin(k * _GOLDEN)], axis=1).astype(np.float32)
+
+
+@ti.kernel
+def _halve(T: F2, levels: I2, level: ti.i32):
+    """Fill a level of the pyramid with the means of 2 x 2 texels of the level before."""
+    ti.loop_config(block_dim=1)
+    for row in range(levels[level, 2]):
+        fine, width, rows = levels[level - 1, 0], levels[level - 1, 1], levels[level - 1, 2]
+        for column in range(levels[level, 1]):
+            for c in range(4):
+                total = 0.0
+                for k in range(4):
+                    i, j = ti.min(2 * row + k // 2, rows - 1), ti.min(2 * column + k % 2, width - 1)
+                    total += T[fine + i * width + j, c]
+                T[levels[level, 0] + row * levels[level, 1] + column, c] = 0.25 * total
+
+
+_halve_kernel = kernel(_halve)
+
+
+class MirrorFilm:
+    """A picture of linear light and its pyramid.
+
+    texels : (n, 4) float32
+    levels : (LEVELS, 3) int32, first texel, width and rows of each level
+    """
+
+    def __init__(self, size: tuple[int, int]):
+        sizes = [(-(-size[0] // 2**k), -(-size[1] // 2**k)) for k in range(LEVELS)]
+        starts = np.cumsum([0] + [w * h for w, h in sizes])
+        self.levels = np.array([(s, w, h) for s, (w, h) in zip(starts, sizes)], np.int32)
+        self.texels = np.zeros((int(starts[-1]), 4), np.float32)
+
+    def take(self, pixels: np.ndarray, blurred: bool) -> None:
+        """Take over a picture, (rows, columns, 4); the pyramid only if the mirror blurs."""
+        rows, columns = pixels.shape[:2]
+        self.texels[: rows * columns].reshape(rows, columns, 4)[:] = pixels
+        if blurred:
+            for level in range(1, LEVELS):
+                _halve_kernel(self.texels, self.levels, level)
+
+
+NO_MIRROR = MirrorFilm((1, 1))
+
+
+@ti.func
+def _texel(T: ti.template(), levels: ti.template(), level, x, y):
+    """Light at a place in pixels of the full picture, bilinear in one level, clamped at the border."""
+    scale = 1.0 / ti.cast(1 << level, ti.f32)
+    start, width, rows = levels[level, 0], levels[level, 1], levels[level, 2]
+    u = ti.min(ti.max(x * scale - 0.5, 0.0), ti.cast(width - 1, ti.f32))
+    v = ti.min(ti.max(y * scale - 0.5, 0.0), ti.cast(rows - 1, ti.f32))
+    i, j = ti.min(ti.cast(v, ti.i32), ti.max(rows - 2, 0)), ti.min(ti.cast(u, ti.i32), ti.max(width - 2, 0))
+    fv, fu = v - ti.cast(i, ti.f32), u - ti.cast(j, ti.f32)
+    result = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for k in ti.static(range(4)):
+        a, b = ti.min(i + k // 2, rows - 1), ti.min(j + k % 2, width - 1)
+        weight = (fv if k // 2 else 1.0 - fv) * (fu if k % 2 else 1.0 - fu)
+        for c in ti.static(range(4)):
+            result[c] += weight * T[start + a * width + b, c]
+    return result
+
+
+@ti.func
+def mirrored_light(T: ti.template(), levels: ti.template(), G: ti.template(), x, y, along, across, cosine, sine):
+    """(4,) light and coverage of the mirrored picture at a place, blurred.
+
+    along, across : standard deviations in pixels, along the direction (cosine, sine) of the picture and across it
+    G : (POINTS, 2) of blur_points
+    """
+    result = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    if along < 0.3:
+        result = _texel(T, levels, 0, x, y)
+    else:
+        spread, level = ti.sqrt(ti.max(along * ti.max(across, 0.3), 0.09)) * _FINER, 0
+        while spread > 1.0 and level < LEVELS - 1:
+            spread *= 0.5
+            level += 1
+        for k in range(POINTS):
+            a, b = along * G[k, 0], across * G[k, 1]
+            result += _texel(T, levels, level, x + a * cosine - b * sine, y + a * sine + b * cosine)
+        result *= 1.0 / POINTS
+    return result
