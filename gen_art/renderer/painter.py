@@ -19,7 +19,7 @@ from gen_art.renderer.look_tables import LookTables, kernel_numbers
 from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import ProjectedParticles, shade
 from gen_art.renderer.smoke_lighting import add_scattered_light
-from gen_art.renderer.sprite import ALPHA, DISC, FOOTPRINT, HIDDEN, KINDS, POINT, STREAK
+from gen_art.renderer.sprite import DISC, FOOTPRINT, HIDDEN, KINDS, POINT, STREAK
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.supersample import box_averaged
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES, SurfaceDepths, hide_small_sprites
@@ -320,7 +320,6 @@ def _hide_below(projected: ProjectedParticles, system, point, normal) -> None:
     """Hide the particles behind a plane."""
     height = np.asarray(normal, np.float64) @ system.floats[POSITION, : projected.count] - float(np.dot(normal, point))
     projected.used[FOOTPRINT, height < 0.0] = HIDDEN
-    projected.used[ALPHA, height < 0.0] = 0.0
 
 
 def render_frame(sim: "Simulation", size: tuple[int, int] = (1280, 720), camera: Camera | None = None) -> np.ndarray:

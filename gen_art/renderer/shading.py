@@ -94,6 +94,7 @@ __all__ = ["ProjectedParticles", "shade"]
 LANES = 8
 BLOCK = 2048  # particles per iteration of the parallel loop
 REFERENCE_ROWS = 720.0  # a "pixel" of a preset is 1/720 of the picture's height
+FARTHEST = 1e30  # a sum of coordinates that are numbers; beyond it nothing is drawn
 BOKEH = 0.25 / KERNEL_VARIANCE  # square of the footprint whose kernel has the variance of an even disc of radius 1
 # Half widths of an even disc's rim that keep the second moment: of a sharp disc out of focus by 1, and, as a
 # share of its footprint, of a soft one.
@@ -168,6 +169,7 @@ def _shade(
             v_right, v_up, v_ahead = _lanes(0.0), _lanes(0.0), _lanes(0.0)
             px, py, dx, dy, pixels_per_unit = _lanes(0.0), _lanes(0.0), _lanes(0.0), _lanes(0.0), _lanes(0.0)
             visible_part = _lanes(0.0)  # share of the streak that is in the frame; 0 for a particle that is not drawn
+            alive = _lanes(0.0)  # 1 for a particle that exists: it shadows others from behind the camera too
             quantity = ti.Vector([0.0] * ((QUANTITIES + RAMPS) * LANES))
             for j in range(LANES):
                 i = i0 + j
@@ -190,8 +192,11 @@ def _shade(
                 quantity[Q_DISTANCE * LANES + j] = ti.sqrt(x * x + y * y + z * z)
                 quantity[Q_X * LANES + j], quantity[Q_Y * LANES + j], quantity[Q_Z * LANES + j] = x, y, z
                 quantity[Q_ACCELERATION * LANES + j] = acceleration[ti.min(i, accelerations - 1)]
-                visible = (i < n) & (age >= 0.0) & (age < lifetime) & (ahead[j] < far)
-                visible = visible & ((ahead[j] >= near) | (kind == STREAK))
+                exists = (
+                    (i < n) & (age >= 0.0) & (age < lifetime) & (abs(right[j]) + abs(up[j]) + abs(ahead[j]) < FARTHEST)
+                )
+                visible = exists & (ahead[j] < far) & ((ahead[j] >= near) | (kind == STREAK))
+                alive[j] = ti.select(exists, 1.0, 0.0)
                 visible_part[j] = ti.select(visible, 1.0, 0.0)
             if kind == STREAK:
                 for j in range(LANES):
@@ -330,7 +335,7 @@ def _shade(
                         table_index[j], table_index[LANES + j], table_index[2 * LANES + j] = c, d, e
                         world_footprint = radius[j] / pixels_per_unit[j] * FOOTPRINT_PER_RADIUS
                         extinction = optical_depth[j] * AREA * world_footprint * world_footprint
-                        table_index[3 * LANES + j] = ti.select(visible_part[j] > 0.0, extinction, 0.0)
+                        table_index[3 * LANES + j] = alive[j] * extinction
                     else:
                         red[j], green[j], blue[j] = red[j] + c, green[j] + d, blue[j] + e
             else:

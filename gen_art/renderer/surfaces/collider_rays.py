@@ -9,17 +9,27 @@ Source: Hart, Sphere tracing, The Visual Computer 12 (1996).
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
 from gen_art.backend.kernel_views import parameters, traced
-from gen_art.backend.runtime import ti
+from gen_art.backend.runtime import kernel, ti
 from gen_art.colliders.base import Collider
-from gen_art.colliders.surface import distance_and_normal, rotated_about, to_start_frame
+from gen_art.colliders.surface import distance_and_normal, nearest_distance, rotated_about, to_start_frame
 from gen_art.integrators.kernel_terms import KernelTerms
 
-__all__ = ["ColliderTerms", "cast_by", "first_hit", "ray_in_start_frame", "side_hit", "surface_normal"]
+__all__ = [
+    "ColliderTerms",
+    "cast_by",
+    "collider_distances",
+    "first_hit",
+    "ray_in_start_frame",
+    "side_hit",
+    "surface_normal",
+]
 
+F1, F2 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2)
 _NEWTON_STEPS, _MARCH_STEPS = 64, 400
 _PARALLEL = 1e-6  # slope of the distance along a ray from which on the ray counts as leaving a convex solid
 
@@ -142,3 +152,27 @@ def surface_normal(entries: ti.template(), Q: ti.template(), surface, x, time):
     """The unit normal (3,) of a surface at the position x and the time."""
     found = distance_and_normal(entries, Q, surface, x, time, 1)
     return ti.Vector([found[0], found[1], found[2]])
+
+
+@cache
+def _distance_kernel(terms: ColliderTerms):
+    entries = terms.entries
+
+    @ti.kernel
+    def distances(Q: F1, X: F2, time: ti.f32, out: F2):
+        """out[i, k], m: the distance of X[i] from the nearest side of collider k."""
+        for i in range(X.shape[0]):
+            x = ti.Vector([X[i, 0], X[i, 1], X[i, 2]])
+            for k, entry in ti.static(enumerate(entries)):
+                out[i, k] = nearest_distance(entry.collider, parameters(Q, entry.collider, entry.offset), x, time)
+
+    return kernel(distances)
+
+
+def collider_distances(terms: ColliderTerms, points, time: float) -> np.ndarray:
+    """(n, colliders) m, the distances of points (n, 3) from each collider at a time; positive where particles may be."""
+    x = np.ascontiguousarray(points, np.float32).reshape(-1, 3)
+    out = np.zeros((len(x), len(terms.entries)), np.float32)
+    if out.size:
+        _distance_kernel(terms)(terms.numbers(), x, float(time), out)
+    return out

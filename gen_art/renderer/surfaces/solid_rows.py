@@ -7,7 +7,7 @@ import numpy as np
 from gen_art.errors import UsageError
 from gen_art.interactions.base import Shapes
 from gen_art.preset.surface import Finish
-from gen_art.renderer.shading import LIT_ALBEDO, LIT_POSITION, LIT_RADIUS
+from gen_art.renderer.shading import LIT_ALBEDO, LIT_EXTINCTION, LIT_POSITION, LIT_RADIUS
 from gen_art.renderer.sprite import ALPHA, BLUE, RED
 from gen_art.renderer.surfaces.solids import ALBEDO, AXES, BOUND, CENTER, EMITTED, HALF, MATERIAL, RADIUS, SOLID_FLOATS
 
@@ -45,14 +45,14 @@ def shapes_of(name: str, draw: str, interactions, state) -> Shapes:
 
 
 def solid_rows(systems: list[SolidSystem], first_material: int, view) -> np.ndarray:
-    """(n, SOLID_FLOATS) rows of all solids whose particles the camera could see; materials count on from `first_material`."""
+    """(n, SOLID_FLOATS) rows of all solids, those behind the camera too, which cast shadows; materials count on from `first_material`."""
     found = [np.zeros((0, SOLID_FLOATS), np.float32)]
     for k, system in enumerate(systems):
         shapes = system.shapes
         particle = np.arange(system.channels.shape[1]) if shapes is None else shapes.particle
-        here = np.flatnonzero(system.channels[ALPHA, particle] > 0.0)
+        here = np.flatnonzero(system.columns[particle, LIT_EXTINCTION] > 0.0)
         particle = particle[here]
-        area, columns = system.channels[ALPHA, particle], system.columns[particle]
+        area, columns = np.maximum(system.channels[ALPHA, particle], 1e-30), system.columns[particle]
         rows = np.zeros((len(here), SOLID_FLOATS), np.float32)
         rows[:, RADIUS] = columns[:, LIT_RADIUS]
         if shapes is None:

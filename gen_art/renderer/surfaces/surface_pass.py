@@ -26,6 +26,7 @@ from gen_art.renderer.surfaces.surface_shading import (
     ROUGHNESS,
     SECOND_ALBEDO,
 )
+from gen_art.renderer.surfaces.view_problems import check_camera, check_distances
 
 __all__ = ["SurfacePass"]
 
@@ -41,6 +42,7 @@ class SurfacePass:
         self.size = size
         self.depths = np.zeros((size[1], size[0], SUBPIXELS), np.float32)
         self.bounds = np.zeros((-(-size[1] // TILE), -(-size[0] // TILE), 2), np.float32)
+        self._checked = False  # whether the shapes' distances were tested, once for a film
         self._disc, self._blur = lamp_disc(), blur_points()
 
     def draw(
@@ -59,6 +61,11 @@ class SurfacePass:
             return False
         light = scene.light or KeyLight()
         terms = ColliderTerms([collider for collider, _ in surfaces])
+        if clip is None:
+            check_camera(terms, view, time)
+            if not self._checked:
+                check_distances(terms, view, time)
+                self._checked = True
         looks = [*(look for _, look in surfaces), *(system.finish for system in solids)]
         table = np.stack([_material(look) for look in looks])
         shares = np.stack([reflected_share(look.roughness, look.ior) for look in looks])

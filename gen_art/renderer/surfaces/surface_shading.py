@@ -103,7 +103,7 @@ def surface_radiance(
     nl, nv = n.dot(to_lamp), ti.min(ti.max(n.dot(view), 1e-4), 1.0)
     share = 0.0
     if nl > 0.0:
-        share = lamp_share(entries, scene, x + n * pixel, pixel)
+        share = lamp_share(entries, scene, x + n * (0.6 * pixel), pixel)
     sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * N[SKY_CELL])
     metal, rough = M[m, METAL], M[m, ROUGHNESS]
     at = nv * (ANGLES - 1.0)
