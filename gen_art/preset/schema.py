@@ -18,6 +18,7 @@ from gen_art.preset.files import FOLDER, PresetFile
 from gen_art.preset.look import Look
 from gen_art.preset.model import Model, about
 from gen_art.preset.registered import Many, class_schema, is_field, registry
+from gen_art.preset.sky import Sky
 from gen_art.preset.values import shown
 from gen_art.registry import suggest
 
@@ -151,6 +152,7 @@ class Preset(Model):
     forces: Annotated[Any, Many("forces")] = about((), "forces that act on every system")
     colliders: Annotated[Any, Many("colliders")] = about((), "colliders of every system")
     systems: dict[str, SystemSpec] = about(..., "the particle systems by name", min_length=1)
+    sky: Sky | None = about(None, "what surrounds the scene; nothing when left out")
     camera: CameraSpec | None = about(None, "the camera; when left out, one that has all particles in its view")
     develop: DevelopSpec = about(DevelopSpec(), "how light becomes a picture")
     gallery: Gallery = about(Gallery(), "the moments that represent the preset")

@@ -16,6 +16,8 @@ from gen_art.renderer.legend import DrawnLegend, legend_of
 from gen_art.renderer.look_tables import LookTables, kernel_numbers
 from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import ProjectedParticles, shade
+from gen_art.renderer.sky import SkyDome
+from gen_art.renderer.sky_background import draw_sky
 from gen_art.renderer.smoke_lighting import add_scattered_light
 from gen_art.renderer.sprite import DISC, FOOTPRINT, HIDDEN, KINDS, POINT, STREAK
 from gen_art.renderer.sprite_buffer import Sprites
@@ -59,13 +61,14 @@ class Painter:
     size : (width, height)
     shutter : simulated seconds the shutter is open
     supersample : the picture is drawn this many times as wide and as high; each pixel is the mean of the block drawn for it
+    sky : what lies behind everything, or None: then the picture keeps its alpha
     """
 
     def __init__(
         self, size, camera: Camera | None = None, looks: dict[str, Look | None] | None = None, shutter: float = 0.0,
-        supersample: int = 1,
+        supersample: int = 1, sky: SkyDome | None = None,
     ):  # fmt: skip
-        self.supersample = supersample
+        self.supersample, self.sky = supersample, sky
         self.size = check_size(tuple(side * supersample for side in check_size(size)), supersample)
         self.camera, self.looks, self.shutter = camera, looks or {}, shutter
         self.framebuffer = FrameBuffer(self.size)
@@ -94,6 +97,8 @@ class Painter:
         for trail in self._trails.values():
             self.framebuffer.buffer += trail.buffer
         self.draw(sim, film_time, self.framebuffer)
+        if self.sky is not None:
+            draw_sky(self.sky, self.view(sim, film_time), self.framebuffer)
         pixels = self.framebuffer.pixels if self.supersample == 1 else box_averaged(self.framebuffer, self.supersample)
         if not math.isfinite(pixels.max()):  # light is never negative; a NaN anywhere is the largest, too
             raise PresetError(
