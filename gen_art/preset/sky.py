@@ -18,7 +18,7 @@ __all__ = ["SHORT_NAMES", "Sky", "Stars", "Sun"]
 SHORT_NAMES: dict[str, dict] = {
     "studio": {
         "gradient": [
-            [0.0, "#6f6e6d"], [0.35, "#8b8a89"], [0.47, "#a3a3a2"], [0.53, "#a9a9a9"], [0.68, "#c2c3c5"], [1.0, "#f4f6f8"],
+            [0.0, "#8f8e8c"], [0.35, "#b4b3b1"], [0.47, "#cbcac9"], [0.53, "#d2d2d1"], [0.7, "#e6e6e7"], [1.0, "#ffffff"],
         ]
     },
     "paper": {"color": "#f6f3ec"},

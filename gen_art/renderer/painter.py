@@ -9,6 +9,7 @@ from gen_art.arguments import shown
 from gen_art.errors import PresetError, UsageError
 from gen_art.particles.rows import LIFETIME, POSITION, VELOCITY
 from gen_art.preset.look import Look
+from gen_art.preset.sky import Sky
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
 from gen_art.renderer.framebuffer import FrameBuffer, splat
@@ -243,17 +244,23 @@ class Painter:
         sprites.add(projected, kind, framebuffer, look.tail, look.taper, min_footprint)
 
 
-def render_frame(sim: "Simulation", size: tuple[int, int] = (1280, 720), camera: Camera | None = None) -> np.ndarray:
+def render_frame(
+    sim: "Simulation", size: tuple[int, int] = (1280, 720), camera: Camera | None = None, sky: Sky | None = None
+) -> np.ndarray:
     """A picture of the simulation's current state: (height, width, 4) float32, linear premultiplied RGBA.
 
     A channel's mean is the light inside the frame; it is the same at any size of one aspect ratio. A ParticleSystem is drawn
     by its `look`, and as white points of light 1 where it has none. Without a camera the preset's is used, or one that frames
     the particles. Trails and ribbons, which need earlier states, are left out: `gen-art still` draws them.
+
+    sky : a ga.Sky; the preset's when None. With a sky, alpha is 1
     """
     if not hasattr(sim, "members"):
         raise UsageError(f"render_frame draws a ga.Simulation, not {shown(sim)}")
     if camera is not None and not isinstance(camera, Camera):
         raise UsageError(f"camera must be a ga.Camera, such as ga.Camera(position=(0, 0, 5)), not {shown(camera)}")
+    if sky is not None and not isinstance(sky, Sky):
+        raise UsageError(f"sky must be a ga.Sky, such as ga.Sky(sun=30), not {shown(sky)}")
     preset = sim.preset
     shutter, film_time = 0.0, float(sim.time)
     looks = {name: system.look for name, system in sim.members.items() if preset is not None or system.look is not None}
@@ -261,7 +268,9 @@ def render_frame(sim: "Simulation", size: tuple[int, int] = (1280, 720), camera:
     if preset is not None:
         if camera is None and preset.camera is not None:
             camera = Camera.from_spec(preset.camera)
+        sky = preset.sky if sky is None else sky
         clock = preset.clock
         film_time = (float(sim.time) - clock.preroll) / clock.speed
         shutter = (camera.shutter if camera else 180.0) / 360.0 * clock.speed / clock.fps
-    return np.array(Painter(size, camera, looks, shutter).paint(sim, film_time))
+    dome = None if sky is None else SkyDome.of(sky)
+    return np.array(Painter(size, camera, looks, shutter, sky=dome).paint(sim, film_time))

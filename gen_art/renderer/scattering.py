@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gen_art.maths.array_functions import cos, exp
-from gen_art.renderer.atmosphere import BANDS, GROUND, TOP, Air, bilinear, densities, sunlight
+from gen_art.renderer.atmosphere import AIR_HEIGHT, BANDS, GROUND, TOP, Air, bilinear, densities, sunlight
 
 __all__ = ["Scattered", "aerosol_phase", "along_rays", "multiple_scattering", "rayleigh_phase"]
 
@@ -49,12 +49,12 @@ def ray_length(radius, cosine):
     return np.where(meets, np.maximum(ground, 0.0), top), meets
 
 
-def _steps(length, cosine, number: int):
-    """(middle, length) of the steps of rays, short where the air is dense: at the start of a ray up, at the end of one down."""
+def _steps(length, descends, number: int):
+    """(middle, length) of the steps of rays, short where the air is dense: at the start, or at the end where one descends."""
     for k in range(number):
         u, du = (k + 0.5) / number, 1.0 / number
-        up, down = cosine >= 0.0, 1.0 - u
-        yield np.where(up, u * u, 1.0 - down * down) * length, np.where(up, 2.0 * u, 2.0 * down) * du * length
+        down = 1.0 - u
+        yield np.where(descends, 1.0 - down * down, u * u) * length, np.where(descends, 2.0 * down, 2.0 * u) * du * length
 
 
 def _local(air: Air, height):
@@ -92,7 +92,7 @@ def multiple_scattering(air: Air) -> np.ndarray:
     depth = np.zeros((*length.shape, BANDS))
     once = np.zeros((_HEIGHTS, _SUNS, _SLOPES, _AZIMUTHS, BANDS))
     again = np.zeros_like(depth)
-    for s, step in _steps(length, cosine, _STEPS):
+    for s, step in _steps(length, meets, _STEPS):
         r = np.sqrt(radius**2 + s * s + 2.0 * radius * s * cosine)
         extinction, by_air, by_aerosol = _local(air, r - GROUND)
         passed = exp(-depth) * _mean_over_step(extinction, step[..., None]) * (by_air + by_aerosol)
@@ -144,11 +144,12 @@ def along_rays(air: Air, psi: np.ndarray, radius: float, cosine, azimuth, sun_co
     """
     cosine = np.asarray(cosine, float)[:, None]
     to_sun = angle_to_sun(cosine, azimuth, sun_cosine)
-    length, _ = ray_length(radius, cosine)
+    length, meets = ray_length(radius, cosine)
+    descends = meets & (radius > GROUND + AIR_HEIGHT)
     shape = (*to_sun.shape, BANDS)
     by_air, by_aerosol, often = np.zeros(shape), np.zeros(shape), np.zeros(shape)
     depth = np.zeros((*length.shape, BANDS))
-    for s, step in _steps(length, cosine, steps):
+    for s, step in _steps(length, descends, steps):
         r = np.sqrt(radius**2 + s * s + 2.0 * radius * s * cosine)
         extinction, air_here, aerosol_here = _local(air, r - GROUND)
         passed = exp(-depth) * _mean_over_step(extinction, step[..., None])
