@@ -6,7 +6,8 @@ With T the transmittance along the ray, S the sun's light at a point and p the p
     many times          Psi = M / (1 - f): M is the mean over all directions of light that was scattered once before (evenly, or
                         by the ground), f the mean of what even light 1 becomes when it is scattered once more
 
-Psi is the same in all directions and depends on height and the sun's height alone.
+Psi is the same in all directions and depends on height and the sun's height alone. Hillaire's ground is lit by the sun; here the
+air lights it too, which matters over snow.
 Sources: Nishita, Sirai, Tadamura, Nakamae, Display of the Earth (1993); Hillaire, A Scalable and Production Ready Sky and
 Atmosphere Rendering Technique (2020); Cornette, Shanks, Applied Optics 31 (1992), for the phase function of aerosols.
 """
@@ -99,19 +100,25 @@ def multiple_scattering(air: Air) -> np.ndarray:
         once += passed * sunlight(air, r, (radius * sun + s * to_sun) / r) * (1.0 / (4.0 * math.pi))
         again += passed
         depth += extinction * step[..., None]
-    high = np.clip((radius * sun + length * to_sun) / GROUND, 0.0, 1.0)
-    ground = exp(-depth) * (air.albedo / math.pi) * (high * meets)[..., None] * sunlight(air, np.full_like(high, GROUND), high)
-    once += ground
     weight = np.abs(slope) / float(sum(np.abs(slope).tolist()))
-    return _mean(once, weight) / (1.0 - _mean(again, weight))
+    even = _mean(again, weight)
+    # the light that falls from the air on the ground is a + b Psi; what the ground makes of it comes to the other heights too
+    cosines = np.maximum(cosine[:, 0], 0.0)
+    a, b = (4.0 * math.pi * _mean(part[:1], weight * cosines) for part in (once, again))
+    high = np.clip((radius * sun + length * to_sun) / GROUND, 0.0, 1.0)
+    scattered = air.albedo / math.pi * (exp(-depth) * meets[..., None])  # of light 1 on the ground
+    once += scattered * high[..., None] * sunlight(air, np.full_like(high, GROUND), high)
+    direct, share = _mean(once, weight), _mean(scattered, weight)
+    psi_on_ground = (direct[:1] + share[:1] * a) / (1.0 - even[:1] - share[:1] * b)
+    return (direct + share * (a + b * psi_on_ground)) / (1.0 - even)
 
 
 def _mean(values, weight):
     """The mean over directions, the axes 2 (with its weights) and 3, in a fixed order."""
     total = np.zeros_like(values[:, :, 0, 0])
-    for i, share in enumerate(weight):
+    for i, part in enumerate(weight):
         for j in range(values.shape[3]):
-            total = total + values[:, :, i, j] * (share / values.shape[3])
+            total = total + values[:, :, i, j] * (part / values.shape[3])
     return total
 
 

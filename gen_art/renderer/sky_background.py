@@ -29,6 +29,8 @@ F1, F2, F3 = (ti.types.ndarray(ti.f32, n) for n in (1, 2, 3))
 
 _LIMB = tuple(0.292 / wavelength - 0.023 for wavelength in (0.611, 0.549, 0.465))  # the middles of red, green and blue
 _FEWEST, _MOST = 4, 32  # samples across a pixel of the disc
+NEAR_HORIZON = 0.02  # slope from the horizon, within which the table is read for each pixel
+_EVEN, _LARGEST_GROUP = 0.005, 16  # rad over which light off the horizon is even enough to be interpolated; pixels
 
 
 @ti.func
@@ -37,30 +39,47 @@ def _direction(A: ti.template(), x, y):
     return ti.Vector([A[2, c] + x * A[0, c] + y * A[1, c] for c in ti.static(range(3))])
 
 
+@ti.func
+def _pixel_light(table: ti.template(), d, reach):
+    """Light of a pixel with the direction d; where the horizon runs through it, the mean of the light above and below."""
+    light = sky_radiance(table, d[0], d[1], d[2])
+    above = d[1] / reach + 0.5
+    if (above > 0.0) & (above < 1.0):
+        upper = sky_radiance(table, d[0], ti.max(d[1], 0.0), d[2])
+        lower = sky_radiance(table, d[0], ti.min(d[1], -1e-20), d[2])
+        light = lower + (upper - lower) * above
+    return light
+
+
 @ti.kernel
-def _sky(A: F2, slope: ti.f32, width: ti.i32, height: ti.i32, stride: ti.i32, table: F3, framebuffer: PIXELS):
-    """A : right, up, forward; slope : of a pixel's side"""
+def _sky(
+    A: F2, slope: ti.f32, width: ti.i32, height: ti.i32, stride: ti.i32, group: ti.i32, table: F3, framebuffer: PIXELS
+):  # fmt: skip
+    """A : right, up, forward; slope : of a pixel's side; group : pixels between which light is interpolated, off the horizon"""
     ti.loop_config(block_dim=4)
     for row in range(height):
         y = (0.5 * ti.cast(height, ti.f32) - ti.cast(row, ti.f32) - 0.5) * slope
-        # how far a pixel's sides reach in height: the horizon runs through pixels that lie within half of it
+        start = (0.5 - 0.5 * ti.cast(width, ti.f32)) * slope
+        # how far a pixel's sides reach in height
         reach = slope * ti.max(ti.abs(A[0, 1]), ti.abs(A[1, 1])) + 1e-20
-        for column in range(width):
-            o = row * stride + column
-            pixel = framebuffer[o]
-            shown = ti.max(1.0 - pixel[3], 0.0)
-            if shown > 0.0:
-                x = (ti.cast(column, ti.f32) + 0.5 - 0.5 * ti.cast(width, ti.f32)) * slope
-                d = _direction(A, x, y)
-                light = sky_radiance(table, d[0], d[1], d[2])
-                above = d[1] / reach + 0.5
-                if (above > 0.0) & (above < 1.0):
-                    upper = sky_radiance(table, d[0], ti.max(d[1], 0.0), d[2])
-                    lower = sky_radiance(table, d[0], ti.min(d[1], -1e-20), d[2])
-                    light = lower + (upper - lower) * above
+        d = _direction(A, start, y)
+        before = sky_radiance(table, d[0], d[1], d[2])
+        for part in range((width + group - 1) // group):
+            first = part * group
+            e = _direction(A, start + ti.cast(first + group, ti.f32) * slope, y)
+            after = sky_radiance(table, e[0], e[1], e[2])
+            even = (d[1] * e[1] > 0.0) & (ti.min(ti.abs(d[1]), ti.abs(e[1])) > NEAR_HORIZON)
+            change = (after - before) / ti.cast(group, ti.f32)
+            for column in range(first, ti.min(first + group, width)):
+                pixel = framebuffer[row * stride + column]
+                shown = ti.max(1.0 - pixel[3], 0.0)
+                light = before + change * ti.cast(column - first, ti.f32)
+                if (not even) & (shown > 0.0):
+                    light = _pixel_light(table, _direction(A, start + ti.cast(column, ti.f32) * slope, y), reach)
                 pixel += PIXEL(light[0], light[1], light[2], 0.0) * shown
-            pixel[3] = 1.0
-            framebuffer[o] = pixel
+                pixel[3] = 1.0
+                framebuffer[row * stride + column] = pixel
+            d, before = e, after
 
 
 @ti.kernel
@@ -121,7 +140,8 @@ def draw_sky(dome: SkyDome, view, framebuffer) -> None:
         add_stars(dome.stars, view.axes, scale, framebuffer.pixels)
     if dome.disc.any():
         _draw_disc(dome, view, scale, axes, size, pixels)
-    _sky_kernel(axes, 1.0 / scale, *size, dome.table, pixels)
+    group = min(max(int(_EVEN * scale), 1), _LARGEST_GROUP)
+    _sky_kernel(axes, 1.0 / scale, *size, group, dome.table, pixels)
 
 
 def _draw_disc(dome: SkyDome, view, scale: float, axes: np.ndarray, size, pixels: np.ndarray) -> None:
