@@ -28,7 +28,7 @@ PIXELS = ti.types.ndarray(PIXEL, 1)
 F1, F2, F3 = (ti.types.ndarray(ti.f32, n) for n in (1, 2, 3))
 
 _LIMB = tuple(0.292 / wavelength - 0.023 for wavelength in (0.611, 0.549, 0.465))  # the middles of red, green and blue
-_FEWEST, _MOST = 4, 32  # samples across a pixel of the disc
+_TO_RADIUS, _FEWEST, _MOST = 24.0, 4, 64  # samples to the radius of the disc, and across a pixel
 NEAR_HORIZON = 0.02  # slope from the horizon, within which the table is read for each pixel
 _EVEN, _LARGEST_GROUP = 0.005, 16  # rad over which light off the horizon is even enough to be interpolated; pixels
 
@@ -108,8 +108,9 @@ def _disc(
                     distance = ti.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
                     inside = ti.min(ti.max((S[3] - distance) / step + 0.5, 0.0), 1.0)
                     if inside > 0.0:
-                        u = ti.min(distance / S[3], 1.0)
-                        rim = ti.max(1.0 - u * u, 1e-4)
+                        # the middle of that part of the sample's width which lies on the disc
+                        u = 0.5 * (distance - 0.5 * step + ti.min(distance + 0.5 * step, S[3])) / S[3]
+                        rim = ti.max(1.0 - u * u, 1e-6)
                         band = (e[1] / (steep * S[3]) + 1.0) * ti.static(0.5 * (DISC_ROWS - 1))
                         band = ti.min(ti.max(band, 0.0), ti.static(DISC_ROWS - 1.001))
                         b = ti.cast(band, ti.i32)
@@ -156,6 +157,6 @@ def _draw_disc(dome: SkyDome, view, scale: float, axes: np.ndarray, size, pixels
     first, last = max(math.floor(row - reach), 0), min(math.ceil(row + reach), height)
     if left >= end or first >= last:
         return
-    samples = min(max(math.ceil(12.0 / (scale * dome.sun_radius)), _FEWEST), _MOST)
+    samples = min(max(math.ceil(_TO_RADIUS / (scale * dome.sun_radius)), _FEWEST), _MOST)
     sun = np.append(dome.sun_direction, dome.sun_radius).astype(np.float32)
     _disc_kernel(axes, 1.0 / scale, *size, first, last, left, end, samples, sun, dome.disc, pixels)

@@ -5,6 +5,7 @@ import math
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -88,9 +89,11 @@ def test_the_kernel_reads_the_table_as_numpy_does():
 
 def test_the_horizon_is_smooth_where_the_camera_is_tilted():
     """Along a column each pixel holds the share of black and white that its height above the horizon says."""
-    sky = Sky(gradient=[[0, "black"], [0.499999, "black"], [0.500001, "white"], [1, "white"]])
+    table = np.zeros((sky_table.ROWS, 2, 3), np.float32)
+    table[sky_table.HALF :] = 1.0
     camera = Camera(position=(0, 0, 6), target=(0, 0, 0), fov=30, roll=4)
-    picture = paint(sky, camera, (200, 60))[..., 0]
+    painter = Painter((200, 60), camera, sky=replace(SkyDome.of(Sky(color="black")), table=table))
+    picture = painter.paint(scene(1.0), 0.0)[..., 0]
     y = directions(camera, (200, 60))[..., 1] * 30 / math.tan(math.radians(15))  # in pixels from the horizon
     assert np.all(picture[y > 0.8] > 0.99) and np.all(picture[y < -0.8] < 0.01)
     # the area of a pixel above a line at 4 degrees through it differs from the height above it by 0.02 at most
@@ -152,7 +155,7 @@ def test_the_sky_is_composited_under_the_film(sky, look):
     """light + (1 - alpha) sky, alpha 1; three roundings of float32."""
     balls = {"balls": state([[0, 0.6, 0], [0.9, 0.2, -1.0]], radius=1.0)}
     film, alone, both = paint(None, look=look, **balls), paint(sky), paint(sky, look=look, **balls)
-    expected = film[..., :3] + (1.0 - film[..., 3:]) * alone[..., :3]
+    expected = film[..., :3] + np.maximum(1.0 - film[..., 3:], 0.0) * alone[..., :3]
     error = 4 * 2.0**-24 * (np.abs(film[..., :3]) + np.abs(alone[..., :3]))
     assert np.all(np.abs(both[..., :3] - expected) <= error + 1e-30)
     assert np.all(both[..., 3] == 1.0)
@@ -178,7 +181,8 @@ def test_supersampled_it_is_the_same_sky():
 @pytest.mark.parametrize("fov, rows", [(8.0, 90), (40.0, 90), (90.0, 90), (40.0, 300)])
 @pytest.mark.parametrize("turn", [0.0, 0.13, 0.31])
 def test_the_disc_has_the_light_of_the_sun_wherever_it_is_between_pixels(fov, rows, turn):
-    """The soft rim has twelve steps to the radius (seven at the smallest disc), which costs a tenth of 1 / 12^2."""
+    """The samples at the rim, a twelfth of the disc (a seventh of the smallest), are taken for their middle: there (1 - u^2)^0.23
+    differs by 5% from its mean and is half of the disc's, so 0.2 to 0.4% in all."""
     size = (rows * 4 // 3, rows)
     sun = Sun(height=20 + turn / 3, azimuth=turn)
     camera = Camera(position=(0, 0, 0), target=(0, math.sin(math.radians(20)), -math.cos(math.radians(20))), fov=fov, near=1e-3)
@@ -267,7 +271,7 @@ def test_frames_stills_and_trails_show_the_preset_s_sky(tmp_path):
     )
     picture = Playback(trailing, (96, 54), "f32", None).picture(6)
     assert picture[0, 0] == pytest.approx([*linear("#88aaff"), 1.0], rel=1e-6)
-    assert picture[..., 0].max() > 1.1 * linear("#88aaff")[0], "the trail over it"
+    assert picture[..., 0].max() > 1.02 * linear("#88aaff")[0], "the trail over it"
 
 
 SCRIPT = """
@@ -328,7 +332,7 @@ def test_what_is_wrong_is_a_sentence_with_its_place(tmp_path, sky, place, says):
     with pytest.raises(PresetError) as caught:
         piece(tmp_path, sky)
     text = str(caught.value)
-    assert f"piece.yaml:9:" in text and f" {place}: " in text, text
+    assert f"piece.yaml:10:" in text and f" {place}: " in text, text
     assert says in text, text
 
 
