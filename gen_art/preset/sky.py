@@ -54,7 +54,8 @@ class Stars(Model):
         6.5, "the magnitude of the faintest stars: 6.5 shows 9,000, one more shows three times as many"
     )
     intensity: Light = about(
-        1.0, "factor on their light; at 1 a star of magnitude 0 has the light of a disc of light 1 and 0.1 degrees radius"
+        1.0,
+        "factor on their light; at 1 a star of magnitude 0 has the light of a disc of light 1 and 0.1 degrees radius",
     )
     seed: Annotated[int, Field(ge=0, lt=2**63)] = about(0, "another seed gives another sky")
 

@@ -11,7 +11,8 @@ Light is a spectrum of 17 bands, 380 to 720 nm, in units of the sunlight above t
 A ray that starts level or upwards is looked up in a table of the metres of air, aerosol and ozone up to the top. One that starts
 downwards meets twice what lies beyond its lowest point, less what lies behind its start.
 Sources: Bruneton, Neyret, Precomputed Atmospheric Scattering (2008), with the coefficients of Bruneton's implementation of 2017,
-except for the aerosol, of which that has a ninth; Angstrom (1929) for its exponent, Koschmieder (1924) for the sight; sunlight: ASTM G-173, above the air; ozone: Serdyuchenko et al., Atmos. Meas. Tech. 7 (2014), at 233 K.
+except for the aerosol, of which that has a ninth; Angstrom (1929) for its exponent, Koschmieder (1924) for how far one sees;
+sunlight: ASTM G-173, above the air; ozone: Serdyuchenko et al., Atmos. Meas. Tech. 7 (2014), at 233 K.
 """
 
 import math
@@ -22,13 +23,20 @@ import numpy as np
 
 from gen_art.maths.array_functions import exp, log
 
-__all__ = ["AEROSOL_HEIGHT", "AIR_HEIGHT", "BANDS", "GROUND", "SUN_RADIUS", "TOP", "Air", "columns", "densities", "sunlight"]
+__all__ = [
+    "AEROSOL_HEIGHT", "AIR_HEIGHT", "BANDS", "GROUND", "SUN_RADIUS", "TOP", "Air", "bilinear", "columns", "densities",
+    "sun_spectrum", "sunlight", "wavelengths",
+]  # fmt: skip
 
 GROUND, TOP = 6_360e3, 6_420e3  # m from the Earth's middle
 AIR_HEIGHT, AEROSOL_HEIGHT = 8_000.0, 1_200.0  # m over which the density falls to 1/e
 SUN_RADIUS = math.radians(0.267)  # of the disc as seen from the Earth
 BANDS = 17
-_AEROSOL, _ANGSTROM, _SCATTERED = 4e-5, 1.3, 0.9  # extinction at the ground, 1/m, its exponent; the part that is scattering
+_AEROSOL, _ANGSTROM, _SCATTERED = (
+    4e-5,
+    1.3,
+    0.9,
+)  # extinction at the ground, 1/m, its exponent; the part that is scattering
 _OZONE_MOST = 300 * 2.687e20 / 15_000.0  # molecules a m^3, where there are most
 
 # means over bands of 10 nm from 380 nm on; two make a band of 20 nm
@@ -118,9 +126,10 @@ def _table() -> np.ndarray:
     for k in range(_STEPS):  # steps that grow with the distance: the air is densest at the start
         u = (k + 0.5) / _STEPS
         s = length * u * u
-        total += densities(np.sqrt(radius**2 + s * s + 2.0 * radius * s * cosine) - GROUND) * (
-            length * (2.0 * u / _STEPS)
-        )[..., None]
+        total += (
+            densities(np.sqrt(radius**2 + s * s + 2.0 * radius * s * cosine) - GROUND)
+            * (length * (2.0 * u / _STEPS))[..., None]
+        )
     return total
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from gen_art.preset.colour_names import Gradient, srgb
 
 __all__ = [
-    "LUMINANCE", "TABLE", "blackbody", "colour_matching", "encode_srgb", "gradient_table", "linear", "luminance_of", "planck_luminance",
-    "rgb_to_xyz", "to_linear", "to_oklab", "from_oklab",
+    "LUMINANCE", "TABLE", "blackbody", "colour_matching", "encode_srgb", "gradient_table", "linear", "luminance_of",
+    "planck_luminance", "rgb_to_xyz", "to_linear", "to_oklab", "from_oklab",
 ]  # fmt: skip
 
 TABLE = 256

@@ -38,7 +38,11 @@ __all__ = ["DISC_ROWS", "Daylight", "daylight"]
 
 EYE = 200.0  # m above the ground
 DISC_ROWS = 32  # across the sun's disc, from below to above: its colour changes where it rises and sets
-_UP_ROWS, _DOWN_ROWS, _HALF_CIRCLE = 64, 32, 49  # directions for which the light is integrated; those between are interpolated
+_UP_ROWS, _DOWN_ROWS, _HALF_CIRCLE = (
+    64,
+    32,
+    49,
+)  # directions for which the light is integrated; those between are interpolated
 _DIP = float(arctan2(math.sqrt((GROUND + EYE) ** 2 - GROUND**2), GROUND))  # rad from level down to the horizon
 
 
@@ -168,7 +172,9 @@ def _finer(scattered: Scattered, elevation: np.ndarray, height: float, turn: flo
     azimuth = azimuths() - turn
     row = np.linspace(0.0, scattered.often.shape[0] - 1.0, len(elevation))
     # the angle from the sun, 0 to pi, on either side
-    column = np.abs(azimuth - 2.0 * math.pi * np.floor(azimuth / (2.0 * math.pi) + 0.5)) * ((_HALF_CIRCLE - 1) / math.pi)
+    column = np.abs(azimuth - 2.0 * math.pi * np.floor(azimuth / (2.0 * math.pi) + 0.5)) * (
+        (_HALF_CIRCLE - 1) / math.pi
+    )
     to_sun = angle_to_sun(sin(elevation)[:, None], azimuth, float(sin(height)))[..., None]
     by_air, by_aerosol, often = (
         _cubic(_cubic(_rgb(part), row, 0, mirrored=False), column, 1, mirrored=True)

@@ -55,7 +55,10 @@ def _steps(length, descends, number: int):
     for k in range(number):
         u, du = (k + 0.5) / number, 1.0 / number
         down = 1.0 - u
-        yield np.where(descends, 1.0 - down * down, u * u) * length, np.where(descends, 2.0 * down, 2.0 * u) * du * length
+        yield (
+            np.where(descends, 1.0 - down * down, u * u) * length,
+            np.where(descends, 2.0 * down, 2.0 * u) * du * length,
+        )
 
 
 def _local(air: Air, height):
@@ -141,7 +144,9 @@ class Scattered(NamedTuple):
         return self.by_air * air + self.by_aerosol * aerosol + self.often
 
 
-def along_rays(air: Air, psi: np.ndarray, radius: float, cosine, azimuth, sun_cosine: float, steps: int = 32) -> Scattered:
+def along_rays(
+    air: Air, psi: np.ndarray, radius: float, cosine, azimuth, sun_cosine: float, steps: int = 32
+) -> Scattered:
     """Light along rays from `radius`, for sunlight 1 above the air.
 
     psi : from `multiple_scattering`

@@ -34,9 +34,9 @@ _EVEN, _LARGEST_GROUP = 0.005, 16  # rad over which light off the horizon is eve
 
 
 @ti.func
-def _direction(A: ti.template(), x, y):
+def _direction(axes: ti.template(), x, y):
     """The direction of the place (x, y) of the picture, right and up from its middle in units of slope."""
-    return ti.Vector([A[2, c] + x * A[0, c] + y * A[1, c] for c in ti.static(range(3))])
+    return ti.Vector([axes[2, c] + x * axes[0, c] + y * axes[1, c] for c in ti.static(range(3))])
 
 
 @ti.func
@@ -53,20 +53,25 @@ def _pixel_light(table: ti.template(), d, reach):
 
 @ti.kernel
 def _sky(
-    A: F2, slope: ti.f32, width: ti.i32, height: ti.i32, stride: ti.i32, group: ti.i32, table: F3, framebuffer: PIXELS
+    axes: F2, slope: ti.f32, width: ti.i32, height: ti.i32, stride: ti.i32, group: ti.i32, table: F3, framebuffer: PIXELS
 ):  # fmt: skip
-    """A : right, up, forward; slope : of a pixel's side; group : pixels between which light is interpolated, off the horizon"""
+    """The light of the table under all pixels.
+
+    axes : right, up, forward
+    slope : of a pixel's side
+    group : pixels between which the light is interpolated, off the horizon
+    """
     ti.loop_config(block_dim=4)
     for row in range(height):
         y = (0.5 * ti.cast(height, ti.f32) - ti.cast(row, ti.f32) - 0.5) * slope
         start = (0.5 - 0.5 * ti.cast(width, ti.f32)) * slope
         # how far a pixel's sides reach in height
-        reach = slope * ti.max(ti.abs(A[0, 1]), ti.abs(A[1, 1])) + 1e-20
-        d = _direction(A, start, y)
+        reach = slope * ti.max(ti.abs(axes[0, 1]), ti.abs(axes[1, 1])) + 1e-20
+        d = _direction(axes, start, y)
         before = sky_radiance(table, d[0], d[1], d[2])
         for part in range((width + group - 1) // group):
             first = part * group
-            e = _direction(A, start + ti.cast(first + group, ti.f32) * slope, y)
+            e = _direction(axes, start + ti.cast(first + group, ti.f32) * slope, y)
             after = sky_radiance(table, e[0], e[1], e[2])
             even = (d[1] * e[1] > 0.0) & (ti.min(ti.abs(d[1]), ti.abs(e[1])) > NEAR_HORIZON)
             change = (after - before) / ti.cast(group, ti.f32)
@@ -75,7 +80,7 @@ def _sky(
                 shown = ti.max(1.0 - pixel[3], 0.0)
                 light = before + change * ti.cast(column - first, ti.f32)
                 if (not even) & (shown > 0.0):
-                    light = _pixel_light(table, _direction(A, start + ti.cast(column, ti.f32) * slope, y), reach)
+                    light = _pixel_light(table, _direction(axes, start + ti.cast(column, ti.f32) * slope, y), reach)
                 pixel += PIXEL(light[0], light[1], light[2], 0.0) * shown
                 pixel[3] = 1.0
                 framebuffer[row * stride + column] = pixel
@@ -84,40 +89,43 @@ def _sky(
 
 @ti.kernel
 def _disc(
-    A: F2, slope: ti.f32, width: ti.i32, height: ti.i32, stride: ti.i32, first: ti.i32, last: ti.i32, left: ti.i32,
-    right: ti.i32, samples: ti.i32, S: F1, D: F2, framebuffer: PIXELS,
+    axes: F2, slope: ti.f32, width: ti.i32, height: ti.i32, stride: ti.i32, first: ti.i32, last: ti.i32, left: ti.i32,
+    right: ti.i32, samples: ti.i32, sun: F1, light_at: F2, framebuffer: PIXELS,
 ):  # fmt: skip
     """The sun's disc, as means over samples x samples places of a pixel; the rim is soft over the distance of two of them.
 
     first, last, left, right : the rows and columns that the disc can reach
-    S : direction of the sun, radius; D : light of the disc at each height
+    sun : its direction and its radius
+    light_at : light of the disc at each height
     """
     ti.loop_config(block_dim=1)
     for row in range(first, last):
         step = slope / ti.cast(samples, ti.f32)
-        steep = ti.max(ti.sqrt(ti.max(1.0 - S[1] * S[1], 0.0)), 0.1)
+        steep = ti.max(ti.sqrt(ti.max(1.0 - sun[1] * sun[1], 0.0)), 0.1)
         for column in range(left, right):
             total = ti.Vector([0.0, 0.0, 0.0])
+            top = (0.5 * ti.cast(height, ti.f32) - ti.cast(row, ti.f32)) * slope
+            side = (ti.cast(column, ti.f32) - 0.5 * ti.cast(width, ti.f32)) * slope
             for k in range(samples):
-                y = (0.5 * ti.cast(height, ti.f32) - ti.cast(row, ti.f32)) * slope - (ti.cast(k, ti.f32) + 0.5) * step
+                y = top - (ti.cast(k, ti.f32) + 0.5) * step
                 for m in range(samples):
-                    x = (ti.cast(column, ti.f32) - 0.5 * ti.cast(width, ti.f32)) * slope + (ti.cast(m, ti.f32) + 0.5) * step
-                    d = _direction(A, x, y)
+                    x = side + (ti.cast(m, ti.f32) + 0.5) * step
+                    d = _direction(axes, x, y)
                     d = d / ti.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
-                    e = ti.Vector([d[c] - S[c] for c in ti.static(range(3))])
+                    e = ti.Vector([d[c] - sun[c] for c in ti.static(range(3))])
                     distance = ti.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
-                    inside = ti.min(ti.max((S[3] - distance) / step + 0.5, 0.0), 1.0)
+                    inside = ti.min(ti.max((sun[3] - distance) / step + 0.5, 0.0), 1.0)
                     if inside > 0.0:
                         # the middle of that part of the sample's width which lies on the disc
-                        u = 0.5 * (distance - 0.5 * step + ti.min(distance + 0.5 * step, S[3])) / S[3]
+                        u = 0.5 * (distance - 0.5 * step + ti.min(distance + 0.5 * step, sun[3])) / sun[3]
                         rim = ti.max(1.0 - u * u, 1e-6)
-                        band = (e[1] / (steep * S[3]) + 1.0) * ti.static(0.5 * (DISC_ROWS - 1))
+                        band = (e[1] / (steep * sun[3]) + 1.0) * ti.static(0.5 * (DISC_ROWS - 1))
                         band = ti.min(ti.max(band, 0.0), ti.static(DISC_ROWS - 1.001))
                         b = ti.cast(band, ti.i32)
                         part = band - ti.cast(b, ti.f32)
                         for c in ti.static(range(3)):
                             dark = ti.static(1.0 + 0.5 * _LIMB[c]) * power(rim, ti.static(0.5 * _LIMB[c]))
-                            total[c] += inside * dark * (D[b, c] + (D[b + 1, c] - D[b, c]) * part)
+                            total[c] += inside * dark * (light_at[b, c] + (light_at[b + 1, c] - light_at[b, c]) * part)
             o = row * stride + column
             pixel = framebuffer[o]
             share = ti.max(1.0 - pixel[3], 0.0) / ti.cast(samples * samples, ti.f32)
@@ -151,7 +159,9 @@ def _draw_disc(dome: SkyDome, view, scale: float, axes: np.ndarray, size, pixels
     right, up, forward = (float(sum((dome.sun_direction * axis).tolist())) for axis in view.axes)
     if forward < 0.02:
         return
-    reach = 1.1 * scale * dome.sun_radius / forward**2 + 1.0  # the disc's radius in pixels, longest away from the middle
+    reach = (
+        1.1 * scale * dome.sun_radius / forward**2 + 1.0
+    )  # the disc's radius in pixels, longest away from the middle
     column, row = 0.5 * width + scale * right / forward, 0.5 * height - scale * up / forward
     left, end = max(math.floor(column - reach), 0), min(math.ceil(column + reach), width)
     first, last = max(math.floor(row - reach), 0), min(math.ceil(row + reach), height)

@@ -74,7 +74,9 @@ def add_stars(stars: StarField, axes: np.ndarray, scale: float, pixels: np.ndarr
     is that of its solid angle in pixels, which at the angle a from the middle of the picture are cos(a)^3 / scale^2 sr each.
     """
     height, width = pixels.shape[:2]
-    x, y, z = (stars.directions[:, 0] * a[0] + stars.directions[:, 1] * a[1] + stars.directions[:, 2] * a[2] for a in axes)
+    x, y, z = (
+        stars.directions[:, 0] * a[0] + stars.directions[:, 1] * a[1] + stars.directions[:, 2] * a[2] for a in axes
+    )
     front = z > 1e-3
     depth = np.where(front, z, 1.0)
     column, row = 0.5 * width + x * scale / depth, 0.5 * height - y * scale / depth

@@ -53,7 +53,9 @@ def test_slant_columns_are_the_integrals_along_the_ray(height, slant):
     length, meets = scattering.ray_length(radius, slant)
     assert not meets
     s = (np.arange(40_000) + 0.5) * (length / 40_000)
-    exact = atmosphere.densities(np.sqrt(radius**2 + s * s + 2.0 * radius * s * slant) - GROUND).sum(0) * (length / 40_000)
+    exact = atmosphere.densities(np.sqrt(radius**2 + s * s + 2.0 * radius * s * slant) - GROUND).sum(0) * (
+        length / 40_000
+    )
     assert columns(radius, slant) == pytest.approx(exact, rel=5e-3, abs=1e-3)
 
 
@@ -122,7 +124,9 @@ def irradiance(dome: SkyDome) -> np.ndarray:
     """Of a level plane, by sky and sun, from the finished table."""
     e = math.pi / 2 * ((np.arange(400) + 0.5) / 400)
     a = 2.0 * math.pi * (np.arange(240) + 0.5) / 240
-    d = np.stack(np.broadcast_arrays(np.cos(e)[:, None] * np.sin(a), np.sin(e)[:, None], -np.cos(e)[:, None] * np.cos(a)), -1)
+    d = np.stack(
+        np.broadcast_arrays(np.cos(e)[:, None] * np.sin(a), np.sin(e)[:, None], -np.cos(e)[:, None] * np.cos(a)), -1
+    )
     light = dome.radiance(d.reshape(-1, 3)).reshape(400, 240, 3)
     weight = (np.sin(e) * np.cos(e))[:, None, None] * (math.pi / 2 / 400) * (2.0 * math.pi / 240)
     return (light * weight).sum(axis=(0, 1)) + dome.sun_irradiance * dome.sun_direction[1]
@@ -161,7 +165,9 @@ def test_ozone_keeps_the_zenith_blue_at_dusk():
     air, clear = Air.of_earth(0.3, 0.2), replace(Air.of_earth(0.3, 0.2), ozone=NONE)
     shares = []
     for one in (air, clear):
-        light = along_rays(one, multiple_scattering(one), GROUND + 200.0, [1.0], np.zeros(1), math.sin(math.radians(-4)))
+        light = along_rays(
+            one, multiple_scattering(one), GROUND + 200.0, [1.0], np.zeros(1), math.sin(math.radians(-4))
+        )
         spectrum = light.radiance(np.full((1, 1), math.sin(math.radians(-4))))[0, 0]
         shares.append(spectrum[3] / spectrum[10])  # 450 and 590 nm
     assert shares[0] > 2.0 * shares[1]

@@ -34,7 +34,7 @@ ROOT = Path(__file__).parents[2]
 
 def paint(sky, camera=CAMERA, size=SIZE, look=None, supersample=1, **systems):
     painter = Painter(
-        size, camera, {n: look for n in systems}, 0.0, supersample, None if sky is None else SkyDome.of(sky)
+        size, camera, dict.fromkeys(systems, look), 0.0, supersample, None if sky is None else SkyDome.of(sky)
     )
     return np.array(painter.paint(scene(1.0, **systems), 0.0))
 
@@ -61,14 +61,21 @@ def test_the_table_is_read_where_it_was_written():
     table = np.stack([rows, columns, 0 * rows], axis=-1).astype(float)
     e, a = sky_table.elevations()[1:-1:7], sky_table.azimuths()[:-1:11]
     x, z = np.sin(a) * np.cos(e)[:, None], -np.cos(a) * np.cos(e)[:, None]
-    for sign, row in ((1.0, sky_table.HALF + np.arange(sky_table.HALF)), (-1.0, sky_table.HALF - 1 - np.arange(sky_table.HALF))):
+    for sign, row in (
+        (1.0, sky_table.HALF + np.arange(sky_table.HALF)),
+        (-1.0, sky_table.HALF - 1 - np.arange(sky_table.HALF)),
+    ):
         d = np.stack(np.broadcast_arrays(x, sign * np.sin(e)[:, None], z), axis=-1).reshape(-1, 3)
         got = sky_table.look_up(table, 3.7 * d).reshape(len(e), len(a), 3)
         assert got[..., 0] == pytest.approx(np.broadcast_to(row[1:-1:7, None], got.shape[:2]), abs=1e-6)
-        assert got[..., 1] == pytest.approx(np.broadcast_to(np.arange(sky_table.COLUMNS)[:-1:11], got.shape[:2]), abs=1e-6)
+        assert got[..., 1] == pytest.approx(
+            np.broadcast_to(np.arange(sky_table.COLUMNS)[:-1:11], got.shape[:2]), abs=1e-6
+        )
 
 
-@pytest.mark.parametrize("direction", [[0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1e-30, -1]])
+@pytest.mark.parametrize(
+    "direction", [[0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1e-30, -1]]
+)
 def test_poles_and_axes_are_finite(direction):
     light = SkyDome.of(Sky(sun=20)).radiance([direction])
     assert np.isfinite(light).all() and np.all(light >= 0)
@@ -115,7 +122,9 @@ def test_a_gradient_goes_by_the_angle():
     dome = SkyDome.of(Sky(gradient=["black", "white"]))
     for degrees in (-60, -10, 10, 45, 70):
         e = math.radians(degrees)
-        assert dome.radiance([[math.cos(e), math.sin(e), 0]])[0] == pytest.approx([(0.5 + degrees / 180) ** 3] * 3, abs=2e-4)
+        assert dome.radiance([[math.cos(e), math.sin(e), 0]])[0] == pytest.approx(
+            [(0.5 + degrees / 180) ** 3] * 3, abs=2e-4
+        )
 
 
 @pytest.mark.parametrize("sky", [Sky(color="#88aaff"), Sky.model_validate("paper")])
@@ -185,8 +194,12 @@ def test_the_disc_has_the_light_of_the_sun_wherever_it_is_between_pixels(fov, ro
     differs by 5% from its mean and is half of the disc's, so 0.2 to 0.4% in all."""
     size = (rows * 4 // 3, rows)
     sun = Sun(height=20 + turn / 3, azimuth=turn)
-    camera = Camera(position=(0, 0, 0), target=(0, math.sin(math.radians(20)), -math.cos(math.radians(20))), fov=fov, near=1e-3)
-    with_disc, without = (paint(Sky(sun=s), camera, size).astype(float) for s in (sun, sun.model_copy(update={"disc": 0.0})))
+    camera = Camera(
+        position=(0, 0, 0), target=(0, math.sin(math.radians(20)), -math.cos(math.radians(20))), fov=fov, near=1e-3
+    )
+    with_disc, without = (
+        paint(Sky(sun=s), camera, size).astype(float) for s in (sun, sun.model_copy(update={"disc": 0.0}))
+    )
     energy = ((with_disc - without)[..., :3] * solid_angles(camera, size)[..., None]).sum(axis=(0, 1))
     assert energy == pytest.approx(SkyDome.of(Sky(sun=sun)).sun_irradiance, rel=5e-3)
 
@@ -264,11 +277,9 @@ def test_frames_stills_and_trails_show_the_preset_s_sky(tmp_path):
     assert np.array_equal(frame, Playback(preset, (96, 54), "f32", None).picture(5))
     assert frame[0, 0] == pytest.approx([*linear("#88aaff"), 1.0], rel=1e-6)
     assert ga.render_frame(sim, (96, 54), sky=ga.Sky(color="black"))[0, 0] == pytest.approx([0, 0, 0, 1.0])
-    with pytest.raises(UsageError, match="sky must be a ga.Sky"):
+    with pytest.raises(UsageError, match=r"sky must be a ga\.Sky"):
         ga.render_frame(sim, (96, 54), sky="paper")
-    trailing = load_preset(
-        preset, overrides={"systems.a.look": {"draw": "point", "trail": 0.4}, "camera.subframes": 2}
-    )
+    trailing = load_preset(preset, overrides={"systems.a.look": {"draw": "point", "trail": 0.4}, "camera.subframes": 2})
     picture = Playback(trailing, (96, 54), "f32", None).picture(6)
     assert picture[0, 0] == pytest.approx([*linear("#88aaff"), 1.0], rel=1e-6)
     assert picture[..., 0].max() > 1.02 * linear("#88aaff")[0], "the trail over it"
@@ -332,7 +343,7 @@ def test_what_is_wrong_is_a_sentence_with_its_place(tmp_path, sky, place, says):
     with pytest.raises(PresetError) as caught:
         piece(tmp_path, sky)
     text = str(caught.value)
-    assert f"piece.yaml:10:" in text and f" {place}: " in text, text
+    assert "piece.yaml:10:" in text and f" {place}: " in text, text
     assert says in text, text
 
 

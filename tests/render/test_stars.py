@@ -45,7 +45,9 @@ def test_all_light_is_the_integral_of_the_law():
 
 
 def test_fainter_stars_move_none_and_a_seed_moves_all():
-    few, many, other = (star_field(Stars(**keys)) for keys in ({"magnitude": 5}, {"magnitude": 6}, {"magnitude": 5, "seed": 1}))
+    few, many, other = (
+        star_field(Stars(**keys)) for keys in ({"magnitude": 5}, {"magnitude": 6}, {"magnitude": 5, "seed": 1})
+    )
     n = len(few.light)
     assert np.array_equal(few.directions, many.directions[:n]) and np.array_equal(few.light, many.light[:n])
     assert np.abs(few.directions - other.directions).max(axis=1).min() > 1e-6
@@ -74,12 +76,19 @@ def test_a_star_s_energy_is_the_same_wherever_it_falls(scale, x, y):
     d = np.array([x / scale, y / scale, -1.0])
     cosine = 1.0 / np.linalg.norm(d)
     pixels = np.zeros((60, 80, 4), np.float32)
-    add_stars(StarField((d * cosine)[None], np.array([[1e-5, 2e-5, 3e-5]])), Camera(position=(0, 0, 9)).at().axes, scale, pixels)
+    add_stars(
+        StarField((d * cosine)[None], np.array([[1e-5, 2e-5, 3e-5]])),
+        Camera(position=(0, 0, 9)).at().axes,
+        scale,
+        pixels,
+    )
     energy = pixels[..., :3].sum(axis=(0, 1), dtype=float) * cosine**3 / scale**2
     assert energy == pytest.approx([1e-5, 2e-5, 3e-5], rel=1e-5)
     rows, columns = np.nonzero(pixels[..., 0])
     weights = pixels[rows, columns, 0] / pixels[..., 0].sum()
-    assert weights @ (columns + 0.5) == pytest.approx(40 + x, abs=1e-4) and weights @ (rows + 0.5) == pytest.approx(30 - y, abs=1e-4)
+    assert weights @ (columns + 0.5) == pytest.approx(40 + x, abs=1e-4) and weights @ (rows + 0.5) == pytest.approx(
+        30 - y, abs=1e-4
+    )
 
 
 def test_what_hides_the_sky_hides_the_stars():
