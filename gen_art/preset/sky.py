@@ -1,6 +1,6 @@
 """The keys of `sky:`, what surrounds the scene: an atmosphere, a gradient or an even colour, and stars."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -109,7 +109,8 @@ class Sky(Model):
     }
 
     @classmethod
-    def from_short(cls, value):
+    def from_short(cls, value: Any) -> Any:
+        """The mapping that a name, a colour, a palette or a list of colours stands for. Raises UsageError for another name."""
         if isinstance(value, str):
             if value.strip() in SHORT_NAMES:
                 return SHORT_NAMES[value.strip()]

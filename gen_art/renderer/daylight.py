@@ -76,7 +76,8 @@ def _rgb_of_bands() -> np.ndarray:
     xyz = colour_matching(wavelengths())
     xyz = (xyz[0::2] + xyz[1::2]) * sun_spectrum()[:, None]
     to_rgb = np.linalg.inv(rgb_to_xyz())
-    return np.stack([sum(to_rgb[c, k] * xyz[:, k] for k in range(3)) for c in range(3)], axis=1)
+    rgb = np.stack([sum(to_rgb[c, k] * xyz[:, k] for k in range(3)) for c in range(3)], axis=1)
+    return np.round(rgb, 9)  # the last bits of NumPy's exponentials and inverses differ between processors
 
 
 def _rgb(spectrum) -> np.ndarray:
@@ -90,7 +91,7 @@ def _rgb(spectrum) -> np.ndarray:
 
 def _albedo(colour) -> np.ndarray:
     """(17,) of a colour: its channels by wavelength, with even passages at 490 and 580 nm."""
-    red, green, blue = linear(colour)
+    red, green, blue = np.round(linear(colour), 9)  # the last bits of powers differ, too
     nm = 0.5 * (wavelengths()[0::2] + wavelengths()[1::2])
     short, long = np.clip((510.0 - nm) / 40.0, 0.0, 1.0), np.clip((nm - 560.0) / 40.0, 0.0, 1.0)
     return short * blue + (1.0 - short - long) * green + long * red

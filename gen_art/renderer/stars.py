@@ -57,7 +57,7 @@ def star_field(spec: Stars) -> StarField:
     rank = np.arange(number) + 0.5 + 0.5 * uniform(keys, _MAGNITUDE)
     flux = exp(log(rank / _BRIGHTER_THAN_0) * (-0.4 / _SLOPE))  # 10^(-0.4 m) with m from N(m) = rank
     mired = np.interp(uniform(keys, _TEMPERATURE), _SHARES, 1.0 / _TEMPERATURES)
-    colour = blackbody(1.0 / mired)
+    colour = np.round(blackbody(1.0 / mired), 9)  # the last bits of NumPy's exponentials differ between processors
     colour = colour / luminance_of(colour)[:, None]
     y, angle = 2.0 * uniform(keys, _PLACE) - 1.0, 2.0 * math.pi * uniform(keys, _TURN)
     level = np.sqrt(np.maximum(1.0 - y * y, 0.0))
