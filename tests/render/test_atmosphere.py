@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from gen_art.preset.sky import Sky, Sun
-from gen_art.renderer import atmosphere, scattering
+from gen_art.renderer import atmosphere, daylight, scattering
 from gen_art.renderer.atmosphere import AEROSOL_HEIGHT, AIR_HEIGHT, GROUND, TOP, Air, columns, sunlight
 from gen_art.renderer.colour import LUMINANCE
 from gen_art.renderer.daylight import sky_irradiance
@@ -199,6 +199,13 @@ def test_the_sun_s_azimuth_turns_the_sky():
 def test_the_sky_is_lit_evenly_on_both_sides_of_the_sun():
     dome = SkyDome.of(Sky(sun=15))
     assert dome.radiance([up(7, 33)]) == pytest.approx(dome.radiance([up(7, -33)]), rel=1e-6)
+
+
+def test_what_is_shown_at_the_horizon_touches_the_ground():
+    """And straight up and down stay what they are."""
+    e = float(daylight._seen(0.0))
+    assert (GROUND + daylight.EYE) * math.cos(e) == pytest.approx(GROUND, abs=1e-3)
+    assert daylight._seen(np.array([-1.0, 1.0]) * math.pi / 2) == pytest.approx([-math.pi / 2, math.pi / 2], abs=1e-12)
 
 
 def test_the_horizon_is_a_line_in_clear_air_and_none_in_haze():
