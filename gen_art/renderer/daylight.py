@@ -138,8 +138,7 @@ def _air_of(haze: float, ground) -> tuple[Air, np.ndarray, np.ndarray]:
 def daylight(spec: Sky) -> Daylight:
     """The light of a sky with a `sun`, of intensity 1."""
     assert spec.sun is not None
-    ground = tuple(spec.ground) if isinstance(spec.ground, (list, tuple)) else spec.ground
-    air, psi, white = _air_of(spec.haze, ground)
+    air, psi, white = _air_of(spec.haze, spec.ground)
     height, turn = math.radians(spec.sun.height), math.radians(spec.sun.azimuth)
     seen = float(sin(_seen(height)))
     half = np.arange(_HALF_CIRCLE) * (math.pi / (_HALF_CIRCLE - 1))
