@@ -12,7 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from gen_art.integrators import INTEGRATORS
-from gen_art.preset import camera, clock, develop, domain, emitter, expect, look, schema
+from gen_art.preset import camera, clock, develop, domain, emitter, expect, look, schema, sky
 from gen_art.preset.registered import in_degrees, is_field, parameters, registry
 
 FOLDER = Path(__file__).resolve().parent
@@ -108,6 +108,9 @@ DOCUMENTED = {  # class: heading of its table
     camera.Shake: "shake: of the camera",
     camera.Lens: "lens: of the camera",
     camera.Fog: "fog: of the camera",
+    sky.Sky: "sky:",
+    sky.Sun: "sun: of the sky",
+    sky.Stars: "stars: of the sky",
     develop.DevelopSpec: "develop:",
     develop.Bloom: "bloom: of develop",
     develop.AutoExposure: "auto_exposure: of develop",

@@ -40,6 +40,7 @@ if (
     from gen_art.output.job import render as render
     from gen_art.preset.load import load_preset as load_preset
     from gen_art.preset.look import Look as Look
+    from gen_art.preset.sky import Sky as Sky
     from gen_art.registry import param as param
     from gen_art.renderer.camera import Camera as Camera
     from gen_art.renderer.painter import render_frame as render_frame
@@ -65,6 +66,7 @@ _NAMES = {
     "PresetError": "gen_art.errors",
     "Shape": "gen_art.emitters.base",
     "Simulation": "gen_art.simulation",
+    "Sky": "gen_art.preset.sky",
     "UsageError": "gen_art.errors",
     "Velocity": "gen_art.emitters.base",
     "adaptive": "gen_art.simulation.adaptive",
@@ -96,7 +98,7 @@ _NAMES = {
 
 __all__ = [
     "AdviceWarning", "Camera", "Diagnostics", "DivergedError", "Emitter", "Force", "GenArtError", "Look", "Medium",
-    "ParticleSystem", "PresetError", "Shape", "Simulation", "UsageError", "Velocity", "__version__", "adaptive", "bodies",
+    "ParticleSystem", "PresetError", "Shape", "Simulation", "Sky", "UsageError", "Velocity", "__version__", "adaptive", "bodies",
     "body", "chain", "cloth", "colliders", "cos", "emitter", "emitters", "exp", "force", "forces", "integrators",
     "interactions", "load_preset", "log", "param", "power", "render", "render_frame", "rope", "shape", "sin", "ti",
     "velocity",

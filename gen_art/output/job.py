@@ -215,7 +215,7 @@ def render(
         )  # fmt: skip
         _render_film(target, size, spec, recipe, precision, threads, numbers, report, overwrite)
         return [target.path]
-    playback = Playback(spec, size, precision, threads)
+    playback = Playback(spec, size, precision, threads, transparent)
     paths = [target.frame(k) if target.pattern else target.path for k in numbers]
     recipes = [make_recipe(spec, plugins=loaded_plugins, kind="still", time=k / spec.clock.fps, **job) for k in numbers]
     with background() as submit:
@@ -235,7 +235,7 @@ def _render_film(
     assert film is not None
     writer = film_writer(target.path, size, preset.clock.fps, recipe, film, recipe["max_rate"], overwrite)
     try:
-        playback = Playback(preset, size, precision, threads)
+        playback = Playback(preset, size, precision, threads, film.transparent)
         for k, (linear, exposure) in zip(frames, playback.pictures([_step_of_frame(playback, k) for k in frames])):
             picture = develop(
                 linear, preset.develop, frame=k, transparent=film.transparent, bits=film.depth, exposure=exposure
@@ -276,7 +276,7 @@ def still(
         spec, out, time, precision=precision, size=size, scale=scale, quality=quality, overwrite=overwrite,
         transparent=transparent, bits=bits,
     )  # fmt: skip
-    playback = Playback(spec, size, precision, threads)
+    playback = Playback(spec, size, precision, threads, transparent)
     linear, exposure = next(playback.pictures([playback.step_of(float(time))]))
     frame = round(float(time) * spec.clock.fps)
     recipe = make_recipe(

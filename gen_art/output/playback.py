@@ -16,6 +16,7 @@ from gen_art.renderer.auto_exposure import metered_stops, metering_ages, smoothe
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.legend import DrawnLegend
 from gen_art.renderer.painter import Painter
+from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.simulation.no_effect import undrawn_systems
 
@@ -31,9 +32,12 @@ def _largest_divisor(number: int, most: int) -> int:
 
 
 class Playback:
-    """A simulation of a preset and its painter, which together play the preset forwards."""
+    """A simulation of a preset and its painter, which together play the preset forwards.
 
-    def __init__(self, preset, size, precision: str, threads: int | None):
+    transparent : leave out the preset's sky, so that the pictures keep their alpha
+    """
+
+    def __init__(self, preset, size, precision: str, threads: int | None, transparent: bool = False):
         from gen_art.simulation import Simulation
 
         self.preset = preset
@@ -42,9 +46,11 @@ class Playback:
         self.sim = Simulation(preset, precision=precision, threads=threads)
         self.camera = Camera.from_spec(preset.camera) if preset.camera else None
         self._shutter = self.camera.shutter if self.camera else 180.0
+        dome = SkyDome.of(preset.sky) if preset.sky is not None else None
         self.painter = Painter(
             size, self.camera, {n: s.look for n, s in preset.systems.items()}, 0.0,
-            preset.camera.supersample if preset.camera else 1, Scene.of(preset, self.sim.members.values()),
+            preset.camera.supersample if preset.camera else 1, Scene.of(preset, self.sim.members.values(), dome),
+            dome if not transparent else None,
         )  # fmt: skip
         self._precision = precision
         self._shows_acceleration = any(

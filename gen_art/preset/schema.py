@@ -19,6 +19,7 @@ from gen_art.preset.light import KeyLight
 from gen_art.preset.look import Look
 from gen_art.preset.model import Model, about
 from gen_art.preset.registered import Many, class_schema, is_field, registry
+from gen_art.preset.sky import Sky
 from gen_art.preset.surface import GroundValue
 from gen_art.preset.values import shown
 from gen_art.registry import suggest
@@ -156,6 +157,7 @@ class Preset(Model):
     light: KeyLight | None = about(None, "the light on everything that reflects light and has no light of its own")
     ground: GroundValue = about(None, "a level floor without end, which is only seen")
     shadows: bool = about(True, "whether things shadow each other and the ground, from the lamp and from the sky")
+    sky: Sky | None = about(None, "what surrounds the scene; nothing when left out")
     camera: CameraSpec | None = about(None, "the camera; when left out, one that has all particles in its view")
     develop: DevelopSpec = about(DevelopSpec(), "how light becomes a picture")
     gallery: Gallery = about(Gallery(), "the moments that represent the preset")

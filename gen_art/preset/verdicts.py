@@ -20,7 +20,8 @@ _ONLY_LOOKS = (
     "light",
     "seed",
     "shadows",
-)  # keys that change no motion; the seed is in the verdict
+    "sky",
+)  # keys that change no motion
 
 
 def key(preset, version: str) -> str:

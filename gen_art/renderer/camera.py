@@ -50,7 +50,7 @@ class CameraView:
         return rows / self.height if self.height else 0.5 * rows / math.tan(math.radians(self.fov) / 2)
 
     def mirrored(self, point, normal) -> "CameraView":
-        """The view of the camera's mirror image in a plane, whose picture fits this one's pixel by pixel: its axes are left-handed.
+        """The view of the camera's mirror image in a plane. Its picture fits this one's pixel by pixel; its axes are left-handed.
 
         point, normal : (3,) of the plane, the normal of length 1
         """

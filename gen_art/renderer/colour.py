@@ -10,8 +10,8 @@ import numpy as np
 from gen_art.preset.colour_names import Gradient, srgb
 
 __all__ = [
-    "LUMINANCE", "TABLE", "blackbody", "encode_srgb", "gradient_table", "linear", "luminance_of", "planck_luminance",
-    "rgb_to_xyz", "to_linear", "to_oklab", "from_oklab",
+    "LUMINANCE", "TABLE", "blackbody", "colour_matching", "encode_srgb", "gradient_table", "linear", "luminance_of",
+    "planck_luminance", "rgb_to_xyz", "to_linear", "to_oklab", "from_oklab",
 ]  # fmt: skip
 
 TABLE = 256
@@ -92,17 +92,23 @@ def _lobe(x, peak, left, right):
     return np.exp(-0.5 * ((x - peak) / np.where(x < peak, left, right)) ** 2)
 
 
+def colour_matching(nm) -> np.ndarray:
+    """(n, 3) the CIE 1931 functions x, y, z at wavelengths (n,) in nm, by the fit of Wyman, Sloan and Shirley."""
+    nm = np.asarray(nm, dtype=np.float64)
+    return np.stack(
+        [
+            1.056 * _lobe(nm, 599.8, 37.9, 31.0)
+            + 0.362 * _lobe(nm, 442.0, 16.0, 26.7)
+            - 0.065 * _lobe(nm, 501.1, 20.4, 26.2),
+            0.821 * _lobe(nm, 568.8, 46.9, 40.5) + 0.286 * _lobe(nm, 530.9, 16.3, 31.1),
+            1.217 * _lobe(nm, 437.0, 11.8, 36.0) + 0.681 * _lobe(nm, 459.0, 26.0, 13.8),
+        ],
+        axis=1,
+    )
+
+
 _NM = np.arange(360.0, 831.0, 2.0)
-_CMF = np.stack(
-    [
-        1.056 * _lobe(_NM, 599.8, 37.9, 31.0)
-        + 0.362 * _lobe(_NM, 442.0, 16.0, 26.7)
-        - 0.065 * _lobe(_NM, 501.1, 20.4, 26.2),
-        0.821 * _lobe(_NM, 568.8, 46.9, 40.5) + 0.286 * _lobe(_NM, 530.9, 16.3, 31.1),
-        1.217 * _lobe(_NM, 437.0, 11.8, 36.0) + 0.681 * _lobe(_NM, 459.0, 26.0, 13.8),
-    ],
-    axis=1,
-)
+_CMF = colour_matching(_NM)
 
 
 def _planck_xyz(kelvin) -> np.ndarray:

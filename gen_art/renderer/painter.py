@@ -9,16 +9,19 @@ import numpy as np
 from gen_art.arguments import shown
 from gen_art.errors import PresetError, UsageError
 from gen_art.particles.rows import LIFETIME, POSITION, VELOCITY
-from gen_art.preset.light import KeyLight
 from gen_art.preset.look import Look
+from gen_art.preset.sky import Sky
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
+from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.look_tables import LookTables, kernel_numbers
 from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import ProjectedParticles, shade
-from gen_art.renderer.smoke_lighting import add_scattered_light
+from gen_art.renderer.sky import SkyDome
+from gen_art.renderer.sky_background import draw_sky
+from gen_art.renderer.smoke_lighting import add_scattered_light, smoke_key
 from gen_art.renderer.sprite import DISC, FOOTPRINT, HIDDEN, KINDS, POINT, STREAK
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.supersample import box_averaged
@@ -67,13 +70,14 @@ class Painter:
     shutter : simulated seconds the shutter is open
     supersample : the picture is drawn this many times as wide and as high; each pixel is the mean of the block drawn for it
     scene : its light and its ground
+    sky : what lies behind everything, or None: then the picture keeps its alpha
     """
 
     def __init__(
         self, size, camera: Camera | None = None, looks: dict[str, Look | None] | None = None, shutter: float = 0.0,
-        supersample: int = 1, scene: Scene | None = None,
+        supersample: int = 1, scene: Scene | None = None, sky: SkyDome | None = None,
     ):  # fmt: skip
-        self.supersample = supersample
+        self.supersample, self.sky = supersample, sky
         self.size = check_size(tuple(side * supersample for side in check_size(size)), supersample)
         self.camera, self.looks, self.shutter = camera, looks or {}, shutter
         self.scene = scene or Scene()
@@ -98,8 +102,8 @@ class Painter:
     def paint(self, sim, film_time: float) -> np.ndarray:
         """The picture of the simulation's current state at film time `film_time` (s): (height, width, 4), a view.
 
-        The next picture overwrites the view. Trails lie between the surfaces and the sprites, as `expose_trails` left them. Raises PresetError for
-        light that is not finite.
+        The next picture overwrites the view. Trails lie between the surfaces and the sprites, as `expose_trails` left them.
+        Raises PresetError for light that is not finite.
         """
         view = self.view(sim, film_time)
         film = self._mirror_film(sim, view, film_time)
@@ -107,6 +111,8 @@ class Painter:
         self._draw(
             sim, list(sim.systems), view, film_time, self.shutter, 1.0, self.framebuffer, trails=self._trails, film=film
         )
+        if self.sky is not None:
+            draw_sky(self.sky, view, self.framebuffer)
         pixels = self.framebuffer.pixels if self.supersample == 1 else box_averaged(self.framebuffer, self.supersample)
         if not math.isfinite(pixels.max()):  # light is never negative; a NaN anywhere is the largest, too
             raise PresetError(
@@ -128,6 +134,8 @@ class Painter:
         self._draw(
             sim, list(sim.systems), behind, film_time, self.shutter, 1.0, self.framebuffer, trails={}, mirror=mirror
         )
+        if self.sky is not None:
+            draw_sky(self.sky, behind, self.framebuffer)
         self._film.take(self.framebuffer.pixels, look.roughness > 0.0)
         return self._film
 
@@ -233,23 +241,24 @@ class Painter:
                 self._add_sprites(look, self._projected[name], framebuffer)
         splat(sprites, framebuffer)
 
-    def _light_on(self, look: Look) -> KeyLight | None:
+    def _light_on(self, look: Look) -> Lighting | None:
         """The light that a system of smoke scatters: its own, or the scene's."""
-        return look.light or (self.scene.light if look.blend == "alpha" else None)
+        if look.light is not None:
+            return Lighting.of(look.light)
+        return self.scene.lighting if self.scene.lit and look.blend == "alpha" else None
 
     def _is_solid(self, look: Look) -> bool:
         """Whether a system is drawn by surfaces in the scene's light: balls, bodies or threads."""
-        return look.shapes or (self.scene.light is not None and look.draw == "sphere" and look.blend == "opaque")
+        return look.shapes or (self.scene.lit and look.draw == "sphere" and look.blend == "opaque")
 
     def _draw_surfaces(self, sim, view, solids, smoke: dict, framebuffer, film: MirrorFilm, mirror) -> SurfaceDepths:
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
         scene = self.scene if mirror is None else self.scene.without_mirror()
-        light = scene.light
         if not solids and not scene.surfaces:
             return NOTHING_HIDES
         if self._surfaces is None:
             self._surfaces = SurfacePass(self.size)
-        shading = smoke.get((light.direction, light.resolution)) if light is not None else None
+        shading = smoke.get(smoke_key(scene.lighting))
         smoke_of_lamp = shading and shading[:2]
         found = self._surfaces.draw(scene, view, sim.time, solids, smoke_of_lamp, framebuffer, film, mirror)
         if not found:
@@ -322,17 +331,23 @@ def _hide_below(projected: ProjectedParticles, system, point, normal) -> None:
     projected.used[FOOTPRINT, height < 0.0] = HIDDEN
 
 
-def render_frame(sim: "Simulation", size: tuple[int, int] = (1280, 720), camera: Camera | None = None) -> np.ndarray:
+def render_frame(
+    sim: "Simulation", size: tuple[int, int] = (1280, 720), camera: Camera | None = None, sky: Sky | None = None
+) -> np.ndarray:
     """A picture of the simulation's current state: (height, width, 4) float32, linear premultiplied RGBA.
 
     A channel's mean is the light inside the frame; it is the same at any size of one aspect ratio. A ParticleSystem is drawn
     by its `look`, and as white points of light 1 where it has none. Without a camera the preset's is used, or one that frames
     the particles. Trails and ribbons, which need earlier states, are left out: `gen-art still` draws them.
+
+    sky : a ga.Sky; the preset's when None. With a sky, alpha is 1
     """
     if not hasattr(sim, "members"):
         raise UsageError(f"render_frame draws a ga.Simulation, not {shown(sim)}")
     if camera is not None and not isinstance(camera, Camera):
         raise UsageError(f"camera must be a ga.Camera, such as ga.Camera(position=(0, 0, 5)), not {shown(camera)}")
+    if sky is not None and not isinstance(sky, Sky):
+        raise UsageError(f"sky must be a ga.Sky, such as ga.Sky(sun=30), not {shown(sky)}")
     preset = sim.preset
     shutter, film_time = 0.0, float(sim.time)
     looks = {name: system.look for name, system in sim.members.items() if preset is not None or system.look is not None}
@@ -340,8 +355,10 @@ def render_frame(sim: "Simulation", size: tuple[int, int] = (1280, 720), camera:
     if preset is not None:
         if camera is None and preset.camera is not None:
             camera = Camera.from_spec(preset.camera)
+        sky = preset.sky if sky is None else sky
         clock = preset.clock
         film_time = (float(sim.time) - clock.preroll) / clock.speed
         shutter = (camera.shutter if camera else 180.0) / 360.0 * clock.speed / clock.fps
-    scene = Scene.of(preset, sim.members.values())
-    return np.array(Painter(size, camera, looks, shutter, scene=scene).paint(sim, film_time))
+    dome = None if sky is None else SkyDome.of(sky)
+    scene = Scene.of(preset, sim.members.values(), dome)
+    return np.array(Painter(size, camera, looks, shutter, scene=scene, sky=dome).paint(sim, film_time))

@@ -22,14 +22,15 @@ from gen_art.backend.runtime import kernel, ti
 from gen_art.maths.elementary import exp
 from gen_art.particles.rows import POSITION
 from gen_art.preset.look import KeyLight
-from gen_art.renderer.colour import linear
 from gen_art.renderer.emissive_lighting import EmittedLight, scatter_emitted_light
+from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.shading import LIT_ALBEDO, LIT_EXTINCTION, LIT_POSITION, LIT_RADIUS
 from gen_art.renderer.smoke_density import DIRECTIONS, WEIGHTS, Smoke
 from gen_art.renderer.sprite import BLUE, DEPTH, RED
 
 __all__ = [
-    "OCTAVES", "LitParticles", "add_scattered_light", "lamp_axes", "octaves", "phase_function", "scattered_light", "scattered_light_of_system",
+    "OCTAVES", "LitParticles", "add_scattered_light", "lamp_axes", "octaves", "phase_function", "scattered_light",
+    "scattered_light_of_system", "smoke_key",
 ]  # fmt: skip
 
 OCTAVES = 4
@@ -48,7 +49,7 @@ class LitParticles:
     radii : (n,) of the sprites
     """
 
-    light: KeyLight
+    light: Lighting
     positions: np.ndarray
     cross_sections: np.ndarray
     radii: np.ndarray
@@ -145,30 +146,33 @@ def _transmittance(depth: np.ndarray, weights) -> np.ndarray:
     return total
 
 
-def _sky(light: KeyLight, smoke: Smoke) -> np.ndarray:
+def _sky(light: Lighting, smoke: Smoke) -> np.ndarray:
     """(a, b, c, 3) the sky's light at each node of `smoke`, through the smoke from 14 sides."""
-    top, ground = (linear(c) for c in (light.ambient, light.ambient if light.ground is None else light.ground))
     sky = np.zeros((*smoke.extinction.shape, 3), np.float32)
-    if light.ambient_intensity == 0.0:
+    if not light.ambient.any():
         return sky
-    weights = octaves(light.scatter)
+    weights = octaves(light.key.scatter)
     for direction, direction_weight in zip(DIRECTIONS, WEIGHTS):
-        height = -(direction / np.linalg.norm(direction)) @ smoke.axes[:, 1]  # 1: this light comes from straight above
-        colour = (0.5 + 0.5 * height) * top + (0.5 - 0.5 * height) * ground
+        towards = -(direction / np.linalg.norm(direction)) @ smoke.axes
         transmittance = _transmittance(smoke.depth(direction), weights)
-        sky += transmittance[..., None] * np.float32(direction_weight * light.ambient_intensity * colour)
+        sky += transmittance[..., None] * np.float32(direction_weight * light.radiance(towards))
     return sky
 
 
-def _kernel_numbers(light: KeyLight, eye, parallel: bool) -> np.ndarray:
+def _kernel_numbers(light: Lighting, eye, parallel: bool) -> np.ndarray:
     q = np.zeros(OCTAVE + 2 * OCTAVES)
-    q[FORWARD : FORWARD + 3] = np.asarray(light.direction) / np.linalg.norm(light.direction)
+    q[FORWARD : FORWARD + 3] = light.direction
     q[EYE : EYE + 3] = -np.asarray(eye) if parallel else eye
     q[PARALLEL] = parallel
-    q[KEY : KEY + 3] = linear(light.color) * light.intensity
-    q[OCTAVE : OCTAVE + OCTAVES] = octaves(light.scatter)
-    q[OCTAVE + OCTAVES :] = light.phase * 0.5 ** np.arange(OCTAVES)
+    q[KEY : KEY + 3] = light.lamp
+    q[OCTAVE : OCTAVE + OCTAVES] = octaves(light.key.scatter)
+    q[OCTAVE + OCTAVES :] = light.key.phase * 0.5 ** np.arange(OCTAVES)
     return q
+
+
+def smoke_key(light: Lighting) -> tuple:
+    """What the grid of smoke depends on of a light: systems whose lights agree in it share a grid."""
+    return (*light.direction.tolist(), light.key.resolution)
 
 
 def scattered_light(
@@ -181,21 +185,21 @@ def scattered_light(
     eye : (3,) position of the camera
     parallel : the camera is orthographic and `eye` is the direction it looks in
     emitted : for each system, the light of others that it scatters, or None
-    smoke_by_lamp : is filled: (direction, resolution) -> the smoke, its optical depth from the lamp, the smoke on a coarser grid
+    smoke_by_lamp : is filled: smoke_key -> the smoke, its optical depth from the lamp, the smoke on a coarser grid
     """
     positions, radii = (np.concatenate([getattr(s, n) for s in systems]) for n in ("positions", "radii"))
-    cross_sections = np.concatenate([s.cross_sections * np.float32(s.light.depth) for s in systems])
+    cross_sections = np.concatenate([s.cross_sections * np.float32(s.light.key.depth) for s in systems])
     smoke_by_lamp = {} if smoke_by_lamp is None else smoke_by_lamp
     results = []
     for index, system in enumerate(systems):
         light = system.light
-        key = (light.direction, light.resolution)
+        key = smoke_key(light)
         if key not in smoke_by_lamp:
-            smoke = Smoke.of(positions, cross_sections, radii, lamp_axes(light.direction), light.resolution)
+            smoke = Smoke.of(positions, cross_sections, radii, lamp_axes(light.direction), light.key.resolution)
             smoke_by_lamp[key] = (
                 smoke,
                 smoke.depth((0, 0, 1)).reshape(-1),
-                smoke.coarse(1 if light.resolution <= 2 * SKY else 2),
+                smoke.coarse(1 if light.key.resolution <= 2 * SKY else 2),
             )
         q = _kernel_numbers(light, eye, parallel)
         out = np.zeros((len(system.positions), 3), np.float32)
@@ -203,8 +207,8 @@ def scattered_light(
         sky = _sky(light, coarse)
         others = emitted[index] if index < len(emitted) else None
         if others is not None:
-            weights = octaves(light.scatter)
-            sky += scatter_emitted_light(smoke.coarse(2), coarse, others, light, weights, eye, parallel)
+            weights = octaves(light.key.scatter)
+            sky += scatter_emitted_light(smoke.coarse(2), coarse, others, light.key, weights, eye, parallel)
         if len(out):
             _scatter_kernel(
                 np.ascontiguousarray(system.positions, np.float32), smoke.to_nodes(system.positions), len(out), depth,
@@ -220,19 +224,19 @@ def scattered_light_of_system(
 ) -> np.ndarray:
     """`scattered_light` for one system, whose sprites are points unless `radii` (n,) are given."""
     radii = np.zeros(len(positions), np.float32) if radii is None else radii
-    return scattered_light([LitParticles(light, positions, cross_sections, radii)], eye, parallel)[0]
+    return scattered_light([LitParticles(Lighting.of(light), positions, cross_sections, radii)], eye, parallel)[0]
 
 
 def add_scattered_light(lit: dict, drawn: dict, view, scale: float) -> dict:
     """Add the light that lit systems scatter to their channels, in place. Returns the smoke by lamp, see `scattered_light`.
 
-    lit : name -> (KeyLight, channels (11, n), (n, 8) columns LIT_... of shading.py)
+    lit : name -> (Lighting, channels (11, n), (n, 8) columns LIT_... of shading.py)
     drawn : name -> (system, channels) of everything in the picture
     scale : pixels per world unit, or per unit of slope
     """
     parallel = view.height is not None
     eye = view.axes[2] if parallel else view.position
-    emitted = [_emitted_light(light, drawn, parallel, scale) for light, _, _ in lit.values()]
+    emitted = [_emitted_light(light.key, drawn, parallel, scale) for light, _, _ in lit.values()]
     systems = [
         LitParticles(light, columns[:, LIT_POSITION], columns[:, LIT_EXTINCTION], columns[:, LIT_RADIUS])
         for light, _, columns in lit.values()

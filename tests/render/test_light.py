@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from gen_art.preset.look import KeyLight, Look
+from gen_art.preset.light import KeyLight
+from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.emissive_lighting import EmittedLight, cluster_lights, scatter_emitted_light
+from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.painter import Painter
 from gen_art.renderer.smoke_density import DIRECTIONS, STEP, WEIGHTS, Smoke
 from gen_art.renderer.smoke_lighting import (
@@ -246,8 +248,8 @@ def test_smoke_of_one_system_shadows_another():
     x, section = slab()
     behind = np.array([[a, b, 2.0] for a in (-0.5, 0, 0.5) for b in (-0.5, 0, 0.5)], np.float32)
     lamps = [KeyLight(direction=(0, 0, 1), scatter=0, intensity=1.0, **DARK) for _ in range(2)]
-    one = LitParticles(lamps[0], x, section, np.full(len(x), 0.15, np.float32))
-    two = LitParticles(lamps[1], behind, np.full(9, 1e-6, np.float32), np.zeros(9, np.float32))
+    one = LitParticles(Lighting.of(lamps[0]), x, section, np.full(len(x), 0.15, np.float32))
+    two = LitParticles(Lighting.of(lamps[1]), behind, np.full(9, 1e-6, np.float32), np.zeros(9, np.float32))
     assert scattered_light([one, two], (0, 0, 9))[1][:, 0].mean() == pytest.approx(np.exp(-3.0), rel=0.1)
     assert scattered_light([two], (0, 0, 9))[0] == pytest.approx(np.ones((9, 3)), abs=2e-3)
 
@@ -258,13 +260,13 @@ def test_the_glow_of_others_falls_with_the_square_of_the_distance_and_through_th
     power = np.tile([[2e-3, 1e-3, 0.0]], (3000, 1))
     x = np.array([[1.0, 0, 0], [2, 0, 0], [0, 4, 0], [0, 0, -4]], np.float32)
     lamp = KeyLight(intensity=0.0, scatter=0.0, resolution=64, **DARK)
-    thin = LitParticles(lamp, x, np.full(4, 1e-7, np.float32), np.zeros(4, np.float32))
+    thin = LitParticles(Lighting.of(lamp), x, np.full(4, 1e-7, np.float32), np.zeros(4, np.float32))
     got = scattered_light([thin], (0, 0, 9), False, [EmittedLight(lights, power)])[0]
     assert got[:, 0] == pytest.approx(6.0 / (4 * np.pi) / np.array([1, 4, 16, 16]), rel=0.12)
     assert got[:, 1] == pytest.approx(got[:, 0] / 2, rel=1e-5)
     assert np.all(got[:, 2] == 0.0)
     screen = rng.uniform(-1, 1, (20_000, 3)).astype(np.float32) * np.float32((0.1, 2, 2)) + np.float32((0.5, 0, 0))
-    wall = LitParticles(lamp, np.concatenate([x, screen]), np.concatenate([np.full(4, 1e-7), np.full(20_000, 16 / 20_000)]).astype(
+    wall = LitParticles(Lighting.of(lamp), np.concatenate([x, screen]), np.concatenate([np.full(4, 1e-7), np.full(20_000, 16 / 20_000)]).astype(
         np.float32), np.zeros(20_004, np.float32))  # fmt: skip
     through = scattered_light([wall], (0, 0, 9), False, [EmittedLight(lights, power)])[0]
     assert through[1, 0] == pytest.approx(got[1, 0] * np.exp(-1.0), rel=0.2)

@@ -100,7 +100,10 @@ def _trace_colliders(
 
 @ti.func
 def _trace_solid(scene: ti.template(), i, who, box, ox, oy, distance: ti.template(), owner: ti.template()):
-    """Put a solid into a tile's rays where it is nearer; box : (4,) first and last column and row of the tile that it may cover."""
+    """Put a solid into a tile's rays where it is nearer.
+
+    box : (4,) first and last column, first and last row of the tile that it may cover
+    """
     N = ti.static(scene.N)
     for row in range(box[2], box[3] + 1):
         for column in range(box[0], box[1] + 1):
@@ -149,7 +152,7 @@ def draw_kernel(terms: ColliderTerms):
     def draw(
         N: F1, Q: F1, owners: I1, M: F2, E: F3, B: F2, rectangles: I2, bin_starts: I1, bin_solids: I1, shadow_starts: I1,
         shadow_solids: I1, D: F2, sky: F2, open_sky: F1, smoke: F1, across: ti.i32, down: ti.i32, framebuffer: F1,
-        stride: ti.i32, depths: F3, bounds: F3, T: F2, levels: I2, G: F2,
+        stride: ti.i32, depths: F3, bounds: F3, T: F2, levels: I2, G: F2, dome: F3,
     ):  # fmt: skip
         """Draw surfaces into a clear framebuffer, and their distances along the line of sight into `depths`.
 
@@ -160,13 +163,13 @@ def draw_kernel(terms: ColliderTerms):
         D : of lamp_disc; sky, open_sky : of SkyLight; smoke : optical depths from the lamp
         depths : (rows, columns, SUBPIXELS), NEVER where nothing is met
         bounds : (down, across, 2) the least and the largest of them in each tile
-        T, levels : of the MirrorFilm; G : of blur_points
+        T, levels : of the MirrorFilm; G : of blur_points; dome : table of the SkyDome
         """
         ti.loop_config(block_dim=1)
         for tile in range(across * down * TILES * TILES):
             scene = arrays(
                 N=N, Q=Q, owners=owners, M=M, E=E, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D,
-                sky=sky, open_sky=open_sky, smoke=smoke, T=T, levels=levels, G=G,
+                sky=sky, open_sky=open_sky, smoke=smoke, T=T, levels=levels, G=G, dome=dome,
             )  # fmt: skip
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE

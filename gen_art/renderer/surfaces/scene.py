@@ -9,6 +9,8 @@ from gen_art.colliders.plane import Plane
 from gen_art.errors import UsageError
 from gen_art.preset.light import KeyLight
 from gen_art.preset.surface import Ground, SurfaceLook, surface_look
+from gen_art.renderer.lighting import Lighting
+from gen_art.renderer.sky import SkyDome
 
 __all__ = ["Scene"]
 
@@ -17,24 +19,36 @@ __all__ = ["Scene"]
 class Scene:
     """What lights a picture and what stands in it.
 
-    light : the lamp and the sky; a default one where surfaces are drawn without it
+    light : the keys of `light:`; where surfaces are drawn without it and without a sky, a default one counts
     ground : the floor, or None
     shadows : whether things shadow each other
     colliders : of all systems; those with a look are drawn
+    dome : the sky that surrounds it, or None
     """
 
     light: KeyLight | None = None
     ground: Ground | None = None
     shadows: bool = True
     colliders: tuple[Collider, ...] = ()
+    dome: SkyDome | None = None
 
     @classmethod
-    def of(cls, preset, systems: Iterable) -> "Scene":
+    def of(cls, preset, systems: Iterable, dome: SkyDome | None = None) -> "Scene":
         """The scene of a preset and its ParticleSystems; without a preset, of their colliders alone."""
         colliders = tuple(collider for system in systems for collider in system.colliders)
         if preset is None:
-            return cls(colliders=colliders)
-        return cls(preset.light, preset.ground, preset.shadows, colliders)
+            return cls(colliders=colliders, dome=dome)
+        return cls(preset.light, preset.ground, preset.shadows, colliders, dome)
+
+    @property
+    def lit(self) -> bool:
+        """Whether the scene has a light of its own, which smoke and balls then scatter."""
+        return self.light is not None or self.dome is not None
+
+    @cached_property
+    def lighting(self) -> Lighting:
+        """The light on all surfaces, and on smoke without a light of its own."""
+        return Lighting.of(self.light, self.dome)
 
     @cached_property
     def surfaces(self) -> list[tuple[Collider, SurfaceLook]]:

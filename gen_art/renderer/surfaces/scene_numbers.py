@@ -8,9 +8,8 @@ import math
 import numpy as np
 
 from gen_art.backend.runtime import ti
-from gen_art.preset.light import KeyLight
 from gen_art.renderer.camera import CameraView
-from gen_art.renderer.colour import linear
+from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.smoke_lighting import lamp_axes
 
 __all__ = ["NUMBERS", "camera_ray", "first_distance", "lamp_tangent", "scene_numbers", "vector_at"]
@@ -18,11 +17,12 @@ __all__ = ["NUMBERS", "camera_ray", "first_distance", "lamp_tangent", "scene_num
 (
     CAMERA, RIGHT, UP, FORWARD, SCALE, PARALLEL, NEAR, FAR, WIDTH, ROWS, TIME, TO_LAMP, LAMP_SIDE, LAMP_UP, LAMP_TANGENT,
     LAMP_COLOUR, SHADOWS, SHADOW_REACH, FOG_START, FOG_RATE, FOG_COLOUR, BIN_CORNER, BIN_CELL, BIN_SHAPE, SKY_ORIGIN, SKY_CELL,
-    SKY_SHAPE, SMOKE_CORNER, SMOKE_CELL, SMOKE_SHAPE, CLIP, MIRROR,
+    SKY_SHAPE, SMOKE_CORNER, SMOKE_CELL, SMOKE_SHAPE, CLIP, MIRROR, HAS_DOME,
 ) = (
-    0, 3, 6, 9, 12, 13, 14, 15, 16, 17, 18, 19, 22, 25, 28, 29, 32, 33, 34, 35, 36, 39, 41, 42, 44, 47, 48, 51, 54, 55, 58, 62,
+    0, 3, 6, 9, 12, 13, 14, 15, 16, 17, 18, 19, 22, 25, 28, 29, 32, 33, 34, 35, 36, 39, 41, 42, 44, 47, 48, 51, 54, 55, 58,
+    62, 63,
 )  # fmt: skip
-NUMBERS = 63
+NUMBERS = 64
 _FARTHEST = 1e15  # its square is a float32
 
 
@@ -59,13 +59,13 @@ def camera_ray(N: ti.template(), column, row):
     return origin, direction
 
 
-def lamp_tangent(light: KeyLight) -> float:
+def lamp_tangent(light: Lighting) -> float:
     """The tangent of half the lamp's angle."""
     return math.tan(math.radians(light.size) / 2.0)
 
 
 def scene_numbers(
-    view: CameraView, size, time: float, light: KeyLight, shadows: bool, bins, sky, smoke, clip=None, mirror: int = -1
+    view: CameraView, size, time: float, light: Lighting, shadows: bool, bins, sky, smoke, clip=None, mirror: int = -1
 ) -> np.ndarray:  # fmt: skip
     """N, (NUMBERS,) float32.
 
@@ -87,7 +87,7 @@ def scene_numbers(
     n[WIDTH], n[ROWS], n[TIME] = *size, time
     side, up, forward = lamp_axes(light.direction)
     n[TO_LAMP : TO_LAMP + 3], n[LAMP_SIDE : LAMP_SIDE + 3], n[LAMP_UP : LAMP_UP + 3] = -forward, side, up
-    n[LAMP_TANGENT], n[LAMP_COLOUR : LAMP_COLOUR + 3] = lamp_tangent(light), linear(light.color) * light.intensity
+    n[LAMP_TANGENT], n[LAMP_COLOUR : LAMP_COLOUR + 3] = lamp_tangent(light), light.lamp
     n[SHADOWS], n[SHADOW_REACH] = shadows, 1e4 * (view.distance + (view.height or 0.0))
     if view.fog:
         n[FOG_START], n[FOG_RATE] = view.fog[0], 1.0 / view.fog[1]
@@ -101,7 +101,7 @@ def scene_numbers(
     if clip is not None:
         point, normal = (np.asarray(vector, np.float64) for vector in clip)
         n[CLIP : CLIP + 3], n[CLIP + 3] = normal, (point - view.position) @ normal
-    n[MIRROR] = mirror
+    n[MIRROR], n[HAS_DOME] = mirror, light.dome is not None
     return n.astype(np.float32)
 
 

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen_art.maths.array_functions import exp
-from gen_art.preset.light import KeyLight
-from gen_art.renderer.colour import linear
+from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.smoke_density import DIRECTIONS, WEIGHTS, Smoke
 
 __all__ = ["SkyLight"]
@@ -38,26 +37,18 @@ class SkyLight:
     open: np.ndarray
 
     @classmethod
-    def of(cls, light: KeyLight, positions, cross_sections, radii) -> "SkyLight":
+    def of(cls, light: Lighting, positions, cross_sections, radii) -> "SkyLight":
         """The sky's light among particles of these extinction cross sections, m^2; no particles leave it open everywhere."""
-        from_above, from_below = (
-            linear(c) * light.ambient_intensity
-            for c in (light.ambient, light.ambient if light.ground is None else light.ground)
-        )
-        mean, slope = 0.5 * (from_above + from_below), 0.5 * (from_above - from_below)
-        unhidden = np.zeros((3, 4))
-        unhidden[:, 0], unhidden[:, 2] = mean, slope
-        if not (np.asarray(cross_sections) > 0).any() or light.ambient_intensity == 0.0:
-            return cls(np.zeros(3), 1.0, (1, 1, 1), _row(unhidden)[None], _row(unhidden))
+        if not (np.asarray(cross_sections) > 0).any() or not light.ambient.any():
+            return cls(np.zeros(3), 1.0, (1, 1, 1), _row(light.ambient)[None], _row(light.ambient))
         matter = Smoke.of(positions, cross_sections, radii, np.eye(3), RESOLUTION, _MARGIN)
         total = np.zeros((*matter.extinction.shape, 3, 4))
         for direction, weight in zip(DIRECTIONS, WEIGHTS):
             towards = -direction / np.linalg.norm(direction)
-            colour = mean + slope * towards[1]
             arriving = exp(-matter.depth(direction).astype(np.float64))
             basis = np.array([1.0, *(3.0 * towards)])
-            total += weight * arriving[..., None, None] * (colour[:, None] * basis)
-        return cls(matter.corner * matter.cell, matter.cell, matter.extinction.shape, _row(total), _row(unhidden))
+            total += weight * arriving[..., None, None] * (light.radiance(towards)[:, None] * basis)
+        return cls(matter.corner * matter.cell, matter.cell, matter.extinction.shape, _row(total), _row(light.ambient))
 
 
 def _row(coefficients: np.ndarray) -> np.ndarray:

@@ -45,7 +45,10 @@ def shapes_of(name: str, draw: str, interactions, state) -> Shapes:
 
 
 def solid_rows(systems: list[SolidSystem], first_material: int, view) -> np.ndarray:
-    """(n, SOLID_FLOATS) rows of all solids, those behind the camera too, which cast shadows; materials count on from `first_material`."""
+    """(n, SOLID_FLOATS) rows of all solids, those behind the camera too, which cast shadows.
+
+    first_material : of the first system; the next has the next one
+    """
     found = [np.zeros((0, SOLID_FLOATS), np.float32)]
     for k, system in enumerate(systems):
         shapes = system.shapes

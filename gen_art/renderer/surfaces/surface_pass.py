@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from gen_art.preset.light import KeyLight
 from gen_art.preset.surface import Finish, SurfaceLook
 from gen_art.renderer.colour import linear
 from gen_art.renderer.smoke_lighting import lamp_axes
@@ -31,6 +30,9 @@ from gen_art.renderer.surfaces.view_problems import check_camera, check_distance
 __all__ = ["SurfacePass"]
 
 
+_NO_DOME = np.zeros((2, 2, 3), np.float32)
+
+
 class SurfacePass:
     """Draws surfaces into framebuffers of one size. Of the last picture it keeps
 
@@ -46,7 +48,8 @@ class SurfacePass:
         self._disc, self._blur = lamp_disc(), blur_points()
 
     def draw(
-        self, scene: Scene, view, time: float, solids: list[SolidSystem], smoke, framebuffer, film: MirrorFilm = NO_MIRROR, clip=None
+        self, scene: Scene, view, time: float, solids: list[SolidSystem], smoke, framebuffer,
+        film: MirrorFilm = NO_MIRROR, clip=None,
     ) -> bool:  # fmt: skip
         """Draw what there is into a clear framebuffer; False if there is nothing to draw.
 
@@ -59,7 +62,7 @@ class SurfacePass:
         rows = solid_rows(solids, len(surfaces), view)
         if not surfaces and not len(rows):
             return False
-        light = scene.light or KeyLight()
+        light = scene.lighting
         terms = ColliderTerms([collider for collider, _ in surfaces])
         if clip is None:
             check_camera(terms, view, time)
@@ -84,6 +87,7 @@ class SurfacePass:
             numbers, terms.numbers(), np.array(terms.owners or [0], np.int32), table, shares, _some(rows), _some(rectangles),
             bin_starts, _some(bin_solids), bins.starts, _some(bins.solids), self._disc, sky.light, sky.open, depths, across, down,
             framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, film.texels, film.levels, self._blur,
+            light.dome.table if light.dome is not None else _NO_DOME,
         )  # fmt: skip
         return True
 

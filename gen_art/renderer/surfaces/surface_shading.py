@@ -5,6 +5,7 @@ The one-letter names in kernels are in docs/glossary.md.
 
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp
+from gen_art.renderer.sky_table import sky_radiance
 from gen_art.renderer.surfaces.mirror_film import mirrored_light
 from gen_art.renderer.surfaces.reflection import ANGLES, SMOOTH, fresnel_of, microfacets
 from gen_art.renderer.surfaces.scene_numbers import (
@@ -12,6 +13,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     FOG_COLOUR,
     FOG_RATE,
     FOG_START,
+    HAS_DOME,
     LAMP_COLOUR,
     LAMP_TANGENT,
     MIRROR,
@@ -123,11 +125,19 @@ def surface_radiance(
     film = ti.Vector([0.0, 0.0, 0.0, 0.0])
     if N[MIRROR] == ti.cast(m, ti.f32):
         film = _mirrored(scene, n, nv, rough, column, row)
+    # the sky as a smooth surface reflects it, dimmed as the sky's mean is here; a rough one reflects its even part
+    around, even = ti.Vector([0.0, 0.0, 0.0]), 1.0
+    if N[HAS_DOME] > 0.5:
+        even = ti.min(1.5 * rough, 1.0)
+        if even < 1.0:
+            around = sky_radiance(scene.dome, mirrored[0], mirrored[1], mirrored[2])
     result = emission
     for k in ti.static(range(3)):
         lamp, slope = N[LAMP_COLOUR + k] * share, ti.Vector([sky[3 + 3 * k], sky[4 + 3 * k], sky[5 + 3 * k]])
         arriving = 4.0 * lamp * ti.max(nl, 0.0) + ti.max(sky[k] + (2.0 / 3.0) * slope.dot(n), 0.0)
-        reflected = film[k] + (1.0 - film[3]) * ti.max(sky[k] + blur * slope.dot(mirrored), 0.0)
+        open_share = ti.min(sky[k] / ti.max(scene.open_sky[k], 1e-20), 1.0)
+        reflected = even * ti.max(sky[k] + blur * slope.dot(mirrored), 0.0) + (1.0 - even) * around[k] * open_share
+        reflected = film[k] + (1.0 - film[3]) * reflected
         painted = (1.0 - c) * arriving * albedo[k] + c * reflected + dielectric * lamp
         again = 1.0 + albedo[k] * (1.0 / ti.max(a + b, 1e-3) - 1.0)  # what a rough metal reflects twice
         bare = (albedo[k] * a + b) * reflected + (albedo[k] + (1.0 - albedo[k]) * schlick) * lobe * lamp

@@ -1,0 +1,100 @@
+"""Stars: how many, how bright, of which colour and where, from a seed, and their light in a picture.
+
+    number brighter than magnitude m    N(m) = 5.1 * 10^(m / 2), 9,070 for m = 6.5
+    light of magnitude m                10^(-0.4 m) of that of magnitude 0
+    colour                              of black bodies, whose temperatures are spread as those of the spectral classes
+    place                               even over the sphere
+
+Star k is one of the k + 1 brightest for every limit, so a fainter limit adds stars and moves none.
+Sources: Allen's Astrophysical Quantities (4th ed., 2000), counts of stars by magnitude; Hoffleit, Warren, The Bright Star
+Catalogue (5th ed., 1991): 9,096 stars to 6.5, and the shares of its spectral classes.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from gen_art.maths.array_functions import cos, exp, log, sin
+from gen_art.maths.random import derive, uniform
+from gen_art.preset.sky import Stars
+from gen_art.renderer.colour import blackbody, luminance_of
+
+__all__ = ["StarField", "add_stars", "star_field", "stars_brighter"]
+
+_BRIGHTER_THAN_0, _SLOPE = 5.1, 0.5  # stars; growth of log10 N with the magnitude
+_DISC = math.pi * math.radians(0.1) ** 2  # sr: a star of magnitude 0 has the light of this area with light 1
+# ends of the classes B (with O), A, F, G, K, M, from hot to cool, and the share of the stars down to there
+_TEMPERATURES = np.array([28_000.0, 10_000.0, 7_500.0, 6_000.0, 5_200.0, 3_700.0, 2_900.0])
+_SHARES = np.array([0.0, 0.20, 0.42, 0.56, 0.69, 0.94, 1.0])
+_PLACE, _TURN, _MAGNITUDE, _TEMPERATURE = range(4)  # channels of the random numbers
+
+
+@dataclass(frozen=True, eq=False)
+class StarField:
+    """Stars of one sky.
+
+    directions : (n, 3) unit vectors
+    light : (n, 3) linear light times solid angle, sr
+    """
+
+    directions: np.ndarray
+    light: np.ndarray
+
+
+def stars_brighter(magnitude: float) -> float:
+    """The number of stars of the whole sky that are brighter than a magnitude."""
+    return _BRIGHTER_THAN_0 * 10.0 ** (_SLOPE * magnitude)
+
+
+@lru_cache(8)
+def star_field(spec: Stars) -> StarField:
+    """The stars, the brightest first."""
+    number = int(stars_brighter(spec.magnitude))
+    keys = derive(derive(np.uint64(spec.seed), 0), np.arange(number, dtype=np.uint64))
+    # one star in each whole number of N(m), in its second half, so that the first is no brighter than Sirius
+    rank = np.arange(number) + 0.5 + 0.5 * uniform(keys, _MAGNITUDE)
+    flux = exp(log(rank / _BRIGHTER_THAN_0) * (-0.4 / _SLOPE))  # 10^(-0.4 m) with m from N(m) = rank
+    mired = np.interp(uniform(keys, _TEMPERATURE), _SHARES, 1.0 / _TEMPERATURES)
+    colour = np.round(blackbody(1.0 / mired), 9)  # the last bits of NumPy's exponentials differ between processors
+    colour = colour / luminance_of(colour)[:, None]
+    y, angle = 2.0 * uniform(keys, _PLACE) - 1.0, 2.0 * math.pi * uniform(keys, _TURN)
+    level = np.sqrt(np.maximum(1.0 - y * y, 0.0))
+    directions = np.stack([level * cos(angle), y, level * sin(angle)], axis=1)
+    return StarField(directions, colour * (flux * (spec.intensity * _DISC))[:, None])
+
+
+def add_stars(stars: StarField, axes: np.ndarray, scale: float, pixels: np.ndarray) -> None:
+    """Add the stars to a picture (height, width, 4), in place, where nothing hides them.
+
+    axes : (3, 3), rows right, up, forward
+    scale : pixels per unit of slope
+    A star is spread over 3 x 3 pixels with the weights of a quadratic B-spline, whose sum is 1 wherever the star is. Its light
+    is that of its solid angle in pixels, which at the angle a from the middle of the picture are cos(a)^3 / scale^2 sr each.
+    """
+    height, width = pixels.shape[:2]
+    x, y, z = (
+        stars.directions[:, 0] * a[0] + stars.directions[:, 1] * a[1] + stars.directions[:, 2] * a[2] for a in axes
+    )
+    front = z > 1e-3
+    depth = np.where(front, z, 1.0)
+    column, row = 0.5 * width + x * scale / depth, 0.5 * height - y * scale / depth
+    near = front & (column > -1.0) & (column < width + 1.0) & (row > -1.0) & (row < height + 1.0)
+    column, row, depth = column[near], row[near], depth[near]
+    light = stars.light[near] * (scale * scale / (depth * depth * depth))[:, None]
+    i, j = np.floor(row).astype(np.int64), np.floor(column).astype(np.int64)
+    down, across = _weights(row - i - 0.5), _weights(column - j - 0.5)
+    for k in range(3):
+        for m in range(3):
+            r, c = i + k - 1, j + m - 1
+            inside = np.flatnonzero((r >= 0) & (r < height) & (c >= 0) & (c < width))
+            at = r[inside], c[inside]
+            shown = np.maximum(1.0 - pixels[..., 3][at], 0.0)
+            share = light[inside] * (down[k] * across[m])[inside, None] * shown[:, None]
+            np.add.at(pixels[..., :3], at, share.astype(np.float32))
+
+
+def _weights(f):
+    """Of a pixel's neighbour, the pixel and its other neighbour, for a point at -0.5..0.5 from the pixel's middle."""
+    return 0.5 * (0.5 - f) ** 2, 0.75 - f * f, 0.5 * (0.5 + f) ** 2
