@@ -1,11 +1,12 @@
 """The keys of `camera:`. Angles are in degrees."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
 from gen_art.errors import UsageError
-from gen_art.preset.fields import ColourValue, NotNegative, Number, Positive, Vector, Within
+from gen_art.preset.colour_names import srgb
+from gen_art.preset.fields import NotNegative, Number, Parsed, Positive, Vector, Within
 from gen_art.preset.model import Model, about
 
 __all__ = ["CameraKey", "CameraSpec", "Easing", "Fog", "Lens", "CameraOrbit", "Shake"]
@@ -50,12 +51,21 @@ class CameraOrbit(Model):
         return self
 
 
+def _fog_colour(value):
+    if value == "sky":
+        return value
+    srgb(value)
+    return tuple(value) if isinstance(value, list) else value
+
+
 class Fog(Model):
     """Beyond `start`, light fades towards `color` as exp(-(d - start) / distance); a number sets the `distance`."""
 
     distance: Positive = about(..., "distance over which light falls to 1/e, in world units")
     start: NotNegative = about(0.0, "distance from the camera at which the fog begins, in world units")
-    color: ColourValue = about("black", "the colour of the fog")
+    color: Annotated[Any, Parsed(_fog_colour, {"type": ["string", "array"]})] = about(
+        "black", "the colour of the fog; `sky` takes the light of the preset's sky at the horizon, as haze in the air does"
+    )
 
     short_form = {"type": ["number", "string"]}
 

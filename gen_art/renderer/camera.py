@@ -30,7 +30,7 @@ class CameraView:
     fov : degrees from bottom to top (perspective)
     height : world units from bottom to top (orthographic), or None
     near, far : clipping distances along the line of sight
-    fog : (start, distance, colour), or None
+    fog : (start, distance, colour), or None; the colour is None where it is the sky's, which `in_air` fills in
     lens : (radius, focus distance), or None for a pinhole. A point at depth d blurs into a disc with a radius of
         scale * radius * abs(1 / focus - 1 / d) pixels
     """
@@ -42,8 +42,23 @@ class CameraView:
     height: float | None
     near: float
     far: float
-    fog: tuple[float, float, tuple[float, float, float]] | None
+    fog: tuple[float, float, tuple[float, float, float] | None] | None
     lens: tuple[float, float] | None = None
+    fog_is_sky: bool = False
+
+    def in_air(self, sky) -> "CameraView":
+        """The view with the sky's light at the horizon as the colour of its fog, if that is the sky's.
+
+        sky : a SkyDome or None. Raises UsageError if the fog needs one and there is none.
+        """
+        if self.fog is None or self.fog[2] is not None:
+            return self
+        if sky is None:
+            raise UsageError("fog of the colour `sky` needs a sky: give the preset a `sky:`, or the fog another colour")
+        level = self.axes[2] * (1.0, 0.0, 1.0)
+        ahead = level if level.any() else np.array([0.0, 0.0, -1.0])
+        colour = tuple(float(c) for c in sky.radiance((ahead + (0.0, 1e-3, 0.0))[None])[0])
+        return replace(self, fog=(*self.fog[:2], colour), fog_is_sky=True)
 
     def scale(self, rows: int) -> float:
         """Pixels per world unit (orthographic), or pixels per unit of slope (perspective)."""
@@ -173,7 +188,7 @@ class Camera:
             height=state["height"],
             near=near,
             far=self.far if self.far is not None else math.inf,
-            fog=(fog.start, fog.distance, tuple(linear(fog.color))) if fog else None,
+            fog=(fog.start, fog.distance, None if fog.color == "sky" else tuple(linear(fog.color))) if fog else None,
             lens=(self.lens[0], focus) if self.lens and self.lens[0] > 0.0 else None,
         )
 

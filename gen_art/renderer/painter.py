@@ -149,7 +149,7 @@ class Painter:
 
     def view(self, sim, film_time: float):
         """The camera's view at a film time."""
-        return (self.camera or self._framing(sim)).at(film_time)
+        return (self.camera or self._framing(sim)).at(film_time).in_air(self.scene.dome)
 
     def expose_trails(self, sim, film_time: float, exposure: float, shutter: float) -> None:
         """Let the trails fade by `exposure` film seconds, then draw their systems into them once more.

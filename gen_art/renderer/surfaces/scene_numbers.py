@@ -17,12 +17,12 @@ __all__ = ["NUMBERS", "camera_ray", "first_distance", "lamp_tangent", "scene_num
 (
     CAMERA, RIGHT, UP, FORWARD, SCALE, PARALLEL, NEAR, FAR, WIDTH, ROWS, TIME, TO_LAMP, LAMP_SIDE, LAMP_UP, LAMP_TANGENT,
     LAMP_COLOUR, SHADOWS, SHADOW_REACH, FOG_START, FOG_RATE, FOG_COLOUR, BIN_CORNER, BIN_CELL, BIN_SHAPE, SKY_ORIGIN, SKY_CELL,
-    SKY_SHAPE, SMOKE_CORNER, SMOKE_CELL, SMOKE_SHAPE, CLIP, MIRROR, HAS_DOME,
+    SKY_SHAPE, SMOKE_CORNER, SMOKE_CELL, SMOKE_SHAPE, CLIP, MIRROR, HAS_DOME, FOG_IS_SKY,
 ) = (
     0, 3, 6, 9, 12, 13, 14, 15, 16, 17, 18, 19, 22, 25, 28, 29, 32, 33, 34, 35, 36, 39, 41, 42, 44, 47, 48, 51, 54, 55, 58,
-    62, 63,
+    62, 63, 64,
 )  # fmt: skip
-NUMBERS = 64
+NUMBERS = 65
 _FARTHEST = 1e15  # its square is a float32
 
 
@@ -84,6 +84,7 @@ def scene_numbers(
     n[NEAR], n[FAR] = max(view.near, -_FARTHEST), min(view.far, _FARTHEST)
     if view.height is not None and view.near == -math.inf:
         n[NEAR] = -_parallel_reach(view)
+    n[FOG_IS_SKY] = view.fog_is_sky
     n[WIDTH], n[ROWS], n[TIME] = *size, time
     side, up, forward = lamp_axes(light.direction)
     n[TO_LAMP : TO_LAMP + 3], n[LAMP_SIDE : LAMP_SIDE + 3], n[LAMP_UP : LAMP_UP + 3] = -forward, side, up

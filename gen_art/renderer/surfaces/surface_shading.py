@@ -11,6 +11,7 @@ from gen_art.renderer.surfaces.reflection import ANGLES, SMOOTH, fresnel_of, mic
 from gen_art.renderer.surfaces.scene_numbers import (
     CAMERA,
     FOG_COLOUR,
+    FOG_IS_SKY,
     FOG_RATE,
     FOG_START,
     HAS_DOME,
@@ -144,7 +145,11 @@ def surface_radiance(
         result[k] += (1.0 - metal) * painted + metal * bare * again
     if N[FOG_RATE] > 0.0:
         seen = exp(-ti.max(depth - N[FOG_START], 0.0) * N[FOG_RATE])
-        result = result * seen + vector_at(N, FOG_COLOUR) * (1.0 - seen)
+        air = vector_at(N, FOG_COLOUR)
+        if N[FOG_IS_SKY] > 0.5:
+            level = ti.max(-view[1], 0.02 * ti.sqrt(view[0] * view[0] + view[2] * view[2]))
+            air = sky_radiance(scene.dome, -view[0], level, -view[2])
+        result = result * seen + air * (1.0 - seen)
     return result
 
 
