@@ -9,7 +9,7 @@ import tempfile
 from _bench import ROOT, Bench
 
 import gen_art as ga
-from gen_art.audit.thinning import thinned
+from gen_art.preset.thinning import thinned
 from gen_art.preset import load_preset
 from gen_art.preset.estimate import estimate
 from gen_art.preset.shipped import preset_names

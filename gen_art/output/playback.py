@@ -14,6 +14,7 @@ from gen_art.errors import AdviceWarning, PresetError
 from gen_art.renderer.aovs import render_aovs
 from gen_art.renderer.auto_exposure import metered_stops, metering_ages, smoothed_exposure
 from gen_art.renderer.camera import Camera
+from gen_art.renderer.fitting import fit_of
 from gen_art.renderer.legend import DrawnLegend
 from gen_art.renderer.painter import Painter
 from gen_art.simulation.no_effect import undrawn_systems
@@ -38,8 +39,9 @@ class Playback:
         self.preset = preset
         for sentence in undrawn_systems(preset):
             warnings.warn(sentence, AdviceWarning, stacklevel=2)
+        fit = fit_of(preset, size, precision, threads)
         self.sim = Simulation(preset, precision=precision, threads=threads)
-        self.camera = Camera.from_spec(preset.camera) if preset.camera else None
+        self.camera = Camera.from_spec(preset.camera, fit) if preset.camera else None
         self._shutter = self.camera.shutter if self.camera else 180.0
         self.painter = Painter(
             size, self.camera, {n: s.look for n, s in preset.systems.items()}, 0.0,

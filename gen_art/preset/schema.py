@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import PrivateAttr, model_validator
 
 from gen_art.errors import UsageError
-from gen_art.preset.camera import CameraSpec
+from gen_art.preset.camera import CameraSpec, Fit
 from gen_art.preset.clock import Clock
 from gen_art.preset.develop import DevelopSpec
 from gen_art.preset.domain import Domain
@@ -159,6 +159,7 @@ class Preset(Model):
     _written: dict = PrivateAttr(default_factory=dict)
     _folder: Path = PrivateAttr(Path())
     _verdict: dict | None = PrivateAttr(None)
+    _fits: dict[tuple[int, int, str], Fit] = PrivateAttr(default_factory=dict)
 
     @classmethod
     def known_keys(cls) -> list[str]:
@@ -187,6 +188,11 @@ class Preset(Model):
         """Take over the verdict of a recipe."""
         self._verdict = recipe.get("expect")
         return self
+
+    @property
+    def fits(self) -> dict[tuple[int, int, str], Fit]:
+        """The fits of its camera that are known, for `camera.frame`: see gen_art/renderer/fitting.py."""
+        return self._fits
 
     @property
     def folder(self) -> Path:

@@ -255,7 +255,9 @@ def render_frame(sim: "Simulation", size: tuple[int, int] = (1280, 720), camera:
     looks = {name: look and look.model_copy(update={"trail": None}) for name, look in looks.items()}
     if preset is not None:
         if camera is None and preset.camera is not None:
-            camera = Camera.from_spec(preset.camera)
+            from gen_art.renderer.fitting import fit_of  # which surveys a film with this module's `living`
+
+            camera = Camera.from_spec(preset.camera, fit_of(preset, check_size(size), sim.precision))
         clock = preset.clock
         film_time = (float(sim.time) - clock.preroll) / clock.speed
         shutter = (camera.shutter if camera else 180.0) / 360.0 * clock.speed / clock.fps
