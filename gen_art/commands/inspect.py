@@ -140,7 +140,9 @@ def _echo_framing(framing: dict) -> None:
         echo(f"{chr(10) if name == 'film' else ''}{names[name]}: {words}")
     if framing["fit"]:
         move = ", ".join(f"{x:g}" for x in framing["fit"]["move"])
-        echo(f"camera.frame: the target moves by [{move}], the distance or height by a factor of {framing['fit']['factor']:g}")
+        echo(
+            f"camera.frame: the target moves by [{move}], the distance or height by a factor of {framing['fit']['factor']:g}"
+        )
 
 
 def _expectations(preset) -> dict | None:

@@ -322,7 +322,9 @@ def rerun(
         try:
             preset = _load({**recipe["preset"], "name": recipe["name"]}).take_verdict(recipe)
             if recipe.get("fit") is not None:
-                preset.fits[fit_key(recipe["size"], recipe["precision"])] = Fit(tuple(recipe["fit"]["move"]), recipe["fit"]["factor"])
+                preset.fits[fit_key(recipe["size"], recipe["precision"])] = Fit(
+                    tuple(recipe["fit"]["move"]), recipe["fit"]["factor"]
+                )
         finally:
             FOLDER.reset(token)
         return _rerun(recipe, preset, picture, out, threads, overwrite, progress, plugins)

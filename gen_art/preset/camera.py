@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from gen_art.errors import UsageError
 from gen_art.preset.fields import ColourValue, NotNegative, Number, Positive, Vector, Within
 from gen_art.preset.model import Model, about
+from gen_art.preset.values import shown
 
 __all__ = ["CameraKey", "CameraOrbit", "CameraSpec", "Easing", "Fit", "Fog", "Frame", "Lens", "Shake"]
 
@@ -127,7 +128,9 @@ class Frame(Model):
     view and `fov` stay as they are, and so do the distances of near, far, fog and focus from the target.
     """
 
-    fill: Annotated[float, Within(0.05, 0.8)] = about(0.65, "part of the picture's height or width that the subject fills")
+    fill: Annotated[float, Within(0.05, 0.8)] = about(
+        0.65, "part of the picture's height or width that the subject fills"
+    )
     stray: Annotated[float, Within(0, 0.5)] = about(
         0.01, "the part of the light, of the particles farthest out, that does not count at each moment"
     )
@@ -140,6 +143,8 @@ class Frame(Model):
             return value
         if value is True or value == "auto":
             return {}
+        if isinstance(value, str) and not any(c.isdigit() for c in value):
+            raise UsageError(f"must be auto, false or a number such as 0.65, not {shown(value)}")
         return {"fill": value}
 
 

@@ -113,7 +113,9 @@ def _half_height(view: CameraView) -> float:
 def _centring(extents: Sequence[Extent], views: Sequence[CameraView], aspect: float) -> np.ndarray:
     """(3,) the move of the target that centres the extremes of all moments, those to the sides and those above and below."""
     half = np.array([_half_height(view) for view in views])
-    rows = np.array([[view.axes[axis] / (h * ratio) for view, h in zip(views, half)] for axis, ratio in ((0, aspect), (1, 1.0))])
+    rows = np.array(
+        [[view.axes[axis] / (h * ratio) for view, h in zip(views, half)] for axis, ratio in ((0, aspect), (1, 1.0))]
+    )
     rows = np.concatenate([rows, rows], axis=1)  # (2, 2 n, 3): axis, low ends and high ends, x y z
     ends = np.array([[e.low[axis] for e in extents] + [e.high[axis] for e in extents] for axis in (0, 1)])
     weights = np.full(ends.shape, 1.0 / ends.shape[1])

@@ -13,7 +13,17 @@ from gen_art.particles.rows import POSITION, VELOCITY
 from gen_art.preset.estimate import refuse_if_too_large
 from gen_art.preset.thinning import independent_systems, thinned
 from gen_art.renderer.camera import Camera, CameraView
-from gen_art.renderer.look_tables import AREA_OF, KIND, LIT, RIBBON, SHUTTER, SIZE_MODE, STROBE_HI, LookTables, kernel_numbers
+from gen_art.renderer.look_tables import (
+    AREA_OF,
+    KIND,
+    LIT,
+    RIBBON,
+    SHUTTER,
+    SIZE_MODE,
+    STROBE_HI,
+    LookTables,
+    kernel_numbers,
+)
 from gen_art.renderer.painter import living
 from gen_art.renderer.shading import LIT_RADIUS, REFERENCE_ROWS, ProjectedParticles, shade
 from gen_art.renderer.sprite import ALPHA, BLUE, DISC, GREEN, KINDS, POINT, RED, STREAK
@@ -130,9 +140,14 @@ def _seen(sim, name: str, tables: LookTables, projected, scale: float, film_time
     area = np.ones_like(radius) if is_dot else numbers[AREA_OF] * (radius if in_pixels else radius * scale) ** 2
     area = np.maximum(area, 1e-300)
     weight = every * (area * -np.expm1(-light * flux / area) + channels[ALPHA])
+    alive, radius, weight = (column[weight > 0.0] for column in (alive, radius, weight))
     nothing = np.zeros_like(radius)
     points = system.floats[POSITION, alive].T.astype(np.float64)
-    columns = [points, nothing, radius, nothing, weight] if in_pixels else [points, radius, nothing, weight / scale**2, nothing]
+    columns = (
+        [points, nothing, radius, nothing, weight]
+        if in_pixels
+        else [points, radius, nothing, weight / scale**2, nothing]
+    )
     if KINDS[look.draw] != STREAK:
         return columns
     lapse = np.clip(sim.time - system.birth[alive], 0.0, numbers[SHUTTER])
