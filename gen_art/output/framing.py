@@ -60,13 +60,13 @@ class Framing:
                 continue
             if shown.cut > CUT:
                 found.append(
-                    f"in {where} {_percent(shown.cut)} of the subject's light is outside the frame at {shown.time:.3g} s: move the "
-                    f"camera back or its target, or leave it so if the picture is meant to be filled; {REMEDY}"
+                    f"in {where} {_percent(shown.cut)} of the subject's light is outside the frame at {shown.time:.3g} s: move "
+                    f"the camera back or its target, or leave it so if the picture is meant to be filled; {REMEDY}"
                 )
             if max(shown.height, shown.width) < SMALL:
                 found.append(
-                    f"in {where} the subject takes {shown.height:.0%} of the height and {shown.width:.0%} of the width: bring the "
-                    f"camera nearer, or give a smaller fov or height; {REMEDY}"
+                    f"in {where} the subject takes {shown.height:.0%} of the height and {shown.width:.0%} of the width: bring "
+                    f"the camera nearer, or give a smaller fov or height; {REMEDY}"
                 )
         return found
 

@@ -1,8 +1,9 @@
 """The recipe of a picture or film: everything that is needed to make it again, as JSON inside the file.
 
 It holds the resolved preset and seed, the version, what was rendered (time or frames, size, precision, quality), how
-`camera.frame` moved the camera, the verdict on the preset's `expect:`, and the name and sha256 of each plugin and file. It also holds the bytes of small files, but never
-those of plugins, which are code. The recipe of a picture whose looks go by joules holds the ledger's totals too.
+`camera.frame` moved the camera, the verdict on the preset's `expect:`, and the name and sha256 of each plugin and file. It also
+holds the bytes of small files, but never those of plugins, which are code. The recipe of a picture whose looks go by joules
+holds the ledger's totals too.
 """
 
 import base64

@@ -1,8 +1,8 @@
 """`camera.frame`: the camera moved so that its picture holds what is seen in the whole film.
 
 The fit follows from the preset, the picture's ratio of width to height and the precision. It is rounded to about a thousandth
-of the picture, so that the last bits of a processor do not move the camera. A Preset keeps its fits, and a recipe holds the one of
-its picture.
+of the picture, so that the last bits of a processor do not move the camera. A Preset keeps its fits, and a recipe holds the one
+of its picture.
 """
 
 import math
@@ -33,7 +33,7 @@ SIDEWAYS = 0.03  # part of the best seen direction from which on a direction is 
 
 
 def fit_key(size, precision: str) -> tuple[int, int, str]:
-    """What a preset's fit depends on besides the preset: the picture's width and height without common factors, and the precision."""
+    """What a fit depends on besides the preset: the picture's width and height without common factors, and the precision."""
     common = math.gcd(*size)
     return size[0] // common, size[1] // common, precision
 
@@ -149,4 +149,5 @@ def _needed(whole: Extent, view: CameraView, factor: float, fill: float) -> floa
 def _rounded(move: np.ndarray, factor: float, half_height: float) -> Fit:
     """Rounded to about a thousandth of the picture, to decimal places."""
     digits = 3 - math.floor(math.log10(2.0 * half_height))
-    return Fit(tuple(round(float(x), digits) + 0.0 for x in move), float(f"{factor:.4g}"))
+    x, y, z = (round(float(part), digits) + 0.0 for part in move)
+    return Fit((x, y, z), float(f"{factor:.4g}"))
