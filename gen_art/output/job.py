@@ -28,7 +28,6 @@ from gen_art.preset.estimate import Estimate, refuse_if_too_large
 from gen_art.preset.files import FOLDER
 from gen_art.preset.shipped import presets_folder
 from gen_art.renderer.fitting import fit_key, fit_of
-from gen_art.renderer.legend import draw_legends
 from gen_art.renderer.painter import check_size
 from gen_art.renderer.tone_map import develop
 
@@ -122,7 +121,7 @@ def _write_picture(
     submit, playback: Playback, linear: np.ndarray, exposure: float, k: int, target: Target, path: Path, recipe: dict,
     overwrite: bool,
 ) -> None:  # fmt: skip
-    """Write the linear picture of frame k through `submit`: developed and with its legends, or unchanged to EXR."""
+    """Write the linear picture of frame k through `submit`: developed and with its legends and labels, or unchanged to EXR."""
     spec = playback.preset.develop
     if joules := playback.joules():
         recipe = {**recipe, "joules": joules}
@@ -133,7 +132,7 @@ def _write_picture(
         submit(write_exr, path, np.array(linear), aovs, target.bits, recipe, spec.exposure + exposure, overwrite)
     else:
         picture = develop(linear, spec, frame=k, transparent=recipe["transparent"], bits=target.bits, exposure=exposure)
-        draw_legends(picture, playback.legends())
+        playback.draw_over(picture)
         submit(write_still, path, picture, recipe, overwrite)
 
 
@@ -242,7 +241,7 @@ def _render_film(
             picture = develop(
                 linear, preset.develop, frame=k, transparent=film.transparent, bits=film.depth, exposure=exposure
             )
-            draw_legends(picture, playback.legends())
+            playback.draw_over(picture)
             writer.add(picture)
             report(k, playback.particles)
         writer.close()

@@ -51,6 +51,11 @@ def references(data: dict) -> Problems:
         for kind, interaction in _mapping(system.get("interactions")).items():
             yield from _sources((*here, "interactions", kind), interaction, systems)
         yield from _colors((*here, "look"), _mapping(system.get("look")), tags_of(system))
+    labels = data.get("labels")
+    for k, label in enumerate(labels if isinstance(labels, list) else []):
+        followed = _mapping(label).get("follow")
+        if isinstance(followed, str) and followed not in systems:
+            yield ("labels", k, "follow"), f"there is no system '{followed}'{_choices(followed, systems)}"
 
 
 def _name(here: tuple, name: str) -> Problems:

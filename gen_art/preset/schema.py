@@ -15,6 +15,7 @@ from gen_art.preset.emitter import EmitterSpec, ParticleSpec
 from gen_art.preset.expect import Expect
 from gen_art.preset.fields import NotNegative, NotNegativeRange, Number, Parsed, Positive
 from gen_art.preset.files import FOLDER, PresetFile
+from gen_art.preset.labels import Label
 from gen_art.preset.look import Look
 from gen_art.preset.model import Model, about
 from gen_art.preset.registered import Many, class_schema, is_field, registry
@@ -153,6 +154,7 @@ class Preset(Model):
     systems: dict[str, SystemSpec] = about(..., "the particle systems by name", min_length=1)
     camera: CameraSpec | None = about(None, "the camera; when left out, one that has all particles in its view")
     develop: DevelopSpec = about(DevelopSpec(), "how light becomes a picture")
+    labels: tuple[Label, ...] = about((), "text in the finished picture")
     gallery: Gallery = about(Gallery(), "the moments that represent the preset")
     expect: Expect | None = about(None, "what must hold of its motion; `gen-art check` runs it")
     _name: str = PrivateAttr("preset")

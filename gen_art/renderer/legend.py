@@ -7,14 +7,15 @@ stands on a plate of half-transparent black, which keeps white text readable on 
 import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
+from gen_art.font import characters, font
 from gen_art.preset.look import Look, Ramp
 from gen_art.renderer.colour import TABLE, encode_srgb
 from gen_art.renderer.look_tables import INTENSITY, OPACITY, SIZE, LookTables, domain
+from gen_art.renderer.overlay import lay
 
 __all__ = ["DrawnLegend", "draw_legends", "joules_text", "legend_of"]
 
@@ -84,16 +85,10 @@ def legend_of(look: Look, tables: LookTables, totals: dict, unit: str, attribute
 
 
 def _drawable(text: str) -> str:
-    """The text in characters that the font has, ASCII: accents are left out, and what has no likeness is a question mark."""
-    plain = unicodedata.normalize("NFKD", text).replace("\N{GREEK SMALL LETTER MU}", "u")
-    plain = "".join(c for c in plain if not unicodedata.combining(c))
-    return plain.encode("ascii", "replace").decode("ascii")
-
-
-@lru_cache(8)
-def _font(size: int):
-    """Pillow's own font, Aileron: it is part of Pillow, so a version of Pillow draws the same text on every system."""
-    return ImageFont.load_default(size)
+    """The text in characters that the font has: without an accent that it lacks, and what has no likeness is a question mark."""
+    plain = (c if c in characters() else unicodedata.normalize("NFKD", c) for c in text)
+    plain = "".join(c for c in "".join(plain) if not unicodedata.combining(c))
+    return "".join(c if c in characters() else "?" for c in plain)
 
 
 def _width(font, text: str) -> int:
@@ -104,7 +99,7 @@ def _plate(legend: DrawnLegend, size: int) -> Image.Image:
     """The legend as an RGBA image with text of `size` pixels."""
     finer = -(-DRAWN_TEXT // size)
     size *= finer
-    font = _font(size)
+    font = font(size)
     pad, gap, bar_height = (max(1, round(part * size)) for part in (PADDING, GAP, BAR_HEIGHT))
     ends = _width(font, legend.low) + _width(font, legend.high) + size
     width = max(round(BAR_WIDTH * size), _width(font, legend.title), ends)
@@ -133,8 +128,10 @@ def _bar(legend: DrawnLegend, width: int, height: int, rim: int) -> Image.Image:
     return Image.fromarray(pixels)
 
 
-def draw_legends(picture: np.ndarray, legends: Iterable[DrawnLegend]) -> None:
+def draw_legends(picture: np.ndarray, legends: Iterable[DrawnLegend]) -> dict[str, int]:
     """Draw legends into a developed picture, in place; those of one corner stand one above the other.
+
+    Returns the pixels from the top or bottom that they take, by corner.
 
     picture : (height, width, 3 or 4) uint8 or uint16, sRGB, with straight alpha if it has four channels
     """
@@ -151,21 +148,6 @@ def draw_legends(picture: np.ndarray, legends: Iterable[DrawnLegend]) -> None:
         taken[legend.place] = offset + plate.height + margin
         top = offset if legend.place.startswith("top") else height - offset - plate.height
         left = margin if legend.place.endswith("left") else width - margin - plate.width
-        _lay(picture, np.asarray(plate), max(top, 0), max(left, 0))
-
-
-def _lay(picture: np.ndarray, plate: np.ndarray, top: int, left: int) -> None:
-    """Lay a plate over a picture; what does not fit is cut off."""
-    under = picture[top : top + plate.shape[0], left : left + plate.shape[1]]
-    plate = plate[: under.shape[0], : under.shape[1]]
-    most = float(np.iinfo(picture.dtype).max)
-    colour, cover = plate[..., :3] / 255.0, plate[..., 3:] / 255.0
-    below = under[..., :3] / most
-    if picture.shape[2] == 4:
-        alpha = under[..., 3:] / most
-        joint = cover + alpha * (1.0 - cover)
-        mixed = (colour * cover + below * alpha * (1.0 - cover)) / np.maximum(joint, 1e-9)
-        under[..., 3:] = np.round(most * joint)
-    else:
-        mixed = colour * cover + below * (1.0 - cover)
-    under[..., :3] = np.round(most * mixed)
+        rgba = np.asarray(plate) / 255.0
+        lay(picture, rgba[..., :3] * rgba[..., 3:], rgba[..., 3:], max(top, 0), max(left, 0))
+    return taken
