@@ -12,7 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from gen_art.integrators import INTEGRATORS
-from gen_art.preset import camera, clock, develop, domain, emitter, expect, look, schema
+from gen_art.preset import axes, camera, clock, develop, domain, emitter, expect, labels, look, schema
 from gen_art.preset.registered import in_degrees, is_field, parameters, registry
 
 FOLDER = Path(__file__).resolve().parent
@@ -105,12 +105,16 @@ DOCUMENTED = {  # class: heading of its table
     camera.CameraSpec: "camera:",
     camera.CameraKey: "path: of the camera, a list of",
     camera.CameraOrbit: "orbit: of the camera",
+    camera.Frame: "frame: of the camera",
     camera.Shake: "shake: of the camera",
     camera.Lens: "lens: of the camera",
     camera.Fog: "fog: of the camera",
     develop.DevelopSpec: "develop:",
     develop.Bloom: "bloom: of develop",
     develop.AutoExposure: "auto_exposure: of develop",
+    labels.Label: "labels:, a list of",
+    axes.Axes: "axes:",
+    axes.Axis: "x:, y:, z: of axes",
     expect.Expect: "expect:",
     expect.Drift: "energy:, momentum:, angular_momentum:, mass:, charge: of expect (one or a list)",
     expect.LedgerGap: "ledger: of expect (one or a list)",

@@ -1,4 +1,4 @@
-"""The font of text in pictures, DejaVu Sans Condensed: its characters and the sizes of text. docs/looks.md says how it was made."""
+"""The font of text in pictures, DejaVu Sans Condensed: its characters, and sizes of text (docs/looks.md says how it was made)."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -29,9 +29,7 @@ def font(size: int):
     """The font with letters of `size` pixels (the em). Pillow's basic layout is the same on every system."""
     from PIL import ImageFont
 
-    return ImageFont.truetype(
-        FOLDER / "DejaVuSansCondensed-subset.ttf", size, layout_engine=ImageFont.Layout.BASIC
-    )
+    return ImageFont.truetype(FOLDER / "DejaVuSansCondensed-subset.ttf", size, layout_engine=ImageFont.Layout.BASIC)
 
 
 def lines_of(text: str) -> list[str]:

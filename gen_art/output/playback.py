@@ -14,6 +14,7 @@ from gen_art.errors import AdviceWarning, PresetError
 from gen_art.particles.rows import POSITION
 from gen_art.renderer.aovs import render_aovs
 from gen_art.renderer.auto_exposure import metered_stops, metering_ages, smoothed_exposure
+from gen_art.renderer.axes import draw_axes
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.fitting import fit_of
 from gen_art.renderer.labels import draw_labels
@@ -142,16 +143,18 @@ class Playback:
         return pictures[0] if len(painted) == 1 else pictures[0] / np.float32(len(painted))
 
     def draw_over(self, picture: np.ndarray) -> None:
-        """Draw the legends and labels of the last picture into it, after development.
+        """Draw the legends, axes and labels of the last picture into it, after development.
 
         picture : (height, width, 3 or 4) uint8 or uint16, sRGB, with straight alpha if it has four channels
         Raises PresetError for a total of a legend that is not finite.
         """
         self.joules()
         taken = draw_legends(picture, self.painter.legends(self.sim))
-        if self.preset.labels:
+        if self.preset.axes is not None or self.preset.labels:
             time = self._film_time()
             view = self.painter.view(self.sim, time)
+            if self.preset.axes is not None:
+                draw_axes(picture, self.preset.axes, view, self.preset.units.length)
             draw_labels(picture, self.preset.labels, view, time, self._followed(), taken)
 
     def _followed(self) -> dict[str, np.ndarray]:

@@ -91,11 +91,13 @@ class Label(Model):
     )
     offset: Pair | None = about(
         None,
-        "[right, up] from the point to the text's middle line, in pixels of a picture that is 720 pixels high; when left out, above "
-        "the point, and above it to the right with a `line`",
+        "[right, up] from the point to the text's middle line, in pixels of a picture that is 720 pixels high; when left out, "
+        "above the point, and above it to the right with a `line`",
     )
     line: bool = about(False, "a line from the text to the point")
-    start: Number | None = about(None, "film time at which it appears; from the start when left out", unit="s", alias="from")
+    start: Number | None = about(
+        None, "film time at which it appears; from the start when left out", unit="s", alias="from"
+    )
     until: Number | None = about(None, "film time at which it is gone; never when left out", unit="s")
     fade: NotNegative = about(0.3, "film time in which it appears and disappears", unit="s")
 
@@ -126,12 +128,19 @@ def too_wide(preset) -> Iterator[tuple[tuple, str]]:
         most = WIDEST * REFERENCE_ROWS * width / height
         if wide > most:
             fitting = max(6, int(label.size * most / wide))
-            yield ("labels", k, "text"), (
-                f"the text is {wide:.0f} pixels wide, and a picture of {width}x{height} has room for {most:.0f} of a height of 720: "
-                f"make it shorter, break it into lines, or give a size of {fitting} or less"
+            yield (
+                ("labels", k, "text"),
+                (
+                    f"the text is {wide:.0f} pixels wide, and a picture of {width}x{height}, scaled to a height of 720, has room "
+                    f"for {most:.0f}: "
+                    f"make it shorter, break it into lines, or give a size of {fitting} or less"
+                ),
             )
         elif high > WIDEST * REFERENCE_ROWS:
-            yield ("labels", k, "text"), (
-                f"the text is {high:.0f} pixels high, and a picture has room for {WIDEST * REFERENCE_ROWS:.0f} of 720: "
-                "give fewer lines or a smaller size"
+            yield (
+                ("labels", k, "text"),
+                (
+                    f"the text is {high:.0f} pixels high, and a picture has room for {WIDEST * REFERENCE_ROWS:.0f} of 720: "
+                    "give fewer lines or a smaller size"
+                ),
             )

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import PrivateAttr, model_validator
 
 from gen_art.errors import UsageError
+from gen_art.preset.axes import Axes
 from gen_art.preset.camera import CameraSpec, Fit
 from gen_art.preset.clock import Clock
 from gen_art.preset.develop import DevelopSpec
@@ -155,6 +156,7 @@ class Preset(Model):
     camera: CameraSpec | None = about(None, "the camera; when left out, one that has all particles in its view")
     develop: DevelopSpec = about(DevelopSpec(), "how light becomes a picture")
     labels: tuple[Label, ...] = about((), "text in the finished picture")
+    axes: Axes | None = about(None, "axes with numbers in the finished picture")
     gallery: Gallery = about(Gallery(), "the moments that represent the preset")
     expect: Expect | None = about(None, "what must hold of its motion; `gen-art check` runs it")
     _name: str = PrivateAttr("preset")

@@ -12,7 +12,14 @@ __all__ = ["FILE", "keep", "key", "verdict_of"]
 FILE = "verdicts.json"
 NOT_CHECKED = {"verdict": "not checked"}
 _LARGEST = 10_000_000  # bytes of FILE that are read
-_ONLY_LOOKS = ("camera", "develop", "gallery", "labels", "seed")  # keys that change no motion; the seed is in the verdict
+_ONLY_LOOKS = (
+    "axes",
+    "camera",
+    "develop",
+    "gallery",
+    "labels",
+    "seed",
+)  # keys that change no motion; the seed is in the verdict
 
 
 def key(preset, version: str) -> str:

@@ -71,7 +71,15 @@ def _placed(label: Label, size: float, width: int, height: int, rows: dict[str, 
     margin = MARGIN * height / REFERENCE_ROWS
     if isinstance(label.place, tuple):
         x, y = label.place[0] * width, label.place[1] * height
-        anchor = ANCHORS[label.anchor] if label.anchor else 0.0 if label.place[0] < 1 / 3 else 0.5 if label.place[0] <= 2 / 3 else 1.0
+        anchor = (
+            ANCHORS[label.anchor]
+            if label.anchor
+            else 0.0
+            if label.place[0] < 1 / 3
+            else 0.5
+            if label.place[0] <= 2 / 3
+            else 1.0
+        )
         x += _inwards(x - anchor * wide, x + (1.0 - anchor) * wide, width, 0.5 * margin)
         return Written(label.text, x, y + _inwards(y - 0.5 * high, y + 0.5 * high, height, 0.5 * margin), size, anchor)
     place = str(label.place)
@@ -95,8 +103,9 @@ def _at_point(label: Label, size: float, point, view: CameraView, width: int, he
     text = Written(label.text, x + right * pixel, y - up * pixel, size, anchor)
     left, top, far, bottom = text.box()
     inside = min(max(x, 0.0), width), min(max(y, 0.0), height)  # beyond the sides, the label leaves with its point
-    dx = x - inside[0]
-    dy = y - inside[1]
+    dx, dy = x - inside[0], y - inside[1]
+    if abs(dx) > width or abs(dy) > height:
+        return []
     text = Written(
         label.text, text.x + _inwards(left - dx, far - dx, width, 0.25 * size),
         text.y + _inwards(top - dy, bottom - dy, height, 0.25 * size), size, anchor,

@@ -86,35 +86,34 @@ def legend_of(look: Look, tables: LookTables, totals: dict, unit: str, attribute
 
 def _drawable(text: str) -> str:
     """The text in characters that the font has: without an accent that it lacks, and what has no likeness is a question mark."""
-    plain = (c if c in characters() else unicodedata.normalize("NFKD", c) for c in text)
-    plain = "".join(c for c in "".join(plain) if not unicodedata.combining(c))
-    return "".join(c if c in characters() else "?" for c in plain)
+    plain = "".join(c if c in characters() else unicodedata.normalize("NFKD", c) for c in text)
+    return "".join(c if c in characters() else "?" for c in plain if not unicodedata.combining(c))
 
 
-def _width(font, text: str) -> int:
-    return round(font.getlength(text))
+def _width(letters, text: str) -> int:
+    return round(letters.getlength(text))
 
 
 def _plate(legend: DrawnLegend, size: int) -> Image.Image:
     """The legend as an RGBA image with text of `size` pixels."""
     finer = -(-DRAWN_TEXT // size)
     size *= finer
-    font = font(size)
+    letters = font(size)
     pad, gap, bar_height = (max(1, round(part * size)) for part in (PADDING, GAP, BAR_HEIGHT))
-    ends = _width(font, legend.low) + _width(font, legend.high) + size
-    width = max(round(BAR_WIDTH * size), _width(font, legend.title), ends)
+    ends = _width(letters, legend.low) + _width(letters, legend.high) + size
+    width = max(round(BAR_WIDTH * size), _width(letters, legend.title), ends)
     width += -width % size  # the plate of a film does not follow every change of a digit's width
-    line = sum(font.getmetrics())
+    line = sum(letters.getmetrics())
     image = Image.new(
         "RGBA", (width + 2 * pad, 2 * line + bar_height + 2 * gap + 2 * pad), (0, 0, 0, round(255 * PLATE))
     )
     draw = ImageDraw.Draw(image)
-    draw.text((pad, pad), legend.title, fill=TEXT, font=font)
+    draw.text((pad, pad), legend.title, fill=TEXT, font=letters)
     top = pad + line + gap
     image.paste(_bar(legend, width, bar_height, finer), (pad, top))
     below = top + bar_height + gap
-    draw.text((pad, below), legend.low, fill=TEXT, font=font)
-    draw.text((pad + width - _width(font, legend.high), below), legend.high, fill=TEXT, font=font)
+    draw.text((pad, below), legend.low, fill=TEXT, font=letters)
+    draw.text((pad + width - _width(letters, legend.high), below), legend.high, fill=TEXT, font=letters)
     return image.reduce(finer)
 
 

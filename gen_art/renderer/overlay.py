@@ -86,7 +86,9 @@ def _strip(start, end, half: float, longer: float, left: float, top: float) -> l
     return [((x - left) * FINER - 0.5, (y - top) * FINER - 0.5) for x, y in corners]
 
 
-def draw_over(picture: np.ndarray, marks, colour: tuple[float, float, float], size: float, opacity: float = 1.0) -> None:
+def draw_over(
+    picture: np.ndarray, marks, colour: tuple[float, float, float], size: float, opacity: float = 1.0
+) -> None:
     """Draw marks of one colour into a developed picture, in place; what is outside of it is cut off.
 
     picture : (height, width, 3 or 4) uint8 or uint16, sRGB, with straight alpha if it has four channels
@@ -101,7 +103,9 @@ def draw_over(picture: np.ndarray, marks, colour: tuple[float, float, float], si
     boxes = np.array([mark.box() for mark in marks])
     height, width = picture.shape[:2]
     left, top = (max(0, math.floor(side - rim - 1)) for side in boxes[:, :2].min(axis=0))
-    right, bottom = (min(most, math.ceil(side + rim + 1)) for side, most in zip(boxes[:, 2:].max(axis=0), (width, height)))
+    right, bottom = (
+        min(most, math.ceil(side + rim + 1)) for side, most in zip(boxes[:, 2:].max(axis=0), (width, height))
+    )
     if right <= left or bottom <= top:
         return
     canvases = [Image.new("L", ((right - left) * FINER, (bottom - top) * FINER)) for _ in range(2)]
