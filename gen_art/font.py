@@ -1,9 +1,10 @@
 """The font of text in pictures, DejaVu Sans Condensed: its characters, and sizes of text (docs/looks.md says how it was made)."""
 
+import unicodedata
 from functools import lru_cache
 from pathlib import Path
 
-__all__ = ["characters", "font", "lines_of", "missing", "text_size"]
+__all__ = ["characters", "drawable", "font", "lines_of", "missing", "text_size"]
 
 FOLDER = Path(__file__).parent / "fonts"
 
@@ -22,6 +23,12 @@ def characters() -> frozenset[str]:
 def missing(text: str) -> list[str]:
     """The characters of a text that the font does not have, each once; the ends of lines are none."""
     return list(dict.fromkeys(c for c in text if c not in characters() and c != "\n"))
+
+
+def drawable(text: str) -> str:
+    """The text in characters that the font has: without an accent that it lacks, and what has no likeness is a question mark."""
+    plain = "".join(c if c in characters() else unicodedata.normalize("NFKD", c) for c in text)
+    return "".join(c if c in characters() else "?" for c in plain if not unicodedata.combining(c))
 
 
 @lru_cache(32)

@@ -44,7 +44,7 @@ def _place(value):
         raise UsageError(f"must be one of {', '.join(PLACES)}, or [x, y] from 0 to 1; not {shown(value)}")
     x, y = number(value[0]), number(value[1])
     if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):
-        raise UsageError(f"[x, y] run from 0 at the left and top to 1 at the right and bottom, not {shown(value)}")
+        raise UsageError(f"[x, y] run from 0 at the left and top to 1 at the right and bottom, not [{x:g}, {y:g}]")
     return x, y
 
 

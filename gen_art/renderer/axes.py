@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from gen_art.font import drawable
 from gen_art.preset.axes import Axes, Axis
 from gen_art.preset.colour_names import srgb
 from gen_art.preset.labels import REFERENCE_ROWS
@@ -63,7 +64,7 @@ def draw_axes(picture: np.ndarray, axes: Axes, view: CameraView, unit: str) -> N
         for turn in (SPREAD, -SPREAD):
             back = -ARROW * pixel * np.array(_turned(along, turn))
             lines.append(Line((x1, y1), (x1 + back[0], y1 + back[1]), LINE_WIDTH * pixel))
-        text = axis.label or f"{letter} ({unit})"
+        text = axis.label or drawable(f"{letter} ({unit})")
         anchor = 0.5 - 0.5 * along[0]
         names.append(Written(text, x1 + along[0] * BEYOND * size, y1 + along[1] * (BEYOND + 0.3) * size, size, anchor))
         aside = np.array([-along[1], along[0]])  # below the axis, or at the left of a steep one
@@ -72,8 +73,11 @@ def draw_axes(picture: np.ndarray, axes: Axes, view: CameraView, unit: str) -> N
         for value in tick_values(axis):
             if length < 2.0 * size:
                 break  # seen along its line
-            (x, y, depth) = view.project([_point(axes, k, value)], (width, height))[0]
-            if not (_in_front(depth, view) and -width < x < 2 * width and -height < y < 2 * height):
+            point = _point(axes, k, value)
+            if not _in_front(point, view):
+                continue
+            x, y, _ = view.project([point], (width, height))[0]
+            if not (-width < x < 2 * width and -height < y < 2 * height):
                 continue
             if math.hypot(x1 - x, y1 - y) < ARROW * pixel:
                 continue  # under the arrow
@@ -95,7 +99,8 @@ def _point(axes: Axes, k: int, value: float) -> np.ndarray:
     return point
 
 
-def _in_front(depth: float, view: CameraView) -> bool:
+def _in_front(point: np.ndarray, view: CameraView) -> bool:
+    depth = ((point - view.position) * view.axes[2]).sum()
     return bool(depth >= view.near and (view.height is not None or depth > 0.0))
 
 

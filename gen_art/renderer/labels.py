@@ -93,9 +93,10 @@ def _placed(label: Label, size: float, width: int, height: int, rows: dict[str, 
 
 
 def _at_point(label: Label, size: float, point, view: CameraView, width: int, height: int) -> list:
-    x, y, depth = view.project([point], (width, height))[0]
-    if not (view.near <= depth <= view.far and (view.height or depth > 0.0) and math.isfinite(x) and math.isfinite(y)):
+    depth = float(((point - view.position) * view.axes[2]).sum())
+    if not (view.near <= depth <= view.far and (view.height is not None or depth > 0.0)):
         return []
+    x, y, _ = view.project([point], (width, height))[0]
     pixel = height / REFERENCE_ROWS
     right, up = label.offset or (ASIDE if label.line else ABOVE)
     towards = 0.0 if right > 0.0 else 1.0 if right < 0.0 else 0.5

@@ -4,14 +4,13 @@ They are drawn in sRGB after development, so that exposure and tone map change n
 stands on a plate of half-transparent black, which keeps white text readable on any picture and does not flicker in a film.
 """
 
-import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from PIL import Image, ImageDraw
 
-from gen_art.font import characters, font
+from gen_art.font import drawable, font
 from gen_art.preset.look import Look, Ramp
 from gen_art.renderer.colour import TABLE, encode_srgb
 from gen_art.renderer.look_tables import INTENSITY, OPACITY, SIZE, LookTables, domain
@@ -79,15 +78,9 @@ def legend_of(look: Look, tables: LookTables, totals: dict, unit: str, attribute
         colours, heights = np.repeat(colours[:1], TABLE, axis=0), np.abs(curve) / max(np.abs(curve).max(), 1e-300)
     low, high = domain(ramp)
     title = f"{look.legend.label or entry.title}: {joules_text(totals[entry], unit)} in all"
-    low_text, high_text = (_drawable(joules_text(end, unit, 6, zeros=False)) for end in (low, high))
+    low_text, high_text = (drawable(joules_text(end, unit, 6, zeros=False)) for end in (low, high))
     srgb = np.clip(encode_srgb(np.clip(colours, 0.0, 1.0)), 0.0, 1.0)
-    return DrawnLegend(look.legend.place, _drawable(title), low_text, high_text, srgb, heights)
-
-
-def _drawable(text: str) -> str:
-    """The text in characters that the font has: without an accent that it lacks, and what has no likeness is a question mark."""
-    plain = "".join(c if c in characters() else unicodedata.normalize("NFKD", c) for c in text)
-    return "".join(c if c in characters() else "?" for c in plain if not unicodedata.combining(c))
+    return DrawnLegend(look.legend.place, drawable(title), low_text, high_text, srgb, heights)
 
 
 def _width(letters, text: str) -> int:
