@@ -73,9 +73,10 @@ class Framing:
 
 def framing_of(preset: "Preset", size, precision: str = "f32", threads: int | None = None) -> Framing:
     """How the subject lies in pictures of this size. It costs the run of gen_art/renderer/survey.py, whose errors it raises."""
-    aspect, fit = size[0] / size[1], fit_of(preset, size, precision, threads)
+    surveyed = survey(preset, precision, threads)
+    aspect, fit = size[0] / size[1], fit_of(preset, size, precision, threads, surveyed)
     camera = Camera.from_spec(preset.camera, fit) if preset.camera is not None else None
-    moments = [moment for moment in survey(preset, precision, threads) if moment.time >= 0.0]
+    moments = [moment for moment in surveyed if moment.time >= 0.0]
     extents = [_extent(moment, camera, aspect) for moment in moments]
     seen = counted(extents)
     film = still = None

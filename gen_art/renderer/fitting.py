@@ -38,16 +38,18 @@ def fit_key(size, precision: str) -> tuple[int, int, str]:
     return size[0] // common, size[1] // common, precision
 
 
-def fit_of(preset: "Preset", size, precision: str = "f32", threads: int | None = None) -> Fit | None:
+def fit_of(
+    preset: "Preset", size, precision: str = "f32", threads: int | None = None, moments: Sequence[Moment] | None = None
+) -> Fit | None:
     """The fit of a preset's camera in pictures of this size; None for a camera without `frame`.
 
-    The first time for a preset it costs the run of `survey`.
+    moments : of the preset's survey with this precision; when None, the survey runs unless the preset has the fit already
     """
     if preset.camera is None or preset.camera.frame is None:
         return None
     key = fit_key(size, precision)
     if key not in preset.fits:
-        moments = survey(preset, precision, threads)
+        moments = survey(preset, precision, threads) if moments is None else moments
         preset.fits[key] = fit_camera(moments, Camera.from_spec(preset.camera), size[0] / size[1], preset.camera.frame)
     return preset.fits[key]
 

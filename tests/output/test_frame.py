@@ -2,6 +2,8 @@
 
 import hashlib
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -70,6 +72,41 @@ def test_the_subject_fills_its_part_and_has_air_in_every_frame(tmp_path, name):
     assert 0.55 <= max(1 - left - right, 1 - top - bottom) <= 0.75
     assert min(left, right, top, bottom) >= 0.1
     assert abs(left - right) < 0.06 and abs(top - bottom) < 0.06
+
+
+@pytest.mark.parametrize("camera", ["perspective", "orbit"])
+def test_also_in_the_frames_that_the_survey_does_not_see(tmp_path, camera):
+    """A charge circles 0.97 times a second for 300 frames, of which the survey looks at some forty."""
+    changes = {
+        "clock.duration": 12, "clock.fps": 25, "forces": {"magnetic_field": [0, 0, 6.1]}, "camera.size": [160, 90],
+        "systems.balls.particle": {"radius": 0.2, "lifetime": 20, "charge": 1, "mass": 1},
+        "systems.balls.emitters.hand": {"count": 1, "velocity": [6, 0, 0]},
+    }  # fmt: skip
+    changes["systems.balls.integrator"] = "boris"
+    preset = piece(changes=changes, **CAMERAS[camera])
+    assert preset.clock.frames == 300
+    left, right, top, bottom = free_sides(job.render(preset, tmp_path / "a_###.png"))
+    assert 0.55 <= max(1 - left - right, 1 - top - bottom) <= 0.75
+    assert min(left, right, top, bottom) >= 0.1
+
+
+def test_threads_find_the_same_fit():
+    script = (
+        "import sys; from tests.output.test_frame import fitting, piece\n"
+        "crowd = piece(changes={'systems.balls.emitters.hand.count': 50000})\n"
+        "print(fitting.fit_of(crowd, (320, 180), threads=int(sys.argv[1])))"
+    )
+    root = Path(__file__).parents[2]
+    said = [
+        subprocess.run([sys.executable, "-c", script, n], check=True, cwd=root, capture_output=True).stdout
+        for n in "12"
+    ]
+    assert said[0] == said[1] and b"Fit(" in said[0]
+
+
+def test_a_film_that_begins_empty():
+    late = {"systems.balls.emitters.hand": {"rate": 40, "start": 0.8, "velocity": [0, 3, 0]}}
+    assert fitting.fit_of(piece(changes=late), (320, 180)).factor > 0
 
 
 def test_without_frame_it_does_not(tmp_path):
