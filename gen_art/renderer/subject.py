@@ -12,6 +12,7 @@ from gen_art.renderer.survey import Moment
 __all__ = ["Extent", "SeenPoints", "counted", "extent_of", "seen_points", "union"]
 
 NEAREST = 0.02  # of the distance to the target: what is nearer, or behind the camera, counts as if it were there
+CELL, FAR_CELLS = 8.0, 2**20  # pixels of a picture 720 high; cells from the middle, beyond which all count as one
 FAINT = 1e-3  # a moment with less than this part of the brightest moment's visible area does not count
 
 
@@ -21,7 +22,7 @@ class SeenPoints:
 
     at, radius : (n, 2) to the right and up
     depth : (n,) along the line of sight, world units
-    weight : (n,) visible area, pixels of a picture 720 high
+    weight : (n,) area that is seen, pixels of a picture 720 high
     """
 
     at: np.ndarray
@@ -64,12 +65,27 @@ def seen_points(moment: Moment, view: CameraView, aspect: float) -> SeenPoints:
         scale = view.scale(rows) / ahead
     half = 0.5 * rows * np.array([aspect, 1.0])
     radius = moment.radius * scale + moment.radius_pixels
+    at = np.stack([right * scale, up * scale], axis=1)
     return SeenPoints(
-        at=np.stack([right * scale, up * scale], axis=1) / half,
+        at=at / half,
         radius=radius[:, None] / half,
         depth=ahead,
-        weight=moment.weight * scale**2 + moment.weight_pixels,
+        weight=_visible(at, radius, moment.weight * scale**2 + moment.weight_pixels),
     )
+
+
+def _visible(at: np.ndarray, radius: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """The part of each point's area that is seen: those of one size that lie on each other in a cell share what there is.
+
+    Cells are at least CELL and a sprite's diameter wide. Of areas that add up to s cells, 1 - exp(-s) of the cell is seen.
+    """
+    level = np.ceil(np.log2(np.maximum(2.0 * radius / CELL, 1.0)))
+    side = CELL * 2.0**level
+    place = np.clip(np.floor(at / side[:, None]), -FAR_CELLS, FAR_CELLS).astype(np.int64) + FAR_CELLS
+    key = (level.astype(np.int64) * (2 * FAR_CELLS + 1) + place[:, 0]) * (2 * FAR_CELLS + 1) + place[:, 1]
+    _, cell = np.unique(key, return_inverse=True)
+    filled = np.bincount(cell, area / side**2)[cell]
+    return area * -np.expm1(-filled) / np.maximum(filled, 1e-300)
 
 
 def extent_of(seen: SeenPoints, stray: float = 0.01) -> Extent | None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gen_art.particles.rows import POSITION, VELOCITY
-from gen_art.preset.estimate import refuse_if_too_large
+from gen_art.preset.estimate import estimate, refuse_if_too_large
 from gen_art.preset.thinning import independent_systems, thinned
 from gen_art.renderer.camera import Camera, CameraView
 from gen_art.renderer.look_tables import (
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["Moment", "survey"]
 
 MOMENTS = 40  # frames of the film, besides the first, the last and the poster
-PARTICLES = 20_000  # of a system at once, about; of systems that nothing else depends on
+PARTICLES = 10_000  # of a system at once, about; of systems that nothing else depends on
 GOLDEN = 0.6180339887498949  # multiples of it, less their whole parts, fall evenly and keep step with no period
 HALF_LIVES = 4.0  # of a trail: what is older has a sixteenth of its light
 LUMINANCE = (0.2126, 0.7152, 0.0722)
@@ -47,8 +47,8 @@ class Moment:
     time : film time, s; below 0 for what a trail or a ribbon still shows at frame 0
     points : (n, 3) world units
     radius, radius_pixels : (n,) world units, and pixels of a picture 720 high; a sprite has one or the other
-    weight, weight_pixels : (n,) visible area: what a sprite covers or lights, less where its light saturates a picture, in square
-        world units and in those pixels
+    weight, weight_pixels : (n,) the area that a sprite covers or lights, less where it is faint, in square world units and in
+        those pixels
     """
 
     time: float
@@ -60,7 +60,7 @@ class Moment:
 
 
 def survey(preset: "Preset", precision: str = "f32", threads: int | None = None) -> list[Moment]:
-    """The moments of a film, in order. It costs a run of the simulation with at most about 20,000 particles a system.
+    """The moments of a film, in order. It costs a run of the simulation with at most about 10,000 particles a system.
 
     Systems whose particles act on each other, or on those of another system, run with all their particles. Raises MemoryRefused
     where those do not fit, and what a simulation raises.
@@ -69,7 +69,7 @@ def survey(preset: "Preset", precision: str = "f32", threads: int | None = None)
 
     clock = preset.clock
     few, _ = thinned(preset, clock.simulated, PARTICLES, independent_systems(preset))
-    refuse_if_too_large(few, precision)
+    born, all_born = refuse_if_too_large(few, precision).born, estimate(preset, precision).born
     sim = Simulation(few, precision=precision, threads=threads, advice="none")
     camera = Camera.from_spec(few.camera) if few.camera is not None else Camera()
     tables = {
@@ -87,10 +87,13 @@ def survey(preset: "Preset", precision: str = "f32", threads: int | None = None)
         scale = _scale_at_target(camera, film_time)
         shutter = camera.shutter / 360.0 * clock.speed / clock.fps
         light = 2.0**few.develop.exposure
-        parts = [_seen(sim, name, t, projected, scale, film_time, shutter, light) for name, t in tables.items()]
+        parts = []
+        for name, table in tables.items():
+            columns = _seen(sim, name, table, projected, scale, film_time, shutter, light, clock.speed)
+            share = all_born[name] / max(born[name], 1.0) if few is not preset else 1.0  # each stands for so many
+            parts.append([*columns[:3], *(share * column for column in columns[3:])])
         if parts:
-            columns = (np.concatenate(column) for column in zip(*parts))
-            moments.append(Moment(film_time, *columns))
+            moments.append(Moment(film_time, *(np.concatenate(column) for column in zip(*parts))))
     return moments
 
 
@@ -107,14 +110,36 @@ def _steps(preset: "Preset") -> list[int]:
     return sorted(steps | {clock.preroll_steps - math.floor(earlier * share) for share in np.linspace(0.125, 1.0, 8)})
 
 
+def _afterglow(look, speed: float, shutter: float) -> float:
+    """Simulated time over which a particle's path is seen, s: a taper's and a trail's older half counts by its brightness."""
+    if look.ribbon is not None:
+        return 0.5 * look.ribbon.length
+    if look.trail is not None:
+        return min(look.trail.strength, 1.0) * look.trail.half_life * speed / math.log(2.0)
+    return shutter if look.draw == "streak" else 0.0
+
+
 def _scale_at_target(camera: Camera, film_time: float) -> float:
     """Pixels per world unit at the camera's target, in a picture 720 pixels high."""
     view = camera.at(film_time)
     return view.scale(int(REFERENCE_ROWS)) / (1.0 if view.height else view.distance)
 
 
-def _seen(sim, name: str, tables: LookTables, projected, scale: float, film_time: float, shutter: float, light: float):
-    """The columns of a Moment for one system: those of its particles that are alive, or every so many of them."""
+def _seen(
+    sim,
+    name: str,
+    tables: LookTables,
+    projected,
+    scale: float,
+    film_time: float,
+    shutter: float,
+    light: float,
+    speed: float,
+):
+    """The columns of a Moment for one system: those of its particles that are alive, or every so many of them.
+
+    A ribbon, a trail and a streak cover their length times their width.
+    """
     system, look = sim.systems[name], tables.look
     rows = REFERENCE_ROWS
     view = CameraView(
@@ -139,7 +164,12 @@ def _seen(sim, name: str, tables: LookTables, projected, scale: float, film_time
         radius = np.ones_like(radius) if is_dot else radius * scale
     area = np.ones_like(radius) if is_dot else numbers[AREA_OF] * (radius if in_pixels else radius * scale) ** 2
     area = np.maximum(area, 1e-300)
-    weight = every * (area * -np.expm1(-light * flux / area) + channels[ALPHA])
+    path = np.sqrt((system.floats[VELOCITY, alive].astype(np.float64) ** 2).sum(axis=0)) * scale
+    path *= _afterglow(look, speed, numbers[SHUTTER]) / (2.0 * np.maximum(radius if in_pixels else radius * scale, 0.5))
+    if look.draw == "streak" and look.ribbon is None:
+        area *= 1.0 + path  # with the same light on all of it
+        path[:] = 0.0
+    weight = every * (1.0 + path) * (area * -np.expm1(-light * flux / area) + channels[ALPHA])
     alive, radius, weight = (column[weight > 0.0] for column in (alive, radius, weight))
     nothing = np.zeros_like(radius)
     points = system.floats[POSITION, alive].T.astype(np.float64)
