@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from gen_art.errors import UsageError
-from gen_art.preset.fields import ColourValue, NotNegative, Number, Positive, Vector, Within
+from gen_art.preset.fields import ColourValue, NotNegative, Number, Positive, Vector, Within, Words
 from gen_art.preset.model import Model, about
 from gen_art.preset.values import shown
 
@@ -133,6 +133,10 @@ class Frame(Model):
     )
     stray: Annotated[float, Within(0, 0.5)] = about(
         0.01, "the part of the light, of the particles farthest out, that does not count at each moment"
+    )
+
+    of: Words | None = about(
+        None, "the systems that are the subject, a name or a list; all that have a look when left out"
     )
 
     short_form = {"anyOf": [{"const": "auto"}, {"const": False}, {"type": ["number", "string"]}]}

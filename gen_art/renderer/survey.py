@@ -60,7 +60,9 @@ class Moment:
 
 
 def survey(preset: "Preset", precision: str = "f32", threads: int | None = None) -> list[Moment]:
-    """The moments of a film, in order. It costs a run of the simulation with at most about 10,000 particles a system.
+    """The moments of a film, in order, of the systems that `camera.frame.of` names, or of all that have a look.
+
+    It costs a run of the simulation with at most about 10,000 particles a system.
 
     Systems whose particles act on each other, or on those of another system, run with all their particles. Raises MemoryRefused
     where those do not fit, and what a simulation raises.
@@ -72,10 +74,12 @@ def survey(preset: "Preset", precision: str = "f32", threads: int | None = None)
     born, all_born = refuse_if_too_large(few, precision).born, estimate(preset, precision).born
     sim = Simulation(few, precision=precision, threads=threads, advice="none")
     camera = Camera.from_spec(few.camera) if few.camera is not None else Camera()
+    frame = few.camera.frame if few.camera is not None else None
+    subject = frame.of if frame is not None else None
     tables = {
         name: LookTables.of(spec.look, dict(sim.systems[name].channels), sim.systems[name].entries)
         for name, spec in few.systems.items()
-        if spec.look is not None
+        if spec.look is not None and (subject is None or name in subject)
     }
     projected, moments, done = ProjectedParticles(), [], 0
     for step in _steps(few):

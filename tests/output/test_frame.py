@@ -248,6 +248,18 @@ def test_what_is_dark_does_not_count_and_a_dark_film_says_so():
         assert fitting.fit_of(dark, (320, 180)) == Fit()
 
 
+def test_the_subject_may_be_some_of_the_systems():
+    floor = {
+        "emitters": {"e": {"count": 500, "shape": {"box": {"min": [-30, -6, -30], "max": [30, -5.9, 30]}}}},
+        "look": {"draw": "sphere", "radius": 0.5},
+    }  # fmt: skip
+    with_floor = {"systems.floor": floor, "camera.frame": {"of": "balls"}}
+    assert fitting.fit_of(piece(changes=with_floor), (320, 180)) == fitting.fit_of(piece(), (320, 180))
+    both = piece(changes={**with_floor, "camera.frame": {"of": ["balls", "floor"]}})
+    assert fitting.fit_of(both, (320, 180)).factor > 2 * fitting.fit_of(piece(), (320, 180)).factor
+    assert fitting.fit_of(both, (320, 180)) == fitting.fit_of(piece(changes={"systems.floor": floor}), (320, 180))
+
+
 def test_the_survey_thins_only_what_moves_nothing_else():
     crowd = {"systems.balls.emitters.hand.count": 300000}
     (first, *_) = survey(piece(changes=crowd))
@@ -318,6 +330,7 @@ def test_the_light_that_is_cut_is_that_of_the_particles_outside():
     [
         ("maximal", ":9:20: camera.frame: must be auto, false or a number such as 0.65, not 'maximal'"),
         ("0.95", ":9:20: camera.frame: must be from 0.05 to 0.8, not 0.95"),
+        ("{of: ball}", "camera.frame.of: there is no system 'ball'"),
         ("{fil: 0.5}", "camera.frame.fil: unknown key; did you mean 'fill'?"),
         ("{stray: 0.7}", ":9:28: camera.frame.stray: must be from 0 to 0.5, not 0.7"),
     ],
