@@ -26,8 +26,9 @@ __all__ = ["fit_camera", "fit_key", "fit_of"]
 
 NOTHING = "nothing is seen in the film"
 AIR = 0.1  # part of the picture that stays free at each side
-FIRST_STEPS, STEPS, CLOSE = 3, 24, 1e-3
-LEAST, MOST = 1e-6, 1e6  # of the factor
+FIRST_STEPS, STEPS, CLOSE = 3, 30, 1e-3  # fewest and most rounds, and the relative change at which they end
+NEARLY = 0.05  # relative change after the last round from which on the place is doubtful
+LEAST, MOST = 1e-12, 1e12  # of the factor
 REWEIGHTED = 60  # rounds of Lawson's algorithm
 SIDEWAYS = 0.03  # part of the best seen direction from which on a direction is seen from the side well enough to centre along it
 
@@ -80,6 +81,14 @@ def fit_camera(moments: Sequence[Moment], camera: Camera, aspect: float, frame: 
         still = np.abs(move_on).max() < CLOSE * _half_height(shown[0]) and abs(factor / before - 1.0) < CLOSE
         if step >= FIRST_STEPS and still:
             break
+    else:
+        if not abs(factor / before - 1.0) < NEARLY:
+            warnings.warn(
+                "camera.frame: no distance was found at which the subject has its size, so it may be cut off or small: look at the "
+                "film's ends, or give the camera `position` and `target` instead",
+                AdviceWarning,
+                stacklevel=2,
+            )
     return _rounded(move, factor, _half_height(views[0]) * factor)
 
 

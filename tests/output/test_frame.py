@@ -234,6 +234,12 @@ def test_one_dot_is_centred_at_the_same_distance():
     assert fit == Fit((3.0, 1.0, 0.0), 1.0)
 
 
+def test_a_size_that_is_not_found_says_so(monkeypatch):
+    monkeypatch.setattr(fitting, "STEPS", 2)
+    with pytest.warns(ga.AdviceWarning, match="no distance was found"):
+        fitting.fit_of(piece(position=[0, 0, 4000]), (320, 180))
+
+
 def test_what_is_dark_does_not_count_and_a_dark_film_says_so():
     lamp = {
         "emitters": {"e": {"count": 20, "shape": {"sphere": {"center": [60, 0, 0], "radius": 1}}}},
