@@ -84,8 +84,8 @@ def fit_camera(moments: Sequence[Moment], camera: Camera, aspect: float, frame: 
     else:
         if not abs(factor / before - 1.0) < NEARLY:
             warnings.warn(
-                "camera.frame: no distance was found at which the subject has its size, so it may be cut off or small: look at the "
-                "film's ends, or give the camera `position` and `target` instead",
+                "camera.frame: no distance was found at which the subject has its size, so it may be cut off or small: look "
+                "at the film's ends, or give the camera `position` and `target` instead",
                 AdviceWarning,
                 stacklevel=2,
             )
