@@ -9,10 +9,10 @@ import tempfile
 from _bench import ROOT, Bench
 
 import gen_art as ga
-from gen_art.audit.thinning import thinned
 from gen_art.preset import load_preset
 from gen_art.preset.estimate import estimate
 from gen_art.preset.shipped import preset_names
+from gen_art.preset.thinning import thinned
 
 RUN = """
 import resource, sys

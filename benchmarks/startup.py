@@ -32,7 +32,7 @@ leave(0)
 """
 TINY = """
 import sys
-from gen_art.audit.thinning import thinned
+from gen_art.preset.thinning import thinned
 from gen_art.output import job
 from gen_art.preset import load_preset
 piece, frame = load_preset(sys.argv[1]), int(sys.argv[3])

@@ -12,7 +12,21 @@ from fractions import Fraction
 from pathlib import Path
 
 from gen_art.integrators import INTEGRATORS
-from gen_art.preset import camera, clock, develop, domain, emitter, expect, look, schema, sky
+from gen_art.preset import (
+    axes,
+    camera,
+    clock,
+    develop,
+    domain,
+    emitter,
+    expect,
+    labels,
+    light,
+    look,
+    schema,
+    sky,
+    surface,
+)
 from gen_art.preset.registered import in_degrees, is_field, parameters, registry
 
 FOLDER = Path(__file__).resolve().parent
@@ -98,13 +112,18 @@ DOCUMENTED = {  # class: heading of its table
     look.Ramp: "numbers of a look (they may follow a quantity)",
     look.Color: "colours of a look",
     look.Picture: "picture: of a look",
-    look.KeyLight: "light: of a look",
+    light.KeyLight: "light: of the preset, or of a look",
+    surface.Ground: "ground:",
+    surface.SurfaceLook: "look: of a collider",
+    surface.Checker: "checker: of a surface",
+    surface.Finish: "finish: of a look",
     look.Trail: "trail: of a look",
     look.Ribbon: "ribbon: of a look",
     look.Legend: "legend: of a look",
     camera.CameraSpec: "camera:",
     camera.CameraKey: "path: of the camera, a list of",
     camera.CameraOrbit: "orbit: of the camera",
+    camera.Frame: "frame: of the camera",
     camera.Shake: "shake: of the camera",
     camera.Lens: "lens: of the camera",
     camera.Fog: "fog: of the camera",
@@ -114,6 +133,9 @@ DOCUMENTED = {  # class: heading of its table
     develop.DevelopSpec: "develop:",
     develop.Bloom: "bloom: of develop",
     develop.AutoExposure: "auto_exposure: of develop",
+    labels.Label: "labels:, a list of",
+    axes.Axes: "axes:",
+    axes.Axis: "x:, y:, z: of axes",
     expect.Expect: "expect:",
     expect.Drift: "energy:, momentum:, angular_momentum:, mass:, charge: of expect (one or a list)",
     expect.LedgerGap: "ledger: of expect (one or a list)",

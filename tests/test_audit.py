@@ -10,11 +10,11 @@ import pytest
 import gen_art as ga
 from gen_art.audit import Trend, audit, measure
 from gen_art.audit.advice import advice
-from gen_art.audit.thinning import thinned
 from gen_art.integrators.schemes import INTEGRATORS
 from gen_art.interactions.springs import Springs
 from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.preset.shipped import preset_names
+from gen_art.preset.thinning import thinned
 from gen_art.simulation.ledger import LedgerKeeper
 
 

@@ -84,10 +84,24 @@ def test_the_pages_are_up_to_date(reference):
 
 def test_every_mapping_of_a_preset_has_its_table_and_every_key_its_words(reference):
     """`MediumSpec` and `Preset` are told in prose; `ParticleSpec` is `Attributes` by another name."""
-    from gen_art.preset import camera, clock, develop, domain, emitter, expect, look, schema, sky
+    from gen_art.preset import (
+        axes,
+        camera,
+        clock,
+        develop,
+        domain,
+        emitter,
+        expect,
+        labels,
+        light,
+        look,
+        schema,
+        sky,
+        surface,
+    )
     from gen_art.preset.model import Model
 
-    modules = (camera, clock, develop, domain, emitter, expect, look, schema, sky)
+    modules = (axes, camera, clock, develop, domain, emitter, expect, labels, light, look, schema, sky, surface)
     found = {
         c for m in modules for c in vars(m).values() if isinstance(c, type) and issubclass(c, Model) and c is not Model
     }

@@ -13,12 +13,12 @@ from gen_art.audit.claims import DISTURBANCE, QuantityClaim, SumClaim, claims_of
 from gen_art.audit.findings import default_time, span
 from gen_art.audit.measure import conserved_sums
 from gen_art.audit.observables import value_of
-from gen_art.audit.thinning import thinned
 from gen_art.errors import DivergedError, PresetError, UsageError
 from gen_art.particles.fixed import fixed_lifetimes
 from gen_art.particles.rows import CHARGE, LIFETIME, MASS, VELOCITY
 from gen_art.preset.estimate import refuse_if_too_large
 from gen_art.preset.load import load_preset
+from gen_art.preset.thinning import thinned
 
 __all__ = ["DIVISIONS", "Check", "Finding", "check"]
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 from gen_art.audit.advice import advice, advice_texts
 from gen_art.audit.invariants import expected_order, forces_of, has_kinks, has_stiff_springs, invariants
 from gen_art.audit.measure import MOMENTS, ROUND_OFF, AuditRun, Trend, kink_scatter, positions, run
-from gen_art.audit.thinning import thinned
 from gen_art.errors import UsageError
 from gen_art.integrators import scheme
 from gen_art.preset.estimate import refuse_if_too_large
+from gen_art.preset.thinning import thinned
 from gen_art.simulation.advice import KNOWN_MAGNETIC_FIELDS, gyration_advice
 from gen_art.simulation.diagnostics import Diagnostics
 from gen_art.simulation.ledger import Ledger

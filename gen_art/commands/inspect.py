@@ -13,9 +13,10 @@ __all__ = ["command"]
 @click.option("--size", type=options.SIZE, help="Width and height in pixels.")
 @click.option("--scale", type=options.SCALE, help="Scale the preset's size: 50%.")
 @click.option("--precision", type=click.Choice(["f32", "f64"]), default="f32", show_default=True, help="Float type.")
+@click.option("--frame", is_flag=True, help="Run ahead, and say how the subject lies in the frame.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON, with the resolved preset.")
 @options.preset_options
-def command(preset, size, scale, precision, as_json, seed, settings, fps, duration, plugins):
+def command(preset, size, scale, precision, frame, as_json, seed, settings, fps, duration, plugins):
     """Print what PRESET contains and needs.
 
     Frames and steps, particles and memory, forces, conserved quantities, and warnings.
@@ -24,6 +25,8 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
     from gen_art.output.job import picture_size
 
     facts = _facts(preset, picture_size(preset, size, scale), precision)
+    if frame:
+        facts |= _framing(preset, facts["size"], precision, facts["advice"])
     if as_json:
         import json
 
@@ -50,6 +53,8 @@ def command(preset, size, scale, precision, as_json, seed, settings, fps, durati
         echo(f"\nexpects ({facts['expect']['verdict']}; `gen-art check` runs it)")
         for claim in facts["expect"]["claims"]:
             echo(f"  {claim}")
+    if frame:
+        _echo_framing(facts["framing"])
     for sentence in facts["advice"]:
         echo(f"\nwarning: {sentence}")
     from gen_art.preset.estimate import megabytes
@@ -110,6 +115,34 @@ def _facts(preset, size, precision) -> dict:
             dict.fromkeys([*silent_parts(preset), *undrawn_systems(preset), *advice(preset), *step_advice(preset)])
         ),
     }
+
+
+def _framing(preset, size, precision, advice: list) -> dict:
+    """How the subject lies in the pictures; its advice is added to `advice`."""
+    from dataclasses import asdict
+
+    from gen_art.output.check import check_preset
+    from gen_art.output.framing import framing_of
+
+    check_preset(preset)
+    framing = framing_of(preset, size, precision)
+    advice += framing.advice
+    found = {"film": framing.film, "still": framing.still, "fit": framing.fit}
+    words = {name: str(found[name]) for name in ("film", "still") if found[name] is not None}
+    return {
+        "framing": {**{k: v and asdict(v) for k, v in found.items()}, "still_time": preset.poster_time, "words": words}
+    }
+
+
+def _echo_framing(framing: dict) -> None:
+    names = {"film": "subject over the film", "still": f"subject in the still at {framing['still_time']:.6g} s"}
+    for name, words in framing["words"].items():
+        echo(f"{chr(10) if name == 'film' else ''}{names[name]}: {words}")
+    if framing["fit"]:
+        move = ", ".join(f"{x:g}" for x in framing["fit"]["move"])
+        echo(
+            f"camera.frame: the target moves by [{move}], the distance or height by a factor of {framing['fit']['factor']:g}"
+        )
 
 
 def _expectations(preset) -> dict | None:

@@ -22,11 +22,12 @@ from gen_art.output.read_recipe import read_recipe
 from gen_art.output.recipe import find_files, make_recipe, verify
 from gen_art.output.stills import write_still
 from gen_art.output.target import Target, check_size_of, check_writable, find_target
+from gen_art.preset.camera import Fit
 from gen_art.preset.clock import MOST_FRAMES
 from gen_art.preset.estimate import Estimate, refuse_if_too_large
 from gen_art.preset.files import FOLDER
 from gen_art.preset.shipped import presets_folder
-from gen_art.renderer.legend import draw_legends
+from gen_art.renderer.fitting import fit_key, fit_of
 from gen_art.renderer.painter import check_size
 from gen_art.renderer.tone_map import develop
 
@@ -120,7 +121,7 @@ def _write_picture(
     submit, playback: Playback, linear: np.ndarray, exposure: float, k: int, target: Target, path: Path, recipe: dict,
     overwrite: bool,
 ) -> None:  # fmt: skip
-    """Write the linear picture of frame k through `submit`: developed and with its legends, or unchanged to EXR."""
+    """Write the linear picture of frame k through `submit`: developed and with its legends and labels, or unchanged to EXR."""
     spec = playback.preset.develop
     if joules := playback.joules():
         recipe = {**recipe, "joules": joules}
@@ -131,7 +132,7 @@ def _write_picture(
         submit(write_exr, path, np.array(linear), aovs, target.bits, recipe, spec.exposure + exposure, overwrite)
     else:
         picture = develop(linear, spec, frame=k, transparent=recipe["transparent"], bits=target.bits, exposure=exposure)
-        draw_legends(picture, playback.legends())
+        playback.draw_over(picture)
         submit(write_still, path, picture, recipe, overwrite)
 
 
@@ -205,7 +206,7 @@ def render(
     report = Report(progress, len(numbers))
     job = {
         "bits": target.bits, "size": list(size), "fps": spec.clock.fps, "quality": quality, "precision": precision,
-        "transparent": transparent,
+        "transparent": transparent, "fit": fit_of(spec, size, precision, threads),
     }  # fmt: skip
     if target.film is not None:
         film = target.film
@@ -240,7 +241,7 @@ def _render_film(
             picture = develop(
                 linear, preset.develop, frame=k, transparent=film.transparent, bits=film.depth, exposure=exposure
             )
-            draw_legends(picture, playback.legends())
+            playback.draw_over(picture)
             writer.add(picture)
             report(k, playback.particles)
         writer.close()
@@ -282,6 +283,7 @@ def still(
     recipe = make_recipe(
         spec, plugins=loaded_plugins, kind="still", time=float(time), bits=target.bits, size=list(size),
         fps=spec.clock.fps, quality=quality, precision=precision, transparent=transparent,
+        fit=fit_of(spec, size, precision, threads),
     )  # fmt: skip
     _write_picture(_call, playback, linear, exposure, frame, target, target.path, recipe, overwrite)
     Report(progress, 1)(0, playback.particles)
@@ -318,6 +320,10 @@ def rerun(
         token = FOLDER.set(find_files(recipe, folders, Path(scratch) if folder is None else None))
         try:
             preset = _load({**recipe["preset"], "name": recipe["name"]}).take_verdict(recipe)
+            if recipe.get("fit") is not None:
+                preset.fits[fit_key(recipe["size"], recipe["precision"])] = Fit(
+                    tuple(recipe["fit"]["move"]), recipe["fit"]["factor"]
+                )
         finally:
             FOLDER.reset(token)
         return _rerun(recipe, preset, picture, out, threads, overwrite, progress, plugins)

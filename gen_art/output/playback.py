@@ -11,11 +11,15 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from gen_art.errors import AdviceWarning, PresetError
+from gen_art.particles.rows import POSITION
 from gen_art.renderer.aovs import render_aovs
 from gen_art.renderer.auto_exposure import metered_stops, metering_ages, smoothed_exposure
+from gen_art.renderer.axes import draw_axes
 from gen_art.renderer.camera import Camera
-from gen_art.renderer.legend import DrawnLegend
-from gen_art.renderer.painter import Painter
+from gen_art.renderer.fitting import fit_of
+from gen_art.renderer.labels import draw_labels
+from gen_art.renderer.legend import draw_legends
+from gen_art.renderer.painter import Painter, living
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.simulation.no_effect import undrawn_systems
@@ -43,8 +47,9 @@ class Playback:
         self.preset = preset
         for sentence in undrawn_systems(preset):
             warnings.warn(sentence, AdviceWarning, stacklevel=2)
+        fit = fit_of(preset, size, precision, threads)
         self.sim = Simulation(preset, precision=precision, threads=threads)
-        self.camera = Camera.from_spec(preset.camera) if preset.camera else None
+        self.camera = Camera.from_spec(preset.camera, fit) if preset.camera else None
         self._shutter = self.camera.shutter if self.camera else 180.0
         dome = SkyDome.of(preset.sky) if preset.sky is not None else None
         self.painter = Painter(
@@ -144,10 +149,30 @@ class Playback:
         self._last_shown = step
         return pictures[0] if len(painted) == 1 else pictures[0] / np.float32(len(painted))
 
-    def legends(self) -> list[DrawnLegend]:
-        """The legends of the last picture. Raises PresetError for a total that is not finite."""
+    def draw_over(self, picture: np.ndarray) -> None:
+        """Draw the legends, axes and labels of the last picture into it, after development.
+
+        picture : (height, width, 3 or 4) uint8 or uint16, sRGB, with straight alpha if it has four channels
+        Raises PresetError for a total of a legend that is not finite.
+        """
         self.joules()
-        return self.painter.legends(self.sim)
+        taken = draw_legends(picture, self.painter.legends(self.sim))
+        if self.preset.axes is not None or self.preset.labels:
+            time = self._film_time()
+            view = self.painter.view(self.sim, time)
+            if self.preset.axes is not None:
+                draw_axes(picture, self.preset.axes, view, self.preset.units.length)
+            draw_labels(picture, self.preset.labels, view, time, self._followed(), taken)
+
+    def _followed(self) -> dict[str, np.ndarray]:
+        """(3,) by name, the mean position of the living particles of the systems that labels follow."""
+        means = {}
+        for name in {label.follow for label in self.preset.labels if label.follow is not None}:
+            system = self.sim.systems[name]
+            alive = living(system, self.sim.time)
+            if len(alive):
+                means[name] = system.floats[POSITION, alive].astype(np.float64).mean(axis=1)
+        return means
 
     def joules(self) -> list[dict]:
         """The joules that the last picture's looks go by, for its recipe: system, entry as in YAML, total and unit.

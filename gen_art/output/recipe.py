@@ -1,8 +1,9 @@
 """The recipe of a picture or film: everything that is needed to make it again, as JSON inside the file.
 
-It holds the resolved preset and seed, the version, what was rendered (time or frames, size, precision, quality), the verdict
-on the preset's `expect:`, and the name and sha256 of each plugin and file. It also holds the bytes of small files, but never
-those of plugins, which are code. The recipe of a picture whose looks go by joules holds the ledger's totals too.
+It holds the resolved preset and seed, the version, what was rendered (time or frames, size, precision, quality), how
+`camera.frame` moved the camera, the verdict on the preset's `expect:`, and the name and sha256 of each plugin and file. It also
+holds the bytes of small files, but never those of plugins, which are code. The recipe of a picture whose looks go by joules
+holds the ledger's totals too.
 """
 
 import base64
@@ -38,14 +39,15 @@ def version() -> str:
         return getattr(gen_art, "__version__", "0")
 
 
-def make_recipe(preset, *, plugins=(), **job) -> dict:
-    """The recipe of a picture or film of `preset`; `job` says what was rendered."""
+def make_recipe(preset, *, plugins=(), fit=None, **job) -> dict:
+    """The recipe of a picture or film of `preset`; `job` says what was rendered, `fit` is that of `camera.frame`."""
     verdict = verdict_of(preset, version())
     return {
         "format": FORMAT,
         "gen_art": version(),
         "name": preset.name,
         **job,
+        **({"fit": {"move": list(fit.move), "factor": fit.factor}} if fit is not None else {}),
         **({"expect": verdict} if verdict is not None else {}),
         "plugins": [{"name": p.name, "sha256": p.sha256} for p in plugins],
         "files": _file_entries(preset.files),
@@ -99,6 +101,14 @@ class _Joules(BaseModel):
     unit: str
 
 
+class _Fit(BaseModel):
+    """How `camera.frame` moved the camera."""
+
+    model_config = ConfigDict(strict=True)
+    move: Annotated[list[Annotated[float, Field(allow_inf_nan=False)]], Field(min_length=3, max_length=3)]
+    factor: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+
 class _Job(BaseModel):
     """What every recipe holds; further keys are ignored."""
 
@@ -114,6 +124,7 @@ class _Job(BaseModel):
     files: list[_File]
     bits: Literal[8, 10, 16, 32] | None = None
     joules: list[_Joules] = []
+    fit: _Fit | None = None
 
 
 class _Still(_Job):

@@ -1,20 +1,34 @@
 """The keys of `camera:`. Angles are in degrees."""
 
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import srgb
-from gen_art.preset.fields import NotNegative, Number, Parsed, Positive, Vector, Within
+from gen_art.preset.fields import NotNegative, Number, Parsed, Positive, Vector, Within, Words
 from gen_art.preset.model import Model, about
+from gen_art.preset.values import shown
 
-__all__ = ["CameraKey", "CameraSpec", "Easing", "Fog", "Lens", "CameraOrbit", "Shake"]
+__all__ = ["CameraKey", "CameraOrbit", "CameraSpec", "Easing", "Fit", "Fog", "Frame", "Lens", "Shake"]
 
 Easing = Literal["linear", "smooth", "spline", "accelerate", "brake", "hold"]
 
 
 FieldOfView = Annotated[float, Within(1e-6, 170, open_high=True)]  # less has no slope in float32
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What `frame` changes of a camera, at all times alike.
+
+    move : (3,), added to the target, world units
+    factor : of the distance to the target, or of an orthographic camera's height
+    """
+
+    move: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    factor: float = 1.0
 
 
 class CameraKey(Model):
@@ -64,7 +78,8 @@ class Fog(Model):
     distance: Positive = about(..., "distance over which light falls to 1/e, in world units")
     start: NotNegative = about(0.0, "distance from the camera at which the fog begins, in world units")
     color: Annotated[Any, Parsed(_fog_colour, {"type": ["string", "array"]})] = about(
-        "black", "the colour of the fog; `sky` takes the light of the preset's sky at the horizon, as haze in the air does"
+        "black",
+        "the colour of the fog; `sky` takes the light of the preset's sky at the horizon, as haze in the air does",
     )
 
     short_form = {"type": ["number", "string"]}
@@ -116,6 +131,42 @@ class Lens(Model):
         return value if isinstance(value, (Lens, dict)) else {"radius": value}
 
 
+class Frame(Model):
+    """Moves the target, and sets the distance (or the `height`), so that the picture holds what is seen in the whole film.
+
+    `auto` takes the values below; a number sets `fill`. At its largest over the film the subject fills this part of the
+    picture's height, or of its width if it is wide, and a tenth of the picture stays free at every side. The direction of
+    view and `fov` stay as they are, and so do the distances of near, far, fog and focus from the target.
+    """
+
+    fill: Annotated[float, Within(0.05, 0.8)] = about(
+        0.65, "part of the picture's height or width that the subject fills"
+    )
+    stray: Annotated[float, Within(0, 0.5)] = about(
+        0.01, "the part of the light, of the particles farthest out, that does not count at each moment"
+    )
+
+    of: Words | None = about(
+        None, "the systems that are the subject, a name or a list; all that have a look when left out"
+    )
+
+    short_form = {"anyOf": [{"const": "auto"}, {"const": False}, {"type": ["number", "string"]}]}
+
+    @classmethod
+    def from_short(cls, value):
+        if isinstance(value, (Frame, dict)):
+            return value
+        if value is True or value == "auto":
+            return {}
+        if isinstance(value, str) and not any(c.isdigit() for c in value):
+            raise UsageError(f"must be auto, false or a number such as 0.65, not {shown(value)}")
+        return {"fill": value}
+
+
+def _frame(value):
+    return None if value is False else value
+
+
 class CameraSpec(Model):
     """The camera: perspective with `fov`, or orthographic with `height`."""
 
@@ -124,6 +175,9 @@ class CameraSpec(Model):
     up: Vector = about((0.0, 1.0, 0.0), "the direction that is up in the picture")
     fov: FieldOfView = about(40.0, "angle of view from bottom to top", unit="degrees")
     height: Positive | None = about(None, "height of the view in world units; makes the camera orthographic")
+    frame: Annotated[Frame | None, BeforeValidator(_frame)] = about(
+        None, "`auto` fits what is seen in the whole film into the picture, by distance (or `height`) and target"
+    )
     roll: Number = about(0.0, "rotation about the line of sight", unit="degrees")
     near: Positive | None = about(None, "particles nearer than this along the line of sight are not drawn")
     far: Positive | None = about(None, "particles farther than this along the line of sight are not drawn")

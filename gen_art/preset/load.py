@@ -83,6 +83,7 @@ def load_preset(
 def validate(data: dict, name: str, source: SourceText, set_paths: list[tuple]) -> "Preset":
     """The Preset of plain data. Raises PresetError with every problem and its place in `source` or its `--set`."""
     from gen_art.preset.expect import unknown_quantities
+    from gen_art.preset.labels import too_wide
     from gen_art.preset.references import references, unbooked, unbound
     from gen_art.preset.registered import GRAVITATION
     from gen_art.preset.schema import Preset
@@ -99,7 +100,7 @@ def validate(data: dict, name: str, source: SourceText, set_paths: list[tuple]) 
         GRAVITATION.reset(token)
     found += references(filled)
     if preset is not None:
-        found += [*unbound(preset), *unbooked(preset), *unknown_quantities(preset)]
+        found += [*unbound(preset), *unbooked(preset), *unknown_quantities(preset), *too_wide(preset)]
     problems = source.problems + [_located(data, source, set_paths, path, text) for path, text in found]
     problems = _distinct(problems)
     if problems or preset is None:

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
 
 from gen_art.errors import UsageError
+from gen_art.font import missing
 from gen_art.particles.entries import DISSIPATED, LedgerEntry
 from gen_art.preset.colour_names import Gradient
 from gen_art.preset.fields import (
@@ -245,12 +246,13 @@ LONGEST_LABEL = 60
 
 
 def _label(value) -> str:
-    """The words of a legend: its font has no other characters than those of ASCII."""
+    """The words of a legend, in characters that the font has."""
     if not isinstance(value, str) or not value.strip():
         raise UsageError(f"must be text, not {shown(value)}")
-    if len(value) > LONGEST_LABEL or not (value.isascii() and value.isprintable()):
+    if len(value) > LONGEST_LABEL or missing(value) or "\n" in value:
         raise UsageError(
-            f"must be at most {LONGEST_LABEL} characters of ASCII, which the legend's font has, not {shown(value)}"
+            f"must be at most {LONGEST_LABEL} characters of those that the font has, Latin, Greek and mathematical ones, not "
+            f"{shown(value)}"
         )
     return value
 

@@ -51,6 +51,18 @@ def references(data: dict) -> Problems:
         for kind, interaction in _mapping(system.get("interactions")).items():
             yield from _sources((*here, "interactions", kind), interaction, systems)
         yield from _colors((*here, "look"), _mapping(system.get("look")), tags_of(system))
+    frame = _mapping(_mapping(data.get("camera")).get("frame"))
+    subject = frame.get("of")
+    for name in [subject] if isinstance(subject, str) else subject if isinstance(subject, list) else []:
+        if isinstance(name, str) and name not in systems:
+            yield ("camera", "frame", "of"), f"there is no system '{name}'{_choices(name, systems)}"
+        elif isinstance(name, str) and _mapping(systems[name]).get("look") is None:
+            yield ("camera", "frame", "of"), f"'{name}' has no look, so it is not seen"
+    labels = data.get("labels")
+    for k, label in enumerate(labels if isinstance(labels, list) else []):
+        followed = _mapping(label).get("follow")
+        if isinstance(followed, str) and followed not in systems:
+            yield ("labels", k, "follow"), f"there is no system '{followed}'{_choices(followed, systems)}"
 
 
 def _name(here: tuple, name: str) -> Problems:

@@ -7,7 +7,8 @@ from typing import Annotated, Any
 from pydantic import PrivateAttr, model_validator
 
 from gen_art.errors import UsageError
-from gen_art.preset.camera import CameraSpec
+from gen_art.preset.axes import Axes
+from gen_art.preset.camera import CameraSpec, Fit
 from gen_art.preset.clock import Clock
 from gen_art.preset.develop import DevelopSpec
 from gen_art.preset.domain import Domain
@@ -15,6 +16,7 @@ from gen_art.preset.emitter import EmitterSpec, ParticleSpec
 from gen_art.preset.expect import Expect
 from gen_art.preset.fields import NotNegative, NotNegativeRange, Number, Parsed, Positive
 from gen_art.preset.files import FOLDER, PresetFile
+from gen_art.preset.labels import Label
 from gen_art.preset.light import KeyLight
 from gen_art.preset.look import Look
 from gen_art.preset.model import Model, about
@@ -160,12 +162,15 @@ class Preset(Model):
     sky: Sky | None = about(None, "what surrounds the scene; nothing when left out")
     camera: CameraSpec | None = about(None, "the camera; when left out, one that has all particles in its view")
     develop: DevelopSpec = about(DevelopSpec(), "how light becomes a picture")
+    labels: tuple[Label, ...] = about((), "text in the finished picture")
+    axes: Axes | None = about(None, "axes with numbers in the finished picture")
     gallery: Gallery = about(Gallery(), "the moments that represent the preset")
     expect: Expect | None = about(None, "what must hold of its motion; `gen-art check` runs it")
     _name: str = PrivateAttr("preset")
     _written: dict = PrivateAttr(default_factory=dict)
     _folder: Path = PrivateAttr(Path())
     _verdict: dict | None = PrivateAttr(None)
+    _fits: dict[tuple[int, int, str], Fit] = PrivateAttr(default_factory=dict)
 
     @classmethod
     def known_keys(cls) -> list[str]:
@@ -194,6 +199,11 @@ class Preset(Model):
         """Take over the verdict of a recipe."""
         self._verdict = recipe.get("expect")
         return self
+
+    @property
+    def fits(self) -> dict[tuple[int, int, str], Fit]:
+        """The fits of its camera that are known, for `camera.frame`: see gen_art/renderer/fitting.py."""
+        return self._fits
 
     @property
     def folder(self) -> Path:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from gen_art import arguments
 from gen_art.errors import UsageError
-from gen_art.preset.camera import CameraSpec
+from gen_art.preset.camera import CameraSpec, Fit
 from gen_art.renderer.camera_shake import shake_noise
 from gen_art.renderer.colour import linear
 
@@ -57,8 +57,8 @@ class CameraView:
             raise UsageError("fog of the colour `sky` needs a sky: give the preset a `sky:`, or the fog another colour")
         level = self.axes[2] * (1.0, 0.0, 1.0)
         ahead = level if level.any() else np.array([0.0, 0.0, -1.0])
-        colour = tuple(float(c) for c in sky.radiance((ahead + (0.0, 1e-3, 0.0))[None])[0])
-        return replace(self, fog=(*self.fog[:2], colour), fog_is_sky=True)
+        red, green, blue = sky.radiance((ahead + (0.0, 1e-3, 0.0))[None])[0].tolist()
+        return replace(self, fog=(*self.fog[:2], (red, green, blue)), fog_is_sky=True)
 
     def scale(self, rows: int) -> float:
         """Pixels per world unit (orthographic), or pixels per unit of slope (perspective)."""
@@ -93,6 +93,7 @@ class Camera:
     shutter : degrees of a frame, 0 to 360
     lens : (radius, focus distance or None for the target's), world units; perspective only
     spec : path, easing, orbit, shake and fog, as in a preset's `camera:` (see preset/camera.py)
+    fit : what the preset's `frame` changes, or None (see renderer/fitting.py)
     Raises UsageError for a camera whose view is undefined.
     """
 
@@ -107,6 +108,7 @@ class Camera:
     shutter: float = 180.0
     lens: tuple[float, float | None] | None = None
     spec: CameraSpec = field(default=CameraSpec(), repr=False)
+    fit: Fit | None = None
 
     def __post_init__(self):
         for name in ("position", "target", "up"):
@@ -132,11 +134,11 @@ class Camera:
                 raise UsageError("an orthographic camera has no lens: leave out lens, or give fov instead of height")
 
     @classmethod
-    def from_spec(cls, spec: CameraSpec) -> "Camera":
-        """The camera that a preset describes."""
+    def from_spec(cls, spec: CameraSpec, fit: Fit | None = None) -> "Camera":
+        """The camera that a preset describes; without `fit` as if it had no `frame`."""
         fields = ("position", "target", "up", "fov", "height", "roll", "near", "far", "shutter")
         lens = (spec.lens.radius, spec.lens.focus) if spec.lens else None
-        return cls(**{name: getattr(spec, name) for name in fields}, lens=lens, spec=spec)
+        return cls(**{name: getattr(spec, name) for name in fields}, lens=lens, spec=spec, fit=fit)
 
     @classmethod
     def framing(cls, points: ArrayLike, aspect: float = 16 / 9) -> "Camera":
@@ -167,6 +169,14 @@ class Camera:
         if distance == 0.0:
             raise UsageError(f"the camera reaches its target at {time:g} s and looks nowhere")
         axes = _axes(forward / distance, up, state["roll"])
+        back = 0.0  # how much farther the camera is from its target than `frame` found it
+        if self.fit is not None:
+            if state["height"] is not None:
+                state["height"] *= self.fit.factor
+            else:
+                back = (self.fit.factor - 1.0) * distance
+            position = position + self.fit.move - axes[2] * back
+            distance += back
         if shake is not None:
             tilt, pan, roll = np.radians([shake.amplitude, shake.amplitude, shake.roll]) * shake_noise(
                 time, shake.frequency, shake.seed
@@ -177,9 +187,11 @@ class Camera:
                 pan = tilt = 0.0
             axes = _rotated_axes(axes, pan, tilt, roll)
         near = self.near
-        if near is None:
+        if near is not None:
+            near = max(near + back, 1e-6 * distance)
+        else:
             near = 1e-3 * distance if state["height"] is None else -math.inf
-        focus = state["focus"] if state["focus"] is not None else distance
+        focus = max(state["focus"] + back, 1e-6 * distance) if state["focus"] is not None else distance
         return CameraView(
             position=position,
             axes=axes,
@@ -187,8 +199,10 @@ class Camera:
             fov=state["fov"],
             height=state["height"],
             near=near,
-            far=self.far if self.far is not None else math.inf,
-            fog=(fog.start, fog.distance, None if fog.color == "sky" else tuple(linear(fog.color))) if fog else None,
+            far=self.far + back if self.far is not None else math.inf,
+            fog=(fog.start + back, fog.distance, None if fog.color == "sky" else tuple(linear(fog.color)))
+            if fog
+            else None,
             lens=(self.lens[0], focus) if self.lens and self.lens[0] > 0.0 else None,
         )
 

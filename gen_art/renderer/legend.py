@@ -4,17 +4,17 @@ They are drawn in sRGB after development, so that exposure and tone map change n
 stands on a plate of half-transparent black, which keeps white text readable on any picture and does not flicker in a film.
 """
 
-import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
+from gen_art.font import drawable, font
 from gen_art.preset.look import Look, Ramp
 from gen_art.renderer.colour import TABLE, encode_srgb
 from gen_art.renderer.look_tables import INTENSITY, OPACITY, SIZE, LookTables, domain
+from gen_art.renderer.overlay import lay
 
 __all__ = ["DrawnLegend", "draw_legends", "joules_text", "legend_of"]
 
@@ -78,48 +78,35 @@ def legend_of(look: Look, tables: LookTables, totals: dict, unit: str, attribute
         colours, heights = np.repeat(colours[:1], TABLE, axis=0), np.abs(curve) / max(np.abs(curve).max(), 1e-300)
     low, high = domain(ramp)
     title = f"{look.legend.label or entry.title}: {joules_text(totals[entry], unit)} in all"
-    low_text, high_text = (_drawable(joules_text(end, unit, 6, zeros=False)) for end in (low, high))
+    low_text, high_text = (drawable(joules_text(end, unit, 6, zeros=False)) for end in (low, high))
     srgb = np.clip(encode_srgb(np.clip(colours, 0.0, 1.0)), 0.0, 1.0)
-    return DrawnLegend(look.legend.place, _drawable(title), low_text, high_text, srgb, heights)
+    return DrawnLegend(look.legend.place, drawable(title), low_text, high_text, srgb, heights)
 
 
-def _drawable(text: str) -> str:
-    """The text in characters that the font has, ASCII: accents are left out, and what has no likeness is a question mark."""
-    plain = unicodedata.normalize("NFKD", text).replace("\N{GREEK SMALL LETTER MU}", "u")
-    plain = "".join(c for c in plain if not unicodedata.combining(c))
-    return plain.encode("ascii", "replace").decode("ascii")
-
-
-@lru_cache(8)
-def _font(size: int):
-    """Pillow's own font, Aileron: it is part of Pillow, so a version of Pillow draws the same text on every system."""
-    return ImageFont.load_default(size)
-
-
-def _width(font, text: str) -> int:
-    return round(font.getlength(text))
+def _width(letters, text: str) -> int:
+    return round(letters.getlength(text))
 
 
 def _plate(legend: DrawnLegend, size: int) -> Image.Image:
     """The legend as an RGBA image with text of `size` pixels."""
     finer = -(-DRAWN_TEXT // size)
     size *= finer
-    font = _font(size)
+    letters = font(size)
     pad, gap, bar_height = (max(1, round(part * size)) for part in (PADDING, GAP, BAR_HEIGHT))
-    ends = _width(font, legend.low) + _width(font, legend.high) + size
-    width = max(round(BAR_WIDTH * size), _width(font, legend.title), ends)
+    ends = _width(letters, legend.low) + _width(letters, legend.high) + size
+    width = max(round(BAR_WIDTH * size), _width(letters, legend.title), ends)
     width += -width % size  # the plate of a film does not follow every change of a digit's width
-    line = sum(font.getmetrics())
+    line = sum(letters.getmetrics())
     image = Image.new(
         "RGBA", (width + 2 * pad, 2 * line + bar_height + 2 * gap + 2 * pad), (0, 0, 0, round(255 * PLATE))
     )
     draw = ImageDraw.Draw(image)
-    draw.text((pad, pad), legend.title, fill=TEXT, font=font)
+    draw.text((pad, pad), legend.title, fill=TEXT, font=letters)
     top = pad + line + gap
     image.paste(_bar(legend, width, bar_height, finer), (pad, top))
     below = top + bar_height + gap
-    draw.text((pad, below), legend.low, fill=TEXT, font=font)
-    draw.text((pad + width - _width(font, legend.high), below), legend.high, fill=TEXT, font=font)
+    draw.text((pad, below), legend.low, fill=TEXT, font=letters)
+    draw.text((pad + width - _width(letters, legend.high), below), legend.high, fill=TEXT, font=letters)
     return image.reduce(finer)
 
 
@@ -133,8 +120,10 @@ def _bar(legend: DrawnLegend, width: int, height: int, rim: int) -> Image.Image:
     return Image.fromarray(pixels)
 
 
-def draw_legends(picture: np.ndarray, legends: Iterable[DrawnLegend]) -> None:
+def draw_legends(picture: np.ndarray, legends: Iterable[DrawnLegend]) -> dict[str, int]:
     """Draw legends into a developed picture, in place; those of one corner stand one above the other.
+
+    Returns the pixels from the top or bottom that they take, by corner.
 
     picture : (height, width, 3 or 4) uint8 or uint16, sRGB, with straight alpha if it has four channels
     """
@@ -151,21 +140,6 @@ def draw_legends(picture: np.ndarray, legends: Iterable[DrawnLegend]) -> None:
         taken[legend.place] = offset + plate.height + margin
         top = offset if legend.place.startswith("top") else height - offset - plate.height
         left = margin if legend.place.endswith("left") else width - margin - plate.width
-        _lay(picture, np.asarray(plate), max(top, 0), max(left, 0))
-
-
-def _lay(picture: np.ndarray, plate: np.ndarray, top: int, left: int) -> None:
-    """Lay a plate over a picture; what does not fit is cut off."""
-    under = picture[top : top + plate.shape[0], left : left + plate.shape[1]]
-    plate = plate[: under.shape[0], : under.shape[1]]
-    most = float(np.iinfo(picture.dtype).max)
-    colour, cover = plate[..., :3] / 255.0, plate[..., 3:] / 255.0
-    below = under[..., :3] / most
-    if picture.shape[2] == 4:
-        alpha = under[..., 3:] / most
-        joint = cover + alpha * (1.0 - cover)
-        mixed = (colour * cover + below * alpha * (1.0 - cover)) / np.maximum(joint, 1e-9)
-        under[..., 3:] = np.round(most * joint)
-    else:
-        mixed = colour * cover + below * (1.0 - cover)
-    under[..., :3] = np.round(most * mixed)
+        rgba = np.asarray(plate) / 255.0
+        lay(picture, rgba[..., :3] * rgba[..., 3:], rgba[..., 3:], max(top, 0), max(left, 0))
+    return taken

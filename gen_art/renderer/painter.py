@@ -354,7 +354,9 @@ def render_frame(
     looks = {name: look and look.model_copy(update={"trail": None}) for name, look in looks.items()}
     if preset is not None:
         if camera is None and preset.camera is not None:
-            camera = Camera.from_spec(preset.camera)
+            from gen_art.renderer.fitting import fit_of  # which surveys a film with this module's `living`
+
+            camera = Camera.from_spec(preset.camera, fit_of(preset, check_size(size), sim.precision))
         sky = preset.sky if sky is None else sky
         clock = preset.clock
         film_time = (float(sim.time) - clock.preroll) / clock.speed

@@ -222,7 +222,7 @@ def test_other_particles_need_a_system_of_their_own():
 
 
 def test_an_audit_leaves_bodies_whole():
-    from gen_art.audit.thinning import thinned
+    from gen_art.preset.thinning import thinned
 
     piece = ga.load_preset(PRESET)
     few, changes = thinned(piece, 0.1, 10)

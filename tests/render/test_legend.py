@@ -160,7 +160,10 @@ def test_units_of_a_preset(tmp_path):
     assert read_recipe(path)["joules"][0]["unit"] == "g cm^2/s^2"
     small = piece(units={"mass": "\u00b5g", "length": "\u212b"})
     (legend,) = Painter((320, 180), None, {"dust": small.systems["dust"].look}).legends(ga.Simulation(small))
-    assert legend.low == "0 ug A^2/s^2"  # what the font has
+    assert legend.low == "0 \u00b5g \u212b^2/s^2"
+    foreign = piece(units={"mass": "\u0436\u1e05"})
+    (legend,) = Painter((320, 180), None, {"dust": foreign.systems["dust"].look}).legends(ga.Simulation(foreign))
+    assert legend.low == "0 ?b m^2/s^2"  # what the font has
     assert load_preset(preset, overrides={"units.velocity": "cm/s"}).units.energy == "g (cm/s)^2"
 
 
@@ -295,7 +298,7 @@ systems:
     "look,sentence",
     [
         ({"legend": True}, "a legend shows joules"),
-        ({"legend": {"label": "W\u00e4rme"}}, "label: must be at most 60 characters of ASCII"),
+        ({"legend": {"label": "\u71b1"}}, "label: must be at most 60 characters of those that the font has"),
         ({"legend": "middle"}, "place: must be one of top left"),
         ({"emission": {"color": {"by": "dissipated", "gradient": GRADIENT}}}, "colours by dissipated need a range"),
         (

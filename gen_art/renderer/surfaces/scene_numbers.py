@@ -85,7 +85,7 @@ def scene_numbers(
     if view.height is not None and view.near == -math.inf:
         n[NEAR] = -_parallel_reach(view)
     n[FOG_IS_SKY] = view.fog_is_sky
-    n[WIDTH], n[ROWS], n[TIME] = *size, time
+    n[WIDTH], n[ROWS], n[TIME] = size[0], size[1], time
     side, up, forward = lamp_axes(light.direction)
     n[TO_LAMP : TO_LAMP + 3], n[LAMP_SIDE : LAMP_SIDE + 3], n[LAMP_UP : LAMP_UP + 3] = -forward, side, up
     n[LAMP_TANGENT], n[LAMP_COLOUR : LAMP_COLOUR + 3] = lamp_tangent(light), light.lamp

@@ -1,25 +1,31 @@
-"""Thins a preset for audits: the same forces and looks, with births scaled down system by system."""
+"""Thins a preset: the same forces and looks, with births scaled down system by system."""
+
+from collections.abc import Collection
 
 from gen_art.preset.estimate import estimate
 from gen_art.preset.load import load_preset
 from gen_art.preset.values import Curve, Range
 
-__all__ = ["thinned"]
+__all__ = ["independent_systems", "thinned"]
 
 MUTUAL = 4  # factor on the limit for systems that attract themselves
 
 
-def thinned(preset, until: float, limit: int) -> tuple:
+def thinned(preset, until: float, limit: int, systems: Collection[str] | None = None) -> tuple:
     """(thinned Preset, changes): at most about `limit` particles of a system at once up to simulated time `until`, s.
 
     Systems that attract themselves keep four times as many, because fewer would scatter each other and hide the order.
     Rates and counts of a system are scaled by one factor, parents before the children that their events feed. `changes`
     maps each changed path (as in `--set`) to (before, after). Without forces between particles each particle moves as in
     the full preset; bodies that attract each other are fewer, and with a fixed `mass` they attract less.
+
+    systems : the names of those that may be thinned; all when None
     """
     changes: dict[str, tuple] = {}
     few = preset
     for name in _parents_first(preset):
+        if systems is not None and name not in systems:
+            continue
         peak = estimate(few, "f64", until).peak[name]
         mutual = any(interaction.source_system is None for interaction in few.systems[name].interactions)
         allowed = limit * (MUTUAL if mutual else 1)
@@ -29,6 +35,19 @@ def thinned(preset, until: float, limit: int) -> tuple:
             changes |= _scaled(f"systems.{name}.emitters.{label}", emitter, allowed / peak)
         few = load_preset(preset, overrides={path: after for path, (_, after) in changes.items()})
     return few, changes
+
+
+def independent_systems(preset) -> list[str]:
+    """The systems whose particles move no other particle: fewer of them leave the motion of the rest as it is."""
+    acting = {name for name, system in preset.systems.items() if system.interactions}
+    for system in preset.systems.values():
+        acting |= {interaction.source_system for interaction in system.interactions} - {None}
+    order = _parents_first(preset)
+    for name in reversed(order):  # a parent whose children act on others keeps its number, on which theirs depends
+        if name in acting:
+            emitters = preset.systems[name].emitters.values()
+            acting |= {emitter.source.system for emitter in emitters if emitter.source is not None}
+    return [name for name in order if name not in acting]
 
 
 def _parents_first(preset) -> list[str]:
