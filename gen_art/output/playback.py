@@ -55,7 +55,7 @@ class Playback:
         self.painter = Painter(
             size, self.camera, {n: s.look for n, s in preset.systems.items()}, 0.0,
             preset.camera.supersample if preset.camera else 1, Scene.of(preset, self.sim.members.values(), dome),
-            dome if not transparent else None,
+            transparent,
         )  # fmt: skip
         self._precision = precision
         self._shows_acceleration = any(

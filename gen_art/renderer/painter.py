@@ -69,18 +69,19 @@ class Painter:
     size : (width, height)
     shutter : simulated seconds the shutter is open
     supersample : the picture is drawn this many times as wide and as high; each pixel is the mean of the block drawn for it
-    scene : its light and its ground
-    sky : what lies behind everything, or None: then the picture keeps its alpha
+    scene : its light, its sky, and what stands in it
+    transparent : leaves out the sky behind everything, so that the picture keeps its alpha
     """
 
     def __init__(
         self, size, camera: Camera | None = None, looks: dict[str, Look | None] | None = None, shutter: float = 0.0,
-        supersample: int = 1, scene: Scene | None = None, sky: SkyDome | None = None,
+        supersample: int = 1, scene: Scene | None = None, transparent: bool = False,
     ):  # fmt: skip
-        self.supersample, self.sky = supersample, sky
+        self.supersample = supersample
         self.size = check_size(tuple(side * supersample for side in check_size(size)), supersample)
         self.camera, self.looks, self.shutter = camera, looks or {}, shutter
         self.scene = scene or Scene()
+        self.sky = None if transparent else self.scene.dome
         self.framebuffer = FrameBuffer(self.size)
         self._surfaces: SurfacePass | None = None
         self._film: MirrorFilm | None = None
@@ -363,4 +364,4 @@ def render_frame(
         shutter = (camera.shutter if camera else 180.0) / 360.0 * clock.speed / clock.fps
     dome = None if sky is None else SkyDome.of(sky)
     scene = Scene.of(preset, sim.members.values(), dome)
-    return np.array(Painter(size, camera, looks, shutter, scene=scene, sky=dome).paint(sim, film_time))
+    return np.array(Painter(size, camera, looks, shutter, scene=scene).paint(sim, film_time))

@@ -25,6 +25,7 @@ from gen_art.renderer.camera import Camera
 from gen_art.renderer.colour import linear
 from gen_art.renderer.painter import Painter
 from gen_art.renderer.sky import SkyDome
+from gen_art.renderer.surfaces.scene import Scene
 from tests.render.particles import scene, state
 
 SIZE = (160, 90)
@@ -32,10 +33,9 @@ CAMERA = Camera(position=(0, 0, 6), target=(0, 0.5, 0), fov=50)
 ROOT = Path(__file__).parents[2]
 
 
-def paint(sky, camera=CAMERA, size=SIZE, look=None, supersample=1, **systems):
-    painter = Painter(
-        size, camera, dict.fromkeys(systems, look), 0.0, supersample, None if sky is None else SkyDome.of(sky)
-    )
+def paint(sky, camera=CAMERA, size=SIZE, look=None, supersample=1, transparent=False, **systems):
+    surroundings = Scene(dome=None if sky is None else SkyDome.of(sky))
+    painter = Painter(size, camera, dict.fromkeys(systems, look), 0.0, supersample, surroundings, transparent)
     return np.array(painter.paint(scene(1.0, **systems), 0.0))
 
 
@@ -99,7 +99,7 @@ def test_the_horizon_is_smooth_where_the_camera_is_tilted():
     table = np.zeros((sky_table.ROWS, 2, 3), np.float32)
     table[sky_table.HALF :] = 1.0
     camera = Camera(position=(0, 0, 6), target=(0, 0, 0), fov=30, roll=4)
-    painter = Painter((200, 60), camera, sky=replace(SkyDome.of(Sky(color="black")), table=table))
+    painter = Painter((200, 60), camera, scene=Scene(dome=replace(SkyDome.of(Sky(color="black")), table=table)))
     picture = painter.paint(scene(1.0), 0.0)[..., 0]
     y = directions(camera, (200, 60))[..., 1] * 30 / math.tan(math.radians(15))  # in pixels from the horizon
     assert np.all(picture[y > 0.8] > 0.99) and np.all(picture[y < -0.8] < 0.01)
@@ -163,7 +163,8 @@ def test_an_orthographic_camera_sees_the_sky_by_its_fov():
 def test_the_sky_is_composited_under_the_film(sky, look):
     """light + (1 - alpha) sky, alpha 1; three roundings of float32."""
     balls = {"balls": state([[0, 0.6, 0], [0.9, 0.2, -1.0]], radius=1.0)}
-    film, alone, both = paint(None, look=look, **balls), paint(sky), paint(sky, look=look, **balls)
+    film, alone = paint(sky, look=look, transparent=True, **balls), paint(sky)
+    both = paint(sky, look=look, **balls)
     expected = film[..., :3] + np.maximum(1.0 - film[..., 3:], 0.0) * alone[..., :3]
     error = 4 * 2.0**-24 * (np.abs(film[..., :3]) + np.abs(alone[..., :3]))
     assert np.all(np.abs(both[..., :3] - expected) <= error + 1e-30)
@@ -264,7 +265,9 @@ def test_transparent_pictures_have_no_sky_and_keep_their_alpha(tmp_path):
         still(piece(tmp_path, sky), tmp_path / f"{name}.png", 0.5, transparent=True)
     plain, under = (np.asarray(Image.open(tmp_path / f"{name}.png")) for name in ("plain", "under"))
     assert plain.shape[2] == 4 and 0 < np.mean(plain[..., 3] > 0) < 1
-    assert np.array_equal(plain, under)
+    # in the sky's light the spheres are balls, whose edges are drawn another way
+    assert under[..., 3].mean() == pytest.approx(plain[..., 3].mean(), rel=0.05)
+    assert not under[under[..., 3] == 0].any()
     still(piece(tmp_path, "paper"), tmp_path / "opaque.png", 0.5)
     assert np.asarray(Image.open(tmp_path / "opaque.png"))[0, 0].min() > 150
 
