@@ -38,9 +38,12 @@ if (
     from gen_art.maths.elementary import power as power
     from gen_art.maths.elementary import sin as sin
     from gen_art.output.job import render as render
+    from gen_art.preset.light import KeyLight as KeyLight
     from gen_art.preset.load import load_preset as load_preset
     from gen_art.preset.look import Look as Look
     from gen_art.preset.sky import Sky as Sky
+    from gen_art.preset.surface import Ground as Ground
+    from gen_art.preset.surface import SurfaceLook as SurfaceLook
     from gen_art.registry import param as param
     from gen_art.renderer.camera import Camera as Camera
     from gen_art.renderer.painter import render_frame as render_frame
@@ -60,6 +63,8 @@ _NAMES = {
     "Emitter": "gen_art.emitters.base",
     "Force": "gen_art.forces.base",
     "GenArtError": "gen_art.errors",
+    "Ground": "gen_art.preset.surface",
+    "KeyLight": "gen_art.preset.light",
     "Look": "gen_art.preset.look",
     "Medium": "gen_art.forces.medium",
     "ParticleSystem": "gen_art.simulation",
@@ -67,6 +72,7 @@ _NAMES = {
     "Shape": "gen_art.emitters.base",
     "Simulation": "gen_art.simulation",
     "Sky": "gen_art.preset.sky",
+    "SurfaceLook": "gen_art.preset.surface",
     "UsageError": "gen_art.errors",
     "Velocity": "gen_art.emitters.base",
     "adaptive": "gen_art.simulation.adaptive",
@@ -97,11 +103,11 @@ _NAMES = {
 }
 
 __all__ = [
-    "AdviceWarning", "Camera", "Diagnostics", "DivergedError", "Emitter", "Force", "GenArtError", "Look", "Medium",
-    "ParticleSystem", "PresetError", "Shape", "Simulation", "Sky", "UsageError", "Velocity", "__version__", "adaptive", "bodies",
-    "body", "chain", "cloth", "colliders", "cos", "emitter", "emitters", "exp", "force", "forces", "integrators",
-    "interactions", "load_preset", "log", "param", "power", "render", "render_frame", "rope", "shape", "sin", "ti",
-    "velocity",
+    "AdviceWarning", "Camera", "Diagnostics", "DivergedError", "Emitter", "Force", "GenArtError", "Ground", "KeyLight", "Look",
+    "Medium", "ParticleSystem", "PresetError", "Shape", "Simulation", "Sky", "SurfaceLook", "UsageError", "Velocity",
+    "__version__", "adaptive", "bodies", "body", "chain", "cloth", "colliders", "cos", "emitter", "emitters", "exp", "force",
+    "forces", "integrators", "interactions", "load_preset", "log", "param", "power", "render", "render_frame", "rope", "shape",
+    "sin", "ti", "velocity",
 ]  # fmt: skip
 
 

@@ -3,15 +3,15 @@
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, ValidationError
+from pydantic import BeforeValidator
 
-from gen_art.errors import UsageError
 from gen_art.preset.fields import MOST_SIZE, ColourValue, Fraction, Light, Number, Within
-from gen_art.preset.model import Model, about, friendly
-from gen_art.preset.problems import dotted
-from gen_art.preset.values import shown
+from gen_art.preset.from_script import model_of
+from gen_art.preset.model import Model, about
 
-__all__ = ["Checker", "Finish", "Ground", "SurfaceLook", "surface_look"]
+__all__ = ["Checker", "Finish", "Ground", "SurfaceLook", "ground_of", "surface_look"]
+
+_FORMS = (Mapping, str, bool, list, tuple)  # what a script may give for a surface
 
 
 class Checker(Model):
@@ -90,15 +90,9 @@ def surface_look(value: Any) -> SurfaceLook | None:
 
     Raises UsageError for anything else.
     """
-    if value is None or value is False or isinstance(value, SurfaceLook):
-        return value or None
-    if not isinstance(value, (Mapping, str, bool, list, tuple)):
-        raise UsageError(
-            f"the look of a collider must be a ga.SurfaceLook, a mapping of its keys or a colour, not {shown(value)}"
-        )
-    try:
-        return SurfaceLook.model_validate(dict(value) if isinstance(value, Mapping) else value)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = dotted(("look", *first["loc"]))
-        raise UsageError(f"a collider's {where}: {friendly(first)}") from None
+    return model_of(SurfaceLook, "look", value, _FORMS)
+
+
+def ground_of(value: Any) -> Ground | None:
+    """The ground from what a script gives: a ga.Ground, a mapping of its keys, a colour, true or None. Raises UsageError."""
+    return model_of(Ground, "ground", value, _FORMS)

@@ -1,16 +1,20 @@
 """Pictures of a simulation in linear light: single ones, and those of a film with their trails."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gen_art.arguments import shown
 from gen_art.errors import PresetError, UsageError
 from gen_art.particles.rows import LIFETIME, POSITION, VELOCITY
+from gen_art.preset.from_script import model_of
+from gen_art.preset.light import KeyLight
 from gen_art.preset.look import Look
 from gen_art.preset.sky import Sky
+from gen_art.preset.surface import Ground, ground_of
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
 from gen_art.renderer.framebuffer import FrameBuffer, splat
@@ -333,7 +337,12 @@ def _hide_below(projected: ProjectedParticles, system, point, normal) -> None:
 
 
 def render_frame(
-    sim: "Simulation", size: tuple[int, int] = (1280, 720), camera: Camera | None = None, sky: Sky | None = None
+    sim: "Simulation",
+    size: tuple[int, int] = (1280, 720),
+    camera: Camera | None = None,
+    sky: Sky | None = None,
+    light: "KeyLight | Mapping[str, Any] | None" = None,
+    ground: "Ground | Mapping[str, Any] | str | bool | None" = None,
 ) -> np.ndarray:
     """A picture of the simulation's current state: (height, width, 4) float32, linear premultiplied RGBA.
 
@@ -342,6 +351,7 @@ def render_frame(
     the particles. Trails and ribbons, which need earlier states, are left out: `gen-art still` draws them.
 
     sky : a ga.Sky; the preset's when None. With a sky, alpha is 1
+    light, ground : a ga.KeyLight and a ga.Ground, or mappings of their keys as in YAML; the preset's when None
     """
     if not hasattr(sim, "members"):
         raise UsageError(f"render_frame draws a ga.Simulation, not {shown(sim)}")
@@ -364,4 +374,6 @@ def render_frame(
         shutter = (camera.shutter if camera else 180.0) / 360.0 * clock.speed / clock.fps
     dome = None if sky is None else SkyDome.of(sky)
     scene = Scene.of(preset, sim.members.values(), dome)
+    lit, floor = model_of(KeyLight, "light", light), ground_of(ground)
+    scene = replace(scene, light=lit or scene.light, ground=floor or scene.ground)
     return np.array(Painter(size, camera, looks, shutter, scene=scene).paint(sim, film_time))

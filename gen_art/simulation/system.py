@@ -106,6 +106,9 @@ class ParticleSystem:
             "emitters", emitters, ActiveEmitter, "the emitters that a preset makes"
         )
         self.look = _checked_look(look)
+        for one in self.colliders:
+            if one.values["look"] is not None:
+                _check_surface(one.values["look"])
         self._initial = self._checked_arrays(position, velocity, mass, charge, radius, attributes)
         self.least_mass, self.largest_charge, self.largest_radius = self._extremes()
         for force in self.forces:
@@ -409,24 +412,16 @@ def _is_plain(value) -> bool:
 
 
 def _checked_look(look) -> "Look | None":
+    from gen_art.preset.from_script import model_of
     from gen_art.preset.look import Look
 
-    if look is None or isinstance(look, Look):
-        return look
-    if not isinstance(look, Mapping):
-        raise UsageError(
-            f"look must be a ga.Look or a mapping of its keys, such as {{'draw': 'disc'}}, not {arguments.shown(look)}"
-        )
-    from pydantic import ValidationError
+    return model_of(Look, "look", look)
 
-    from gen_art.preset.model import friendly
-    from gen_art.preset.problems import dotted
 
-    try:
-        return Look.model_validate(dict(look))
-    except ValidationError as error:
-        problems = [f"{dotted(('look', *problem['loc']))}: {friendly(problem)}" for problem in error.errors()]
-        raise UsageError("; ".join(problems)) from None
+def _check_surface(look) -> None:
+    from gen_art.preset.surface import surface_look
+
+    surface_look(look)
 
 
 class ParticleOrigin:

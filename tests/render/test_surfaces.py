@@ -336,3 +336,48 @@ def test_an_sdf_that_is_no_distance_is_refused():
     system = ga.ParticleSystem([[0, 9, 0]], colliders=[ga.colliders.SDF(steep, look="red")])
     with pytest.raises(PresetError, match="must not by more than 1"):
         ga.render_frame(ga.Simulation({"far": system}, dt=0.01), SIZE, ga.Camera(position=(0, 0, 5)))
+
+
+def test_a_script_gives_light_ground_and_looks():
+    system = ga.ParticleSystem([[0, 9, 0]], colliders=[ga.colliders.Sphere((0, 0.5, 0), 0.5, look="#ff0000")])
+    sim = ga.Simulation({"far": system}, dt=0.01)
+    camera = ga.Camera(position=(0, 1, 5), target=(0, 0.5, 0))
+    got = ga.render_frame(sim, SIZE, camera, light={"direction": [0, -1, -1]}, ground="white")
+    assert got[24, 32, 0] > 3 * got[24, 32, 1] and got[47, 2, 3] == 1.0
+    for keys, words in (
+        ({"light": {"size": -1}}, "light.size"),
+        ({"ground": 3}, "ga.Ground"),
+        ({"light": "sun"}, "ga.KeyLight"),
+    ):
+        with pytest.raises(ga.UsageError, match=words):
+            ga.render_frame(sim, SIZE, camera, **keys)
+    with pytest.raises(ga.UsageError, match="albdo"):
+        ga.ParticleSystem([[0, 0, 0]], colliders=[ga.colliders.Plane(look={"albdo": "red"})])
+
+
+def test_the_sun_of_a_sky_is_the_lamp_and_what_light_names_replaces_it():
+    from gen_art.renderer.lighting import Lighting
+    from gen_art.renderer.sky import SkyDome
+
+    dome = SkyDome.of(ga.Sky(sun=50))
+    sun = Lighting.of(None, dome)
+    assert sun.direction == pytest.approx(-dome.sun_direction) and sun.lamp == pytest.approx(
+        dome.sun_irradiance / (4 * math.pi)
+    )
+    # the mean of the sky's light over all directions, and no light from a sky that is black
+    around = np.random.default_rng(3).normal(size=(20_000, 3))
+    around /= np.linalg.norm(around, axis=1)[:, None]
+    assert sun.ambient[:, 0] == pytest.approx(dome.radiance(around).mean(axis=0), rel=0.03)
+    named = Lighting.of(ga.KeyLight(direction=(0, -1, 0), ambient_intensity=0), dome)
+    assert named.direction == pytest.approx([0, -1, 0]) and not named.ambient.any()
+    assert named.lamp == pytest.approx(sun.lamp)
+
+
+def test_fog_of_the_sky_needs_one():
+    camera = {"position": [0, 1, 5], "target": [0, 0.5, 0], "fog": {"distance": 0.5, "color": "sky"}}
+    with pytest.raises(ga.UsageError, match="needs a sky"):
+        picture(ground=True, camera=camera)
+    far = picture(
+        ground="black", light={"intensity": 0, **DARK}, sky="#8090a0", camera={**camera, "position": [0, 1, 900]}
+    )
+    assert far[30, 32, :3] == pytest.approx(far[2, 2, :3], rel=0.01)
