@@ -198,7 +198,7 @@ def _write_sprites(
             )
             depths[i] = C[DEPTH, c]
             x, y, footprint, edge, dx, dy = C[X, c], C[Y, c], C[FOOTPRINT, c], C[EDGE, c], C[DX, c], C[DY, c]
-            P[i, THICKNESS] = 0.0
+            partly_hidden = 0.0
             if bounds.shape[0] > 0 and footprint > min_footprint and footprint >= 0.0:
                 wide = ti.max(footprint + ti.max(edge, 0.0), 1.0)
                 thickness = wide / FOOTPRINT_PER_RADIUS * pixel * ti.select(parallel == 1, 1.0, C[DEPTH, c])
@@ -207,7 +207,7 @@ def _write_sprites(
                 if among == BEHIND:
                     footprint = HIDDEN
                 elif among != BEFORE:
-                    P[i, THICKNESS] = thickness
+                    partly_hidden = thickness
             if footprint > min_footprint and footprint >= 0.0:
                 level, drawn_kind = 0, kind
                 left, right, top, bottom = x - 0.5, x + 0.5, y - 0.5, y + 0.5
@@ -218,7 +218,7 @@ def _write_sprites(
                     top, bottom = y - footprint - edge, y + footprint + edge
                 elif footprint > 0.0 and ti.max(abs(dx), abs(dy)) < 1e-3:
                     drawn_kind = DISC
-                    if P[i, THICKNESS] == 0.0:  # smaller framebuffers have no depths of surfaces
+                    if partly_hidden == 0.0:  # smaller framebuffers have no depths of surfaces
                         level, footprint = _choose_level(footprint, -edge)
                     scale = 1.0 / ti.cast(1 << level, ti.f32)
                     x, y = x * scale, y * scale
@@ -255,7 +255,7 @@ def _write_sprites(
                 P[i, X], P[i, Y], P[i, FOOTPRINT], P[i, EDGE], P[i, DX], P[i, DY] = x, y, footprint, edge, dx, dy
                 for e in ti.static((RED, GREEN, BLUE, ALPHA)):
                     P[i, e] = C[e, c]
-                P[i, TAIL], P[i, TAPER] = tail, taper
+                P[i, TAIL], P[i, TAPER], P[i, THICKNESS] = tail, taper, partly_hidden
                 rounding = (1 << level) - 1
                 w, h = ti.cast((width + rounding) >> level, ti.f32), ti.cast((height + rounding) >> level, ti.f32)
                 left, right = ti.floor(ti.max(left, 0.0)), ti.floor(ti.min(right, w - 0.5))

@@ -1,6 +1,8 @@
 """Surfaces in the picture: their light against closed formulas, where they are, and what they hide."""
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -381,3 +383,39 @@ def test_fog_of_the_sky_needs_one():
         ground="black", light={"intensity": 0, **DARK}, sky="#8090a0", camera={**camera, "position": [0, 1, 900]}
     )
     assert far[30, 32, :3] == pytest.approx(far[2, 2, :3], rel=0.01)
+
+
+_PICTURE = """
+import hashlib, sys
+import gen_art as ga
+from gen_art.backend import runtime
+
+runtime.init(threads={threads})
+given = ga.load_preset({{
+    "version": 1, "clock": {{"duration": 1, "fps": 30, "step": "1/120"}}, "sky": {{"sun": 40}},
+    "ground": {{"mirror": True, "roughness": 0.2, "checker": 0.3}},
+    "colliders": {{"sphere": {{"center": [0, 0.4, 0], "radius": 0.4, "look": {{"metal": 1, "roughness": 0.1}}}}}},
+    "systems": {{
+        "beads": {{
+            "particle": {{"radius": 0.05}}, "emitters": {{"all": {{"count": 300, "shape": {{"box": [2, 1, 2], "center": [0, 0.6, 0]}}}}}},
+            "look": {{"draw": "sphere", "blend": "opaque"}},
+        }},
+        "smoke": {{
+            "emitters": {{"all": {{"count": 500, "shape": {{"box": [2, 1, 2]}}}}}}, "particle": {{"radius": 0.2}},
+            "look": {{"draw": "disc", "blend": "alpha", "opacity": 0.2}},
+        }},
+    }},
+    "camera": {{"position": [2, 1.5, 3], "target": [0, 0.4, 0]}},
+}})
+print(hashlib.sha256(ga.render_frame(ga.Simulation(given), (200, 120)).tobytes()).hexdigest())
+"""
+
+
+def test_any_number_of_threads_draws_the_same_bytes():
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", _PICTURE.format(threads=n)], capture_output=True, text=True, check=True
+        ).stdout
+        for n in (1, 2, 4)
+    }
+    assert len(found) == 1 and len(found.pop().strip()) == 64
