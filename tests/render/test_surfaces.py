@@ -397,7 +397,7 @@ given = ga.load_preset({{
     "colliders": {{"sphere": {{"center": [0, 0.4, 0], "radius": 0.4, "look": {{"metal": 1, "roughness": 0.1}}}}}},
     "systems": {{
         "beads": {{
-            "particle": {{"radius": 0.05}}, "emitters": {{"all": {{"count": 300, "shape": {{"box": [2, 1, 2], "center": [0, 0.6, 0]}}}}}},
+            "particle": {{"radius": 0.05}}, "emitters": {{"all": {{"count": 300, "shape": {{"sphere": 1.0, "center": [0, 0.6, 0]}}}}}},
             "look": {{"draw": "sphere", "blend": "opaque"}},
         }},
         "smoke": {{
