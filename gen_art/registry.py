@@ -7,7 +7,7 @@ rows of the documentation. A `Registry` maps YAML names to classes.
 import difflib
 import inspect
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, TypeVar
 
@@ -101,6 +101,9 @@ class Parameter:
             return value
         if self.kind == "text":
             return arguments.text(self.name, value)
+        if self.kind == "look" and not (isinstance(value, (str, bool, Mapping, list, tuple)) or hasattr(value, "albedo")):
+            shown = arguments.shown(value)
+            raise UsageError(f"{self.name} must be a ga.SurfaceLook, a mapping of its keys, a colour or true, not {shown}")
         return value
 
     @property

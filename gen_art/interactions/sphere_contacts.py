@@ -10,6 +10,7 @@ from gen_art.interactions.base import ForcePart, ForceRequest, Interaction, inte
 from gen_art.interactions.neighbour_grid import Grid, sort_into_grid
 from gen_art.interactions.sphere_contact_kernels import BLOCK, RESULT, contact_kernels, overlap_kernel
 from gen_art.interactions.sphere_walls import SphereWalls, is_wall
+from gen_art.maths.array_functions import expm1, log
 from gen_art.particles.rows import MASS, POSITION, RADIUS, VELOCITY
 from gen_art.registry import param
 
@@ -155,8 +156,8 @@ class Contacts(Interaction):
 
     def _response(self, restitution: float, span: float) -> tuple[float, float]:
         """Stiffness, 1/s^2, and damping, 1/s, over the reduced mass, for a kick of `span`, s."""
-        decay = -math.log(max(restitution, _MIN_RESTITUTION)) / self._duration
-        damping = -math.expm1(-2 * decay * span) / span if span > 0 else 2 * decay
+        decay = -float(log(max(restitution, _MIN_RESTITUTION))) / self._duration
+        damping = -float(expm1(-2 * decay * span)) / span if span > 0 else 2 * decay
         return (math.pi / self._duration) ** 2 + decay**2, damping
 
     def problem_in(self, box, largest_radius):

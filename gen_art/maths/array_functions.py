@@ -2,15 +2,15 @@
 
 NumPy's own sin, cos, exp and log take the fastest code that the processor has, and their last bits differ between processors.
 These use sums, products and divisions alone, each of which IEEE 754 rounds in one way.
-Accuracy over the stated ranges: 1e-15, relative (exp, log) or absolute (sin, cos).
+Accuracy over the stated ranges: 1e-15, relative (exp, expm1, log) or absolute (sin, cos).
 Source: see gen_art/maths/series.py.
 """
 
 import numpy as np
 
-from gen_art.maths.series import ATANH, COS, EXP, HALF_PI, LN2, SIN
+from gen_art.maths.series import ATANH, COS, EXP, EXPM1, HALF_PI, LN2, SIN
 
-__all__ = ["arctan2", "arctanh", "cos", "exp", "log", "sin"]
+__all__ = ["arctan2", "arctanh", "cos", "exp", "expm1", "log", "sin"]
 
 _HALVINGS = 3  # tan(pi / 32) < 0.1: twelve terms of the series then leave 1e-26
 _ARCTAN = tuple((-1) ** k / (2 * k + 1) for k in range(11, -1, -1))
@@ -53,6 +53,16 @@ def exp(x) -> np.ndarray:
     a, b = LN2[True]
     r = (y - n * a) - n * b
     return np.where(x < -708.0, 0.0, np.ldexp(_horner(r, EXP[True]), n.astype(np.int32)))
+
+
+def expm1(x) -> np.ndarray:
+    """e^x - 1, without cancellation near 0; x up to 709."""
+    y = np.clip(np.asarray(x, np.float64), -708.0, 709.0)
+    n = np.floor(y * 1.4426950408889634 + 0.5)
+    a, b = LN2[True]
+    r = (y - n * a) - n * b
+    scale = np.ldexp(1.0, n.astype(np.int32))
+    return scale * r * _horner(r, EXPM1[True]) + (scale - 1.0)
 
 
 def log(x) -> np.ndarray:

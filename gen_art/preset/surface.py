@@ -23,7 +23,7 @@ class Checker(Model):
     short_form = {"type": ["number", "string"]}
 
     @classmethod
-    def from_short(cls, value):
+    def from_short(cls, value: Any) -> Any:
         return value if isinstance(value, (Checker, dict)) else {"size": value}
 
 
@@ -43,7 +43,7 @@ class Finish(Model):
     short_form = {"type": ["number", "string"]}
 
     @classmethod
-    def from_short(cls, value):
+    def from_short(cls, value: Any) -> Any:
         return value if isinstance(value, (Finish, dict)) else {"roughness": value}
 
 
@@ -63,7 +63,7 @@ class SurfaceLook(Finish):
     short_form = {"type": ["boolean", "string", "array"], "description": "true, or a colour: the albedo"}
 
     @classmethod
-    def from_short(cls, value):
+    def from_short(cls, value: Any) -> Any:
         if value is True:
             return {}
         return value if isinstance(value, (SurfaceLook, dict)) else {"albedo": value}

@@ -7,6 +7,7 @@ c1: the radiance from the unit direction w is about c0 + c1.w.
 
 import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -73,6 +74,7 @@ def _hemispheres(light: KeyLight) -> np.ndarray:
     return ambient
 
 
+@lru_cache(8)
 def _mean_and_slope(dome: SkyDome) -> np.ndarray:
     """c0 = mean of L and c1 = 3 mean of L w over the sphere, by rings of equal area."""
     rings, around = 64, 128

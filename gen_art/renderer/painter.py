@@ -32,7 +32,8 @@ from gen_art.renderer.supersample import box_averaged
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES, SurfaceDepths, hide_small_sprites
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm
 from gen_art.renderer.surfaces.scene import Scene
-from gen_art.renderer.surfaces.solid_rows import SolidSystem, shapes_of
+from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
+from gen_art.renderer.surfaces.solid_rows import SolidSystem, shapes_of, solid_rows
 from gen_art.renderer.surfaces.surface_pass import SurfacePass
 
 if TYPE_CHECKING:
@@ -228,10 +229,17 @@ class Painter:
                     solids.append(SolidSystem(look.finish, projected.used, projected.lit[: projected.count], shapes))
                 elif light is not None and projected.count:
                     lit[name] = light, projected.used, projected.lit[: projected.count]
-        smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1])) if lit else {}
+        scene = self.scene if mirror is None else self.scene.without_mirror
+        casters = None
+        if trails is not None and (solids or scene.surfaces):
+            rows = solid_rows(solids, len(scene.surfaces), view)
+            casters = ShadowCasters.of(scene, rows, view, sim.time)
+        shading = casters if scene.shadows else None
+        smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1]), shading) if lit else {}
         sprites.clear()
         if trails is not None:
-            sprites.hidden_by = self._draw_surfaces(sim, view, solids, smoke, framebuffer, film, mirror)
+            if casters is not None:
+                sprites.hidden_by = self._draw_surfaces(scene, casters, solids, smoke, framebuffer, film, mirror)
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
         sprites.layered = (
@@ -256,19 +264,15 @@ class Painter:
         """Whether a system is drawn by surfaces in the scene's light: balls, bodies or threads."""
         return look.shapes or (self.scene.lit and look.draw == "sphere" and look.blend == "opaque")
 
-    def _draw_surfaces(self, sim, view, solids, smoke: dict, framebuffer, film: MirrorFilm, mirror) -> SurfaceDepths:
+    def _draw_surfaces(
+        self, scene, casters, solids, smoke: dict, framebuffer, film: MirrorFilm, mirror
+    ) -> SurfaceDepths:
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
-        scene = self.scene if mirror is None else self.scene.without_mirror()
-        if not solids and not scene.surfaces:
-            return NOTHING_HIDES
         if self._surfaces is None:
             self._surfaces = SurfacePass(self.size)
-        shading = smoke.get(smoke_key(scene.lighting))
-        smoke_of_lamp = shading and shading[:2]
-        found = self._surfaces.draw(scene, view, sim.time, solids, smoke_of_lamp, framebuffer, film, mirror)
-        if not found:
-            return NOTHING_HIDES
-        depths, tiles = self._surfaces.depths, self._surfaces.bounds
+        of_lamp = smoke.get(smoke_key(scene.lighting))
+        self._surfaces.draw(scene, casters, solids, of_lamp and of_lamp[:2], framebuffer, film, mirror)
+        depths, tiles, view = self._surfaces.depths, self._surfaces.bounds, casters.view
         return SurfaceDepths.of(depths, tiles, 1.0 / view.scale(self.size[1]), view.height is not None)
 
     def _add_ribbons(self, sim, name: str, view, film_time: float, weight: float, framebuffer: FrameBuffer) -> None:

@@ -15,6 +15,7 @@ The one-letter names in kernels are in docs/glossary.md.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -34,10 +35,19 @@ __all__ = [
 ]  # fmt: skip
 
 OCTAVES = 4
+_ALL_LIT = np.ones(1, np.float32)
 SKY = 48  # cells along the longest side of the grid on which the sky's light is summed
 FORWARD, EYE, PARALLEL, KEY, OCTAVE = 0, 3, 6, 7, 10  # the kernel's numbers; OCTAVE: weights, then asymmetries
 
 F1, F2, F64 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.f64, 1)
+
+
+class LampShares(Protocol):
+    """Things other than smoke that shadow a lamp."""
+
+    def lamp_shares(self, light: Lighting, smoke: Smoke) -> np.ndarray:
+        """(nodes,) float32: the share of the lamp's light that reaches each node of a grid of smoke."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -83,7 +93,7 @@ def lamp_axes(direction) -> np.ndarray:
 @ti.kernel
 def _scatter(
     X: F2, nodes: F2, n: ti.i32, depth: F1, d1: ti.i32, d2: ti.i32, sky: F2, s1: ti.i32, s2: ti.i32, coarse: ti.f32,
-    Q: F64, out: F2,
+    reached: F1, Q: F64, out: F2,
 ):  # fmt: skip
     """The light that each of n particles scatters towards the camera: interpolated sky light plus the lamp's.
 
@@ -91,11 +101,12 @@ def _scatter(
     nodes : (n, 3) the same in node coordinates of the smoke; times `coarse`, of the sky's grid
     depth : optical depth of the lamp's light at the nodes; d1, d2 : shape of its grid along the last two axes
     sky : (nodes, 3) sky light; s1, s2 : shape of its grid along the last two axes
+    reached : share of the lamp's light that other things let through to the same nodes, or a single 1
     """
     ti.loop_config(block_dim=1)
     for block in range((n + 2047) // 2048):
         for i in range(block * 2048, ti.min((block + 1) * 2048, n)):
-            optical_depth = 0.0
+            optical_depth, lamp = 0.0, 0.0
             rgb = ti.Vector([0.0, 0.0, 0.0])
             for table in ti.static(range(2)):  # 0: the lamp's optical depth, 1: the sky
                 scale = coarse if ti.static(table) else 1.0
@@ -113,6 +124,8 @@ def _scatter(
                         optical_depth += w * depth[((j + a) * d1 + k + b) * d2 + m + c]
                     else:
                         node = ((j + a) * s1 + k + b) * s2 + m + c
+                        if reached.shape[0] > 1:
+                            lamp += w * reached[node]
                         for e in ti.static(range(3)):
                             rgb[e] += w * sky[node, e]
             cosine, length2 = 0.0, 0.0
@@ -129,6 +142,8 @@ def _scatter(
                 denominator = ti.max(1.0 + g * g - 2.0 * g * cosine, 1e-6)
                 phase = (1.0 - g * g) / (denominator * ti.sqrt(denominator))
                 direct += ti.cast(Q[OCTAVE + o], ti.f32) * phase * exp(-optical_depth / ti.cast(1 << o, ti.f32))
+            if reached.shape[0] > 1:
+                direct *= lamp
             for e in ti.static(range(3)):
                 out[i, e] = rgb[e] + direct * ti.cast(Q[KEY + e], ti.f32)
 
@@ -177,7 +192,7 @@ def smoke_key(light: Lighting) -> tuple:
 
 def scattered_light(
     systems: list[LitParticles], eye, parallel: bool = False, emitted: Sequence[EmittedLight | None] = (),
-    smoke_by_lamp: dict | None = None,
+    smoke_by_lamp: dict | None = None, casters: LampShares | None = None,
 ) -> list[np.ndarray]:  # fmt: skip
     """For each system, (n, 3) float32 linear light that its particles scatter towards the camera, before their albedo.
 
@@ -186,6 +201,7 @@ def scattered_light(
     parallel : the camera is orthographic and `eye` is the direction it looks in
     emitted : for each system, the light of others that it scatters, or None
     smoke_by_lamp : is filled: smoke_key -> the smoke, its optical depth from the lamp, the smoke on a coarser grid
+    casters : what else shadows the lamp
     """
     positions, radii = (np.concatenate([getattr(s, n) for s in systems]) for n in ("positions", "radii"))
     cross_sections = np.concatenate([s.cross_sections * np.float32(s.light.key.depth) for s in systems])
@@ -210,10 +226,11 @@ def scattered_light(
             weights = octaves(light.key.scatter)
             sky += scatter_emitted_light(smoke.coarse(2), coarse, others, light.key, weights, eye, parallel)
         if len(out):
+            reached = _ALL_LIT if casters is None else casters.lamp_shares(light, coarse)
             _scatter_kernel(
                 np.ascontiguousarray(system.positions, np.float32), smoke.to_nodes(system.positions), len(out), depth,
                 smoke.extinction.shape[1], smoke.extinction.shape[2], sky.reshape(-1, 3), sky.shape[1], sky.shape[2],
-                smoke.cell / coarse.cell, q, out,
+                smoke.cell / coarse.cell, reached, q, out,
             )  # fmt: skip
         results.append(out)
     return results
@@ -227,12 +244,13 @@ def scattered_light_of_system(
     return scattered_light([LitParticles(Lighting.of(light), positions, cross_sections, radii)], eye, parallel)[0]
 
 
-def add_scattered_light(lit: dict, drawn: dict, view, scale: float) -> dict:
+def add_scattered_light(lit: dict, drawn: dict, view, scale: float, casters: LampShares | None = None) -> dict:
     """Add the light that lit systems scatter to their channels, in place. Returns the smoke by lamp, see `scattered_light`.
 
     lit : name -> (Lighting, channels (11, n), (n, 8) columns LIT_... of shading.py)
     drawn : name -> (system, channels) of everything in the picture
     scale : pixels per world unit, or per unit of slope
+    casters : what else shadows the lamp
     """
     parallel = view.height is not None
     eye = view.axes[2] if parallel else view.position
@@ -242,7 +260,7 @@ def add_scattered_light(lit: dict, drawn: dict, view, scale: float) -> dict:
         for light, _, columns in lit.values()
     ]
     smoke_by_lamp: dict = {}
-    found = scattered_light(systems, eye, parallel, emitted, smoke_by_lamp)
+    found = scattered_light(systems, eye, parallel, emitted, smoke_by_lamp, casters)
     for (_, channels, columns), light in zip(lit.values(), found):
         channels[RED : BLUE + 1] += (columns[:, LIT_ALBEDO] * light).T
     return smoke_by_lamp

@@ -46,7 +46,7 @@ def test_accuracy(name, precision):
 
 @pytest.mark.parametrize("name,low,high,relative", [
     ("exp", -700, 700, True), ("log", 1e-3, 100, False), ("sin", -1000, 1000, False), ("cos", -1000, 1000, False),
-    ("arctanh", -0.999, 0.999, False),
+    ("arctanh", -0.999, 0.999, False), ("expm1", -700, 700, True), ("expm1", -1e-3, 1e-3, True),
 ])  # fmt: skip
 def test_array_functions(name, low, high, relative):
     x = np.random.default_rng(0).uniform(low, high, 1 << 16)

@@ -225,6 +225,25 @@ def test_smoke_dims_the_ground_by_the_exponential_of_its_depth():
     assert bare[24, 32, 0] == pytest.approx(1.0, rel=1e-4)
 
 
+@pytest.mark.parametrize("shadows", [True, False])
+def test_solids_and_colliders_shadow_smoke(shadows):
+    """A puff in the shadow of a sphere has no lamp's light, and one beside it has all of it."""
+    puff = {
+        "smoke": {
+            "emitters": {
+                "dark": {"count": 1, "shape": {"point": [0, 0.5, 0]}}, "lit": {"count": 1, "shape": {"point": [2, 0.5, 0]}},
+            },
+            "particle": {"radius": 0.1}, "look": {"draw": "disc", "blend": "alpha", "opacity": 0.01},
+        }
+    }  # fmt: skip
+    light = {"direction": [0, -1, 0], "intensity": 1.0, **DARK}
+    camera = {"position": [1, 0.5, 5], "target": [1, 0.5, 0], "fov": 40}
+    sphere = {"sphere": {"center": [0, 3, 0], "radius": 0.8, "look": matte()}}
+    got = picture(systems=puff, colliders=sphere, light=light, camera=camera, shadows=shadows)
+    left, right = got[18:30, :32, 0].sum(), got[18:30, 32:, 0].sum()
+    assert right > 0 and (left < 1e-6 * right if shadows else left == pytest.approx(right, rel=0.01))
+
+
 def dot(z, draw="point", **look):
     return {
         "dot": {

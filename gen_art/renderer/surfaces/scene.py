@@ -68,6 +68,7 @@ class Scene:
         """The index of the surface that reflects the scene, or -1."""
         return next((k for k, (_, look) in enumerate(self.surfaces) if look.mirror), -1)
 
+    @cached_property
     def without_mirror(self) -> "Scene":
         """The scene as the mirror shows it: without the mirror itself."""
         collider, _ = self.surfaces[self.mirror]

@@ -4,17 +4,16 @@ import numpy as np
 
 from gen_art.preset.surface import Finish, SurfaceLook
 from gen_art.renderer.colour import linear
-from gen_art.renderer.smoke_lighting import lamp_axes
 from gen_art.renderer.surfaces.cell_lists import cell_lists
-from gen_art.renderer.surfaces.collider_rays import ColliderTerms
 from gen_art.renderer.surfaces.draw_surfaces import BIN, SUBPIXELS, TILE, draw_kernel
-from gen_art.renderer.surfaces.lamp_shadows import ShadowBins, lamp_disc
+from gen_art.renderer.surfaces.lamp_shadows import lamp_disc
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm, blur_points
 from gen_art.renderer.surfaces.reflection import reflected_share
 from gen_art.renderer.surfaces.scene import Scene
-from gen_art.renderer.surfaces.scene_numbers import lamp_tangent, scene_numbers
+from gen_art.renderer.surfaces.scene_numbers import scene_numbers
+from gen_art.renderer.surfaces.shadow_casters import ShadowCasters, filled
 from gen_art.renderer.surfaces.sky_light import SkyLight
-from gen_art.renderer.surfaces.solid_rows import SolidSystem, pixel_rectangles, solid_rows
+from gen_art.renderer.surfaces.solid_rows import SolidSystem, pixel_rectangles
 from gen_art.renderer.surfaces.solids import BOUND
 from gen_art.renderer.surfaces.surface_shading import (
     CHECKER,
@@ -48,33 +47,26 @@ class SurfacePass:
         self._disc, self._blur = lamp_disc(), blur_points()
 
     def draw(
-        self, scene: Scene, view, time: float, solids: list[SolidSystem], smoke, framebuffer,
+        self, scene: Scene, casters: ShadowCasters, solids: list[SolidSystem], smoke, framebuffer,
         film: MirrorFilm = NO_MIRROR, clip=None,
-    ) -> bool:  # fmt: skip
-        """Draw what there is into a clear framebuffer; False if there is nothing to draw.
+    ) -> None:  # fmt: skip
+        """Draw the surfaces of a scene, and solids, into a clear framebuffer.
 
-        solids : of each system of them
+        casters : the scene's colliders and the rows of all solids
         smoke : (Smoke along the lamp's axes, its optical depths from the lamp) that shadows surfaces, or None
         film : what the scene's mirror shows
         clip : (point, normal) of the plane before which nothing is drawn, or None
         """
-        surfaces = scene.surfaces
-        rows = solid_rows(solids, len(surfaces), view)
-        if not surfaces and not len(rows):
-            return False
-        light = scene.lighting
-        terms = ColliderTerms([collider for collider, _ in surfaces])
+        view, time, rows, light, bins = casters.view, casters.time, casters.rows, casters.light, casters.bins
         if clip is None:
-            check_camera(terms, view, time)
+            check_camera(casters.terms, view, time)
             if not self._checked:
-                check_distances(terms, view, time)
+                check_distances(casters.terms, view, time)
                 self._checked = True
-        looks = [*(look for _, look in surfaces), *(system.finish for system in solids)]
+        looks = [*(look for _, look in scene.surfaces), *(system.finish for system in solids)]
         table = np.stack([_material(look) for look in looks])
         shares = np.stack([reflected_share(look.roughness, look.ior) for look in looks])
         positions, radii = rows[:, :3].astype(np.float64) + view.position, rows[:, BOUND].astype(np.float64)
-        depth = _extent(positions, radii, view)
-        bins = ShadowBins.of(positions, radii, lamp_axes(light.direction), lamp_tangent(light), depth)
         sky = SkyLight.of(light, positions, np.pi * radii**2 * scene.shadows, radii)
         grid, depths = smoke if smoke is not None and scene.shadows else (None, np.zeros(1, np.float32))
         mirror = scene.mirror if film is not NO_MIRROR else -1
@@ -83,18 +75,13 @@ class SurfacePass:
         across, down = framebuffer.across, framebuffer.down
         first, last = rectangles[:, 2::-2] // BIN, rectangles[:, 3::-2] // BIN
         bin_starts, bin_solids = cell_lists(first, last, (down, across))
-        draw_kernel(terms)(
-            numbers, terms.numbers(), np.array(terms.owners or [0], np.int32), table, shares, _some(rows), _some(rectangles),
-            bin_starts, _some(bin_solids), bins.starts, _some(bins.solids), self._disc, sky.light, sky.open, depths, across, down,
+        owners = np.array(casters.terms.owners or [0], np.int32)
+        draw_kernel(casters.terms)(
+            numbers, casters.terms.numbers(), owners, table, shares, filled(rows), filled(rectangles), bin_starts,
+            filled(bin_solids), bins.starts, filled(bins.solids), self._disc, sky.light, sky.open, depths, across, down,
             framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, film.texels, film.levels, self._blur,
             light.dome.table if light.dome is not None else _NO_DOME,
         )  # fmt: skip
-        return True
-
-
-def _some(array: np.ndarray) -> np.ndarray:
-    """The array, or a row of zeros in place of an empty one, which kernels do not take."""
-    return array if len(array) else np.zeros((1, *array.shape[1:]), array.dtype)
 
 
 def _material(look: Finish) -> np.ndarray:
@@ -107,10 +94,3 @@ def _material(look: Finish) -> np.ndarray:
             row[SECOND_ALBEDO : SECOND_ALBEDO + 3], row[CHECKER] = linear(look.checker.color), look.checker.size
         row[EMISSION : EMISSION + 3] = linear(look.emission) * look.emission_intensity
     return row
-
-
-def _extent(positions, radii, view) -> float:
-    """How far a shadow may fall: twice the extent of all solids, and the distance to the camera's target."""
-    if not len(positions):
-        return view.distance
-    return 2.0 * float(np.ptp(positions, axis=0).max() + radii.max()) + view.distance
