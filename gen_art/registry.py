@@ -101,9 +101,13 @@ class Parameter:
             return value
         if self.kind == "text":
             return arguments.text(self.name, value)
-        if self.kind == "look" and not (isinstance(value, (str, bool, Mapping, list, tuple)) or hasattr(value, "albedo")):
+        if self.kind == "look" and not (
+            isinstance(value, (str, bool, Mapping, list, tuple)) or hasattr(value, "albedo")
+        ):
             shown = arguments.shown(value)
-            raise UsageError(f"{self.name} must be a ga.SurfaceLook, a mapping of its keys, a colour or true, not {shown}")
+            raise UsageError(
+                f"{self.name} must be a ga.SurfaceLook, a mapping of its keys, a colour or true, not {shown}"
+            )
         return value
 
     @property
