@@ -32,6 +32,7 @@ class Collider(Parametric):
     convex: ClassVar[bool] = (
         False  # whether each side is the surface of a convex solid, which a ray meets by Newton's method
     )
+    faceted: ClassVar[bool] = False  # whether a side has flat faces along the axes, whose edges are drawn smoothly
     repeat: ClassVar[None] = None
 
     restitution: float = param(

@@ -60,6 +60,7 @@ class Block(Collider):
     """
 
     convex = True
+    faceted = True
 
     min: tuple = param((-1.0, -1.0, -1.0), unit="m")
     max: tuple = param((1.0, 1.0, 1.0), unit="m")

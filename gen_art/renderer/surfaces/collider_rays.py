@@ -106,7 +106,9 @@ def side_hit(entry: ti.template(), q: ti.template(), side, o, d, low, high, tole
                 else:
                     f = entry.collider.distance(o + d * t, q, side)
                     if f <= tolerance + per_length * t:
-                        result = t
+                        # a ray that only passes near by is on its way out
+                        if entry.collider.gradient(o + d * t, q, side).dot(d) < 0.0:
+                            result = t
                         steps = _NEWTON_STEPS
     else:
         steps, was_outside, before = 0, f > 0.0, t
@@ -129,8 +131,11 @@ def side_hit(entry: ti.template(), q: ti.template(), side, o, d, low, high, tole
 
 @ti.func
 def first_hit(entries: ti.template(), Q: ti.template(), origin, direction, time, low, high, tolerance, per_length):
-    """(distance along the ray, surface) of the first surface that a ray enters, or (high, -1)."""
-    nearest, surface = high, -1
+    """(distance along the ray, surface, facet) of the first surface that a ray enters, or (high, -1, 0).
+
+    facet : of a side with flat faces, 0, 1 or 2: the axis that the face lies across
+    """
+    nearest, surface, facet = high, -1, 0
     for entry in ti.static(entries):
         q = parameters(Q, entry.collider, entry.offset)
         o, d = ray_in_start_frame(entry, q, origin, direction, time)
@@ -143,8 +148,21 @@ def first_hit(entries: ti.template(), Q: ti.template(), origin, direction, time,
                         entry.collider.nearest(o + d * t, q) >= -4.0 * (tolerance + per_length * t), ti.i32
                     )
                 if inside == 1:
-                    nearest, surface = t, entry.first_surface + side
-    return nearest, surface
+                    nearest, surface, facet = t, entry.first_surface + side, 0
+                    if ti.static(entry.collider.faceted):
+                        facet = _largest_axis(entry.collider.gradient(o + d * t, q, side))
+    return nearest, surface, facet
+
+
+@ti.func
+def _largest_axis(n):
+    """The axis, 0, 1 or 2, along which a vector is longest."""
+    result = 2
+    if abs(n[0]) >= abs(n[1]) and abs(n[0]) >= abs(n[2]):
+        result = 0
+    elif abs(n[1]) >= abs(n[2]):
+        result = 1
+    return result
 
 
 @ti.func

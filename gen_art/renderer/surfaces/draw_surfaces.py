@@ -26,7 +26,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     first_distance,
     vector_at,
 )
-from gen_art.renderer.surfaces.solids import ALBEDO, EMITTED, MATERIAL, NEVER, solid_hit, solid_normal
+from gen_art.renderer.surfaces.solids import ALBEDO, EMITTED, MATERIAL, NEVER, solid_facet, solid_hit, solid_normal
 from gen_art.renderer.surfaces.surface_shading import EMISSION, albedo_at, row_vector, surface_radiance
 
 __all__ = ["BIN", "SUBPIXELS", "TILE", "draw_kernel"]
@@ -34,6 +34,7 @@ __all__ = ["BIN", "SUBPIXELS", "TILE", "draw_kernel"]
 BIN, TILE = 32, 8  # pixels along the sides of a bin of the framebuffer and of a tile
 TILES = BIN // TILE
 SUBPIXELS = 4
+FACETS = 4  # an owner of a ray is a surface or solid, times this, plus the facet that the ray meets
 _RAYS, _WITH_BORDER = TILE * TILE * SUBPIXELS, (TILE + 2) * (TILE + 2)
 
 F1, F2, F3, I1, I2 = (
@@ -58,18 +59,21 @@ def _middle_ray(N: ti.template(), column, row):
 
 @ti.func
 def _collider_hit(entries: ti.template(), scene: ti.template(), o, d):
-    """(distance along a ray, surface) of the nearest collider, or (NEVER, -1); exact to a fiftieth of a pixel."""
+    """(distance along a ray, owner) of the nearest collider, or (NEVER, -1); exact to 1/250 of a pixel."""
     N = ti.static(scene.N)
-    stretch, per_length, tolerance = 1.0, 0.0, 0.02 / N[SCALE]
+    stretch, per_length, tolerance = 1.0, 0.0, 0.004 / N[SCALE]
     if N[PARALLEL] < 0.5:
         stretch, per_length, tolerance = 1.0 / ti.max(d.dot(vector_at(N, FORWARD)), 1e-6), tolerance, 1e-7
     low, high = ti.max(N[NEAR] * stretch, first_distance(N, o, d)), ti.min(N[FAR] * stretch, NEVER)
     if N[PARALLEL] > 0.5 and N[CLIP] ** 2 + N[CLIP + 1] ** 2 + N[CLIP + 2] ** 2 == 0.0:
         low = N[NEAR]
-    t, surface = first_hit(entries, scene.Q, o + vector_at(N, CAMERA), d, N[TIME], low, high, tolerance, per_length)
+    t, surface, facet = first_hit(
+        entries, scene.Q, o + vector_at(N, CAMERA), d, N[TIME], low, high, tolerance, per_length
+    )
+    owner = surface * FACETS + facet
     if surface < 0:
-        t = NEVER
-    return t, surface
+        t, owner = NEVER, -1
+    return t, owner
 
 
 @ti.func
@@ -91,11 +95,11 @@ def _trace_colliders(
             if middle_owner[here + (k // 3 - 1) * (TILE + 2) + k % 3 - 1] == middle_owner[here]:
                 alike += 1
         for s in range(SUBPIXELS):
-            t, surface = middle_t[here], middle_owner[here]
+            t, who = middle_t[here], middle_owner[here]
             if alike < 9:
                 o, d = _subpixel_ray(N, ox + p % TILE, oy + p // TILE, s)
-                t, surface = _collider_hit(entries, scene, o, d)
-            distance[p * SUBPIXELS + s], owner[p * SUBPIXELS + s] = t, surface
+                t, who = _collider_hit(entries, scene, o, d)
+            distance[p * SUBPIXELS + s], owner[p * SUBPIXELS + s] = t, who
 
 
 @ti.func
@@ -110,15 +114,16 @@ def _trace_solid(scene: ti.template(), i, who, box, ox, oy, distance: ti.templat
             for s in range(SUBPIXELS):
                 r = (row * TILE + column) * SUBPIXELS + s
                 o, d = _subpixel_ray(N, ox + column, oy + row, s)
-                t = solid_hit(scene.B, i, o, d)
+                t = solid_hit(scene.B, i, o, d, False)
                 if t < distance[r] and t > first_distance(N, o, d):
-                    distance[r], owner[r] = t, who
+                    distance[r], owner[r] = t, who * FACETS + solid_facet(scene.B, i, o + d * t)
 
 
 @ti.func
-def _light(entries: ti.template(), surfaces: ti.template(), scene: ti.template(), who, t, column, row, o, d, depth):
-    """The radiance (3,) along a ray that meets surface `who` at distance t."""
+def _light(entries: ti.template(), surfaces: ti.template(), scene: ti.template(), owner, t, column, row, o, d, depth):
+    """The radiance (3,) along a ray that meets something at distance t."""
     N, B = ti.static(scene.N, scene.B)
+    who = owner // FACETS
     x = o + d * t
     n, albedo, emission, m = d, d, d, 0
     if who >= surfaces:
@@ -195,9 +200,11 @@ def draw_kernel(terms: ColliderTerms):
                             who, t, earlier, share = owner[first + s], distance[first + s], 0, 1.0
                             o, d = _middle_ray(N, column, row)
                             if whole == 1:  # one surface in all rays: its light along the ray through the middle
-                                if who >= surfaces:
-                                    middle = solid_hit(B, who - surfaces, o, d)
+                                if who // FACETS >= surfaces:
+                                    middle = solid_hit(B, who // FACETS - surfaces, o, d, False)
                                     t = ti.select(middle < NEVER, middle, t)
+                                elif distance[first + 1] != t:  # each ray of the pixel was traced, but not this one
+                                    o, d = _subpixel_ray(N, column, row, 0)
                             else:
                                 o, d = _subpixel_ray(N, column, row, s)
                                 share = 0.0

@@ -107,6 +107,8 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
     offset, radius = ti.Vector([B[i, 0], B[i, 1], B[i, 2]]) - x, B[i, BOUND]
     along = offset.dot(to_lamp)
     ball = B[i, HALF] + B[i, HALF + 1] + B[i, HALF + 2] == 0.0
+    if ball and offset.dot(offset) < radius * radius:  # x lies inside
+        result = ti.i64(_ALL)
     if along > 0.0 or (not ball and along > -radius):
         u, v = offset.dot(side), offset.dot(up)
         cone = half_pixel + ti.max(along, 0.0) * tangent
@@ -126,7 +128,10 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
                 k, rim_hidden = LAMP_POINTS - 1, 1
                 while k >= 0:
                     across = side * D[k, 0] + up * D[k, 1]
-                    if solid_hit(B, i, x + across * half_pixel, (to_lamp + across * tangent).normalized()) < NEVER:
+                    if (
+                        solid_hit(B, i, x + across * half_pixel, (to_lamp + across * tangent).normalized(), True)
+                        < NEVER
+                    ):
                         result |= ti.i64(1) << ti.cast(k, ti.i64)
                     else:
                         rim_hidden = 0
@@ -169,6 +174,8 @@ def _reaches_cone(entry: ti.template(), q: ti.template(), o, d, tangent, half_pi
     """
     state, t, steps = 1, 0.0, 0
     f = entry.collider.distance(o, q, 0) - half_pixel
+    if f < -half_pixel:  # the ray starts inside
+        state = 2
     while f > 1e-3 * half_pixel and steps < _CONE_STEPS:
         steps += 1
         slope = -(1.0 + tangent)

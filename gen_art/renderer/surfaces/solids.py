@@ -5,7 +5,7 @@ The one-letter names in kernels are in docs/glossary.md.
 
 from gen_art.backend.runtime import ti
 
-__all__ = ["NEVER", "SOLID_FLOATS", "solid_hit", "solid_normal"]
+__all__ = ["NEVER", "SOLID_FLOATS", "solid_facet", "solid_hit", "solid_normal"]
 
 # a solid's row: centre relative to the camera, radius of the rounding, half extents inside it, its axes in the world (rows),
 # albedo, emission, row of its material, radius of the ball around it
@@ -27,8 +27,11 @@ def _local(B: ti.template(), i, v):
 
 
 @ti.func
-def solid_hit(B: ti.template(), i, o, d):
-    """The distance along a ray (relative to the camera) at which it enters a solid, or NEVER."""
+def solid_hit(B: ti.template(), i, o, d, from_inside: ti.template()):
+    """The distance along a ray (relative to the camera) at which it enters a solid, or NEVER.
+
+    from_inside : whether a ray that starts inside meets it, at 0
+    """
     c, radius = _vector(B, i, CENTER) - o, B[i, RADIUS]
     along = c.dot(d)
     aside = c - d * along
@@ -40,6 +43,8 @@ def solid_hit(B: ti.template(), i, o, d):
         if half.max() == 0.0:
             if along > reach:
                 result = along - reach
+            elif from_inside and along > -reach:
+                result = 0.0
         elif along + reach > 0.0:
             # from the point of the ray that is nearest to the centre, where float32 is exact enough
             p, v = -_local(B, i, aside), _local(B, i, d)
@@ -52,6 +57,8 @@ def solid_hit(B: ti.template(), i, o, d):
                 if radius == 0.0:
                     if along + low > 0.0:
                         result = along + low
+                    elif from_inside and along + high > 0.0:
+                        result = 0.0
                 else:
                     t, steps = low, 0
                     while steps < _NEWTON_STEPS:
@@ -60,8 +67,10 @@ def solid_hit(B: ti.template(), i, o, d):
                         q = ti.max(abs(x) - half, 0.0)
                         distance = q.norm() - radius
                         if distance < 1e-5 * radius:
-                            if along + t > 0.0 and steps > 0:
+                            if along + t > 0.0:
                                 result = along + t
+                            elif from_inside and (ti.max(abs(p - v * along) - half, 0.0)).norm() < radius:
+                                result = 0.0
                             steps = _NEWTON_STEPS
                         else:
                             slope = 0.0
@@ -71,6 +80,18 @@ def solid_hit(B: ti.template(), i, o, d):
                             t -= distance / ti.min(slope, -1e-6)
                             if slope > -1e-6 or t > high:
                                 steps = _NEWTON_STEPS
+    return result
+
+
+@ti.func
+def solid_facet(B: ti.template(), i, x):
+    """Of a box without rounding, the axis of its own that the face at x lies across; 0 for other solids."""
+    result, half = 0, _vector(B, i, HALF)
+    if half.max() > 0.0 and B[i, RADIUS] == 0.0:
+        beyond = abs(_local(B, i, x - _vector(B, i, CENTER))) - half
+        for k in ti.static(range(1, 3)):
+            if beyond[k] > ti.max(beyond[0], beyond[3 - k]):
+                result = k
     return result
 
 
