@@ -203,8 +203,11 @@ class Springs(Interaction):
 
     def shapes(self, state):
         """A capsule along each unbroken spring, as thick as its particles."""
-        springs = self._adjacency(state)
-        return capsules_along(state.floats[POSITION].astype(np.float64), springs.pairs[springs.numbers[:, 0] > 0])
+        pairs = np.zeros((0, 2), np.int64)
+        if state.count:
+            springs = self._adjacency(state)
+            pairs = springs.pairs[springs.numbers[:, 0] > 0]
+        return capsules_along(state.floats[POSITION].astype(np.float64), pairs)
 
     def accelerate(self, request: ForceRequest, out):
         springs = self._adjacency(request.state)

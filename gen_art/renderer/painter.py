@@ -26,7 +26,7 @@ from gen_art.renderer.shading import ProjectedParticles, shade
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.sky_background import draw_sky
 from gen_art.renderer.smoke_lighting import add_scattered_light, smoke_key
-from gen_art.renderer.sprite import DISC, FOOTPRINT, HIDDEN, KINDS, POINT, STREAK
+from gen_art.renderer.sprite import ALPHA, DISC, FOOTPRINT, HIDDEN, KINDS, OUTSIDE, POINT, RED, STREAK, X
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.supersample import box_averaged
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES, SurfaceDepths, hide_small_sprites
@@ -141,7 +141,8 @@ class Painter:
             sim, list(sim.systems), behind, film_time, self.shutter, 1.0, self.framebuffer, trails={}, mirror=mirror
         )
         if self.sky is not None:
-            draw_sky(self.sky, behind, self.framebuffer)
+            # without the sun's disc: the lamp's own highlight stands for its reflection
+            draw_sky(replace(self.sky, disc=np.zeros_like(self.sky.disc)), behind, self.framebuffer)
         self._film.take(self.framebuffer.pixels, look.roughness > 0.0)
         return self._film
 
@@ -216,10 +217,11 @@ class Painter:
                 if look.ribbon is not None:
                     continue
                 light, solid = self._light_on(look), self._is_solid(look)
+                # solids are clipped by the rays that meet them, and fog is added where they are drawn
+                seen = replace(view, fog=None, near=-math.inf, far=math.inf) if solid else view
                 q = kernel_numbers(
-                    tables, replace(view, fog=None) if solid else view, self.size, sim.time, film_time, shutter, raw, weight,
-                    lit=solid or light is not None,
-                )  # fmt: skip
+                    tables, seen, self.size, sim.time, film_time, shutter, raw, weight, lit=solid or light is not None
+                )
                 shade(projected, system, tables, q, self._acceleration(name, system, sim.time))
                 if mirror is not None:
                     _hide_below(projected, system, *mirror)
@@ -337,7 +339,9 @@ class Painter:
 def _hide_below(projected: ProjectedParticles, system, point, normal) -> None:
     """Hide the particles behind a plane."""
     height = np.asarray(normal, np.float64) @ system.floats[POSITION, : projected.count] - float(np.dot(normal, point))
-    projected.used[FOOTPRINT, height < 0.0] = HIDDEN
+    below = height < 0.0
+    projected.used[FOOTPRINT, below], projected.used[X, below] = HIDDEN, OUTSIDE
+    projected.used[RED : ALPHA + 1, below] = 0.0
 
 
 def render_frame(
@@ -378,6 +382,8 @@ def render_frame(
         shutter = (camera.shutter if camera else 180.0) / 360.0 * clock.speed / clock.fps
     dome = None if sky is None else SkyDome.of(sky)
     scene = Scene.of(preset, sim.members.values(), dome)
-    lit, floor = model_of(KeyLight, "light", light), ground_of(ground)
-    scene = replace(scene, light=lit or scene.light, ground=floor or scene.ground)
+    if light is not None:
+        scene = replace(scene, light=model_of(KeyLight, "light", light))
+    if ground is not None:
+        scene = replace(scene, ground=ground_of(ground))
     return np.array(Painter(size, camera, looks, shutter, scene=scene).paint(sim, film_time))

@@ -438,3 +438,90 @@ def test_any_number_of_threads_draws_the_same_bytes():
         for n in (1, 2, 4)
     }
     assert len(found) == 1 and len(found.pop().strip()) == 64
+
+
+EVEN = {"intensity": 0, "ambient_intensity": 1.0}
+
+
+def one_ball(place, radius=0.4, **look):
+    return {
+        "ball": {
+            "particle": {"radius": radius}, "emitters": {"one": {"count": 1, "shape": {"point": place}}},
+            "look": {"draw": "sphere", "blend": "opaque", "albedo": "white", "finish": {"ior": 1}, **look},
+        }
+    }  # fmt: skip
+
+
+def test_near_and_far_clip_solids_and_do_not_blacken_them():
+    camera = {"position": [0, 0, 5], "target": [0, 0, 0], "fov": 30}
+    white = picture(systems=one_ball([0, 0, 0]), light=EVEN, camera=camera)[24, 32]
+    assert white == pytest.approx([1, 1, 1, 1], abs=0.01)
+    for limits in ({"far": 4.0}, {"near": 6.0}):
+        assert not picture(systems=one_ball([0, 0, 0]), light=EVEN, camera={**camera, **limits})[24, 32].any()
+    # the middle of a ball beside a wide camera may lie behind it
+    beside = {"position": [0, 0, 0.3], "target": [0, 0, -1], "fov": 120}
+    got = picture(systems=one_ball([1.2, 0, 0.5], 1.0), light=EVEN, camera=beside)
+    assert got[..., 3].any() and got[got[..., 3] == 1.0][:, :3].min() > 0.95
+
+
+def test_an_orthographic_camera_sees_solids_behind_it():
+    camera = {"position": [0, 0, 5], "target": [0, 0, 0], "height": 3}
+    got = picture(systems=one_ball([0, 0, 8]), light=EVEN, camera=camera)
+    assert got[24, 32] == pytest.approx([1, 1, 1, 1], abs=0.01)
+
+
+def test_thin_rods_take_little_of_the_sky():
+    """Five rods of 4 x 0.02 x 0.02 m hide about a hundredth of the sky from the ground below."""
+    rods = {
+        "rods": {
+            "integrator": "leapfrog", "interactions": {"rigid": {}},
+            "emitters": {"all": {"body": {"shape": {"box": [4, 0.02, 0.02]}, "grid": [1, 1, 5], "pitch": [1, 1, 0.5], "position": [0, 0.5, 0]}}},
+            "look": {"draw": "body"},
+        }
+    }  # fmt: skip
+    got = picture(
+        systems=rods, ground=matte(), light=EVEN, camera={"position": [0, 3, 4], "target": [0, 0, 1.2], "fov": 20}
+    )
+    assert np.median(got[..., 0]) > 0.9
+
+
+def test_threads_without_particles_are_nothing():
+    threads = {
+        "rope": {
+            "particle": {"lifetime": 0.02, "radius": 0.02}, "interactions": {"springs": {"stiffness": 1}},
+            "emitters": {"one": {"chain": {"start": [0, 0, 0], "end": [1, 0, 0], "count": 5}}}, "look": {"draw": "thread"},
+        }
+    }  # fmt: skip
+    assert picture(systems=threads, light={})[..., 3].any()
+    assert not picture(systems=threads, light={}, step=10).any()
+
+
+@pytest.mark.parametrize("draw", ["point", "pixel", "disc"])
+def test_a_mirror_does_not_show_what_lies_below_it(draw):
+    many = {
+        "below": {
+            "emitters": {"all": {"count": 40_000, "shape": {"sphere": 0.5, "center": [0, -1, 0]}}}, "particle": {"radius": 0.01},
+            "look": {"draw": draw},
+        }
+    }  # fmt: skip
+    mirror = {"albedo": "white", "metal": 1, "roughness": 0, "mirror": True}
+    camera = {"position": [0, 2, 4], "target": [0, 0, 0], "fov": 40}
+    got = picture(systems=many, ground=mirror, light={"intensity": 0, **DARK}, camera=camera)
+    assert not got[..., :3].any()
+
+
+def test_a_mirror_reflects_the_sun_once():
+    """A smooth metal shows the sun by the lamp's highlight, with `mirror` or without."""
+    sky = {"sun": {"height": 30, "azimuth": 0}}
+    camera = {"position": [0, 2, 4], "target": [0, 0, 0.53], "fov": 12}
+    metal = {"albedo": "white", "metal": 1, "roughness": 0}
+    one, two = (
+        picture(ground={**metal, "mirror": m}, sky=sky, camera=camera, size=(160, 120))[..., 0].sum()
+        for m in (False, True)
+    )
+    assert two == pytest.approx(one, rel=0.05)
+
+
+def test_ground_false_leaves_out_the_preset_s():
+    sim = ga.Simulation(preset(ground="white"))
+    assert ga.render_frame(sim, SIZE)[..., 3].all() and not ga.render_frame(sim, SIZE, ground=False)[..., 3].any()

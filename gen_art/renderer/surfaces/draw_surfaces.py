@@ -58,15 +58,25 @@ def _middle_ray(N: ti.template(), column, row):
 
 
 @ti.func
+def _limits(N: ti.template(), o, d):
+    """The distances along a ray between which the scene is drawn: the near and the far plane, and the plane of a mirror."""
+    stretch = 1.0
+    if N[PARALLEL] < 0.5:
+        stretch = 1.0 / ti.max(d.dot(vector_at(N, FORWARD)), 1e-6)
+    low = N[NEAR] * stretch
+    if N[CLIP] ** 2 + N[CLIP + 1] ** 2 + N[CLIP + 2] ** 2 > 0.0:
+        low = ti.max(low, first_distance(N, o, d))
+    return low, ti.min(N[FAR] * stretch, NEVER)
+
+
+@ti.func
 def _collider_hit(entries: ti.template(), scene: ti.template(), o, d):
     """(distance along a ray, owner) of the nearest collider, or (NEVER, -1); exact to 1/250 of a pixel."""
     N = ti.static(scene.N)
-    stretch, per_length, tolerance = 1.0, 0.0, 0.004 / N[SCALE]
+    per_length, tolerance = 0.0, 0.004 / N[SCALE]
     if N[PARALLEL] < 0.5:
-        stretch, per_length, tolerance = 1.0 / ti.max(d.dot(vector_at(N, FORWARD)), 1e-6), tolerance, 1e-7
-    low, high = ti.max(N[NEAR] * stretch, first_distance(N, o, d)), ti.min(N[FAR] * stretch, NEVER)
-    if N[PARALLEL] > 0.5 and N[CLIP] ** 2 + N[CLIP + 1] ** 2 + N[CLIP + 2] ** 2 == 0.0:
-        low = N[NEAR]
+        per_length, tolerance = tolerance, 1e-7
+    low, high = _limits(N, o, d)
     t, surface, facet = first_hit(
         entries, scene.Q, o + vector_at(N, CAMERA), d, N[TIME], low, high, tolerance, per_length
     )
@@ -103,6 +113,20 @@ def _trace_colliders(
 
 
 @ti.func
+def _solid_distance(scene: ti.template(), i, o, d):
+    """The distance along a ray to a solid, or NEVER; an orthographic camera also sees what is behind it."""
+    N = ti.static(scene.N)
+    low, high = _limits(N, o, d)
+    start = ti.select(N[PARALLEL] > 0.5, low, 0.0)
+    t = solid_hit(scene.B, i, o + d * start, d, False)
+    if t < NEVER:
+        t += start
+    if t < low or t > high:
+        t = NEVER
+    return t
+
+
+@ti.func
 def _trace_solid(scene: ti.template(), i, who, box, ox, oy, distance: ti.template(), owner: ti.template()):
     """Put a solid into a tile's rays where it is nearer.
 
@@ -114,8 +138,8 @@ def _trace_solid(scene: ti.template(), i, who, box, ox, oy, distance: ti.templat
             for s in range(SUBPIXELS):
                 r = (row * TILE + column) * SUBPIXELS + s
                 o, d = _subpixel_ray(N, ox + column, oy + row, s)
-                t = solid_hit(scene.B, i, o, d, False)
-                if t < distance[r] and t > first_distance(N, o, d):
+                t = _solid_distance(scene, i, o, d)
+                if t < distance[r]:
                     distance[r], owner[r] = t, who * FACETS + solid_facet(scene.B, i, o + d * t)
 
 
@@ -201,7 +225,7 @@ def draw_kernel(terms: ColliderTerms):
                             o, d = _middle_ray(N, column, row)
                             if whole == 1:  # one surface in all rays: its light along the ray through the middle
                                 if who // FACETS >= surfaces:
-                                    middle = solid_hit(B, who // FACETS - surfaces, o, d, False)
+                                    middle = _solid_distance(scene, who // FACETS - surfaces, o, d)
                                     t = ti.select(middle < NEVER, middle, t)
                                 elif distance[first + 1] != t:  # each ray of the pixel was traced, but not this one
                                     o, d = _subpixel_ray(N, column, row, 0)

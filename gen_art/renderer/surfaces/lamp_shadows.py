@@ -63,17 +63,15 @@ class ShadowBins:
     solids: np.ndarray
 
     @classmethod
-    def of(cls, positions, radii, axes, tangent: float, depth: float) -> "ShadowBins":
+    def of(cls, positions, radii, axes) -> "ShadowBins":
         """The bins of solids.
 
         positions, radii : (n, 3) and (n,), of the balls around them
-        tangent : of half the lamp's angle
-        depth : farthest distance from a solid to what it may shadow
         """
         if not len(positions):
             return cls(axes, np.zeros(2), 1.0, (1, 1), np.zeros(2, np.int32), np.zeros(1, np.int32))
         across = np.asarray(positions, np.float64) @ axes[:2].T
-        reach = radii + np.minimum(depth * tangent, _UMBRAS * radii)
+        reach = (1.0 + _UMBRAS) * radii
         low, high = (across - reach[:, None]).min(axis=0), (across + reach[:, None]).max(axis=0)
         cell = max(2.0 * float(np.median(reach)), float((high - low).max()) / _CELLS, 1e-9)
         shape = np.maximum(np.ceil((high - low) / cell).astype(np.int64), 1)

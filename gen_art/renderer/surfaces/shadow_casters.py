@@ -17,7 +17,7 @@ from gen_art.renderer.smoke_lighting import lamp_axes
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms
 from gen_art.renderer.surfaces.lamp_shadows import ShadowBins, lamp_disc
 from gen_art.renderer.surfaces.scene import Scene
-from gen_art.renderer.surfaces.scene_numbers import lamp_tangent, scene_numbers
+from gen_art.renderer.surfaces.scene_numbers import scene_numbers
 from gen_art.renderer.surfaces.sky_light import SkyLight
 from gen_art.renderer.surfaces.solids import BOUND
 from gen_art.renderer.surfaces.surface_light import lamp_share
@@ -77,10 +77,7 @@ class ShadowCasters:
         terms = ColliderTerms([collider for collider, _ in scene.surfaces])
         positions, radii = rows[:, :3].astype(np.float64) + view.position, rows[:, BOUND].astype(np.float64)
         light = scene.lighting
-        reach = view.distance
-        if len(rows):  # how far a shadow may fall
-            reach += 2.0 * float(np.ptp(positions, axis=0).max() + radii.max())
-        bins = ShadowBins.of(positions, radii, lamp_axes(light.direction), lamp_tangent(light), reach)
+        bins = ShadowBins.of(positions, radii, lamp_axes(light.direction))
         return cls(light, terms, rows, bins, view, time)
 
     def lamp_shares(self, light: Lighting, smoke: Smoke) -> np.ndarray:

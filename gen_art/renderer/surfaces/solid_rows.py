@@ -11,7 +11,7 @@ from gen_art.renderer.shading import LIT_ALBEDO, LIT_EXTINCTION, LIT_POSITION, L
 from gen_art.renderer.sprite import ALPHA, BLUE, RED
 from gen_art.renderer.surfaces.solids import ALBEDO, AXES, BOUND, CENTER, EMITTED, HALF, MATERIAL, RADIUS, SOLID_FLOATS
 
-__all__ = ["SolidSystem", "pixel_rectangles", "shapes_of", "solid_rows"]
+__all__ = ["SolidSystem", "mean_areas", "pixel_rectangles", "shapes_of", "solid_rows"]
 
 _EXACT = 2.0**24  # pixels beyond which a rectangle of the picture is cut
 _WHERE = {"body": "rigid bodies (interactions: {rigid: {}})", "thread": "springs (interactions: {springs: ...})"}
@@ -74,6 +74,16 @@ def solid_rows(systems: list[SolidSystem], first_material: int, view) -> np.ndar
     return np.concatenate(found)
 
 
+def mean_areas(rows: np.ndarray) -> np.ndarray:
+    """(n,) the mean area of the shadow of solids over all directions, a quarter of their surface (Cauchy).
+
+    2 (ab + bc + ca) + pi r (a + b + c) + pi r^2, for a box of half extents a, b, c rounded by r
+    """
+    a, b, c = rows[:, HALF : HALF + 3].astype(np.float64).T
+    r = rows[:, RADIUS].astype(np.float64)
+    return 2.0 * (a * b + b * c + c * a) + np.pi * r * (a + b + c) + np.pi * r * r
+
+
 def pixel_rectangles(rows: np.ndarray, view, size) -> np.ndarray:
     """(n, 4) int32: first and last column and row of the pixels that solids may cover, clipped to the picture.
 
@@ -99,6 +109,8 @@ def pixel_rectangles(rows: np.ndarray, view, size) -> np.ndarray:
     limits = np.array(size)[None, :, None] - 1
     pixels = np.floor(np.clip(edges, -_EXACT, _EXACT)).astype(np.int64)
     outside = ((pixels[:, :, 1] < 0) | (pixels[:, :, 0] > limits[:, :, 0])).any(axis=1)
+    if view.height is None:
+        outside |= local[:, 2] + radius <= 0.0
     pixels = np.clip(pixels, 0, limits)
     pixels[outside] = (0, -1)
     return np.ascontiguousarray(pixels.reshape(-1, 4), np.int32)

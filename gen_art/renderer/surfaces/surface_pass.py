@@ -13,7 +13,7 @@ from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.scene_numbers import scene_numbers
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters, filled
 from gen_art.renderer.surfaces.sky_light import SkyLight
-from gen_art.renderer.surfaces.solid_rows import SolidSystem, pixel_rectangles
+from gen_art.renderer.surfaces.solid_rows import SolidSystem, mean_areas, pixel_rectangles
 from gen_art.renderer.surfaces.solids import BOUND
 from gen_art.renderer.surfaces.surface_shading import (
     CHECKER,
@@ -67,7 +67,7 @@ class SurfacePass:
         table = np.stack([_material(look) for look in looks])
         shares = np.stack([reflected_share(look.roughness, look.ior) for look in looks])
         positions, radii = rows[:, :3].astype(np.float64) + view.position, rows[:, BOUND].astype(np.float64)
-        sky = SkyLight.of(light, positions, np.pi * radii**2 * scene.shadows, radii)
+        sky = SkyLight.of(light, positions, mean_areas(rows) * scene.shadows, radii)
         grid, depths = smoke if smoke is not None and scene.shadows else (None, np.zeros(1, np.float32))
         mirror = scene.mirror if film is not NO_MIRROR else -1
         numbers = scene_numbers(view, self.size, time, light, scene.shadows, bins, sky, grid, clip, mirror)
