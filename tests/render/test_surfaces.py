@@ -3,6 +3,7 @@
 import math
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -486,14 +487,9 @@ def test_thin_rods_take_little_of_the_sky():
 
 
 def test_threads_without_particles_are_nothing():
-    threads = {
-        "rope": {
-            "particle": {"lifetime": 0.02, "radius": 0.02}, "interactions": {"springs": {"stiffness": 1}},
-            "emitters": {"one": {"chain": {"start": [0, 0, 0], "end": [1, 0, 0], "count": 5}}}, "look": {"draw": "thread"},
-        }
-    }  # fmt: skip
-    assert picture(systems=threads, light={})[..., 3].any()
-    assert not picture(systems=threads, light={}, step=10).any()
+    springs = ga.interactions.Springs([[0, 1]], 1.0)
+    gone = SimpleNamespace(count=0, floats=np.zeros((10, 4)))
+    assert len(springs.shapes(gone).particle) == 0
 
 
 @pytest.mark.parametrize("draw", ["point", "pixel", "disc"])
