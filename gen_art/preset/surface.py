@@ -40,6 +40,13 @@ class Finish(Model):
         1.5, "refractive index, which sets how much is reflected: 1 nothing, 1.33 water, 1.5 paint, 2.4 diamond"
     )
     metal: Fraction = about(0.0, "1 for a metal, which reflects its albedo's colour and scatters nothing")
+    transmission: Fraction = about(
+        0.0,
+        "the part of what is not reflected that goes through and is refracted, instead of being scattered: 1 is clear glass",
+    )
+    attenuation_distance: Annotated[float, Within(0, MOST_SIZE, open_low=True)] | None = about(
+        None, "the length inside after which the albedo's part of the light is left; when left out, all of it", unit="m"
+    )
     short_form = {"type": ["number", "string"]}
 
     @classmethod

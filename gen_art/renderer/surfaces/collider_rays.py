@@ -26,6 +26,7 @@ __all__ = [
     "first_hit",
     "ray_in_start_frame",
     "side_hit",
+    "surface_exit",
     "surface_normal",
 ]
 
@@ -152,6 +153,22 @@ def first_hit(entries: ti.template(), Q: ti.template(), origin, direction, time,
                     if ti.static(entry.collider.faceted):
                         facet = _largest_axis(entry.collider.gradient(o + d * t, q, side))
     return nearest, surface, facet
+
+
+@ti.func
+def surface_exit(entries: ti.template(), Q: ti.template(), surface, origin, direction, time, tolerance):
+    """The distance along a ray inside a solid collider at which it leaves it."""
+    t = 2.0 * tolerance
+    for entry in ti.static(entries):
+        if surface == entry.first_surface:
+            q = parameters(Q, entry.collider, entry.offset)
+            o, d = ray_in_start_frame(entry, q, origin, direction, time)
+            f, steps = entry.collider.distance(o + d * t, q, 0), 0
+            while f < -tolerance and steps < _MARCH_STEPS:
+                steps += 1
+                t -= f
+                f = entry.collider.distance(o + d * t, q, 0)
+    return t
 
 
 @ti.func

@@ -6,11 +6,13 @@ between them costs one shading. The picture is drawn in tiles of 8 x 8 pixels, e
 The one-letter names in kernels are in docs/glossary.md.
 """
 
+# ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from functools import cache
 
 from gen_art.backend.kernel_views import particle as arrays
 from gen_art.backend.runtime import kernel, ti
-from gen_art.renderer.surfaces.collider_rays import ColliderTerms, first_hit, surface_normal
+from gen_art.renderer.surfaces.collider_rays import ColliderTerms, first_hit
+from gen_art.renderer.surfaces.ray_tree import light_along, shows_edges
 from gen_art.renderer.surfaces.scene_numbers import (
     CAMERA,
     CLIP,
@@ -26,8 +28,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     first_distance,
     vector_at,
 )
-from gen_art.renderer.surfaces.solids import ALBEDO, EMITTED, MATERIAL, NEVER, solid_facet, solid_hit, solid_normal
-from gen_art.renderer.surfaces.surface_shading import EMISSION, albedo_at, row_vector, surface_radiance
+from gen_art.renderer.surfaces.solids import NEVER, solid_facet, solid_hit
 
 __all__ = ["BIN", "SUBPIXELS", "TILE", "draw_kernel"]
 
@@ -88,28 +89,40 @@ def _collider_hit(entries: ti.template(), scene: ti.template(), o, d):
 
 @ti.func
 def _trace_colliders(
-    entries: ti.template(), scene: ti.template(), ox, oy, distance: ti.template(), owner: ti.template()
-):
+    entries: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), ox, oy,
+    distance: ti.template(), owner: ti.template(),
+):  # fmt: skip
     """Fill a tile's rays with the nearest colliders.
 
-    One ray a pixel first, with a border of a pixel around the tile; all rays only where these meet different surfaces.
+    One ray a pixel first, with a border of a pixel around the tile; all rays only where these meet different surfaces, or one
+    that shows others sharply.
     """
     N = ti.static(scene.N)
-    middle_t, middle_owner = ti.Vector([NEVER] * _WITH_BORDER), ti.Vector([-1] * _WITH_BORDER)
-    for r in range(_WITH_BORDER):
-        o, d = _middle_ray(N, ox + r % (TILE + 2) - 1, oy + r // (TILE + 2) - 1)
-        middle_t[r], middle_owner[r] = _collider_hit(entries, scene, o, d)
-    for p in range(TILE * TILE):
-        here, alike = (p // TILE + 1) * (TILE + 2) + p % TILE + 1, 0
-        for k in range(9):
-            if middle_owner[here + (k // 3 - 1) * (TILE + 2) + k % 3 - 1] == middle_owner[here]:
-                alike += 1
-        for s in range(SUBPIXELS):
+    middle_t, middle_owner, alike = ti.Vector([NEVER] * _WITH_BORDER), ti.Vector([-1] * _WITH_BORDER), 0
+    for k in range(_WITH_BORDER + _RAYS):  # one loop, so that a collider is compiled once
+        r = k - _WITH_BORDER
+        p, s = r // SUBPIXELS, r % SUBPIXELS
+        here = (p // TILE + 1) * (TILE + 2) + p % TILE + 1
+        o, d = _middle_ray(N, ox + k % (TILE + 2) - 1, oy + k // (TILE + 2) - 1)
+        if r >= 0:
+            o, d = _subpixel_ray(N, ox + p % TILE, oy + p // TILE, s)
+            if s == 0:
+                alike = 0
+                for beside in range(9):
+                    if middle_owner[here + (beside // 3 - 1) * (TILE + 2) + beside % 3 - 1] == middle_owner[here]:
+                        alike += 1
+                if ti.static(follows):
+                    if shows_edges(surfaces, scene, middle_owner[here] // FACETS) == 1:
+                        alike = 0
+        t, who = NEVER, -1
+        if r < 0 or alike < 9:
+            t, who = _collider_hit(entries, scene, o, d)
+        else:
             t, who = middle_t[here], middle_owner[here]
-            if alike < 9:
-                o, d = _subpixel_ray(N, ox + p % TILE, oy + p // TILE, s)
-                t, who = _collider_hit(entries, scene, o, d)
-            distance[p * SUBPIXELS + s], owner[p * SUBPIXELS + s] = t, who
+        if r < 0:
+            middle_t[k], middle_owner[k] = t, who
+        else:
+            distance[r], owner[r] = t, who
 
 
 @ti.func
@@ -144,26 +157,6 @@ def _trace_solid(scene: ti.template(), i, who, box, ox, oy, distance: ti.templat
 
 
 @ti.func
-def _light(entries: ti.template(), surfaces: ti.template(), scene: ti.template(), owner, t, column, row, o, d, depth):
-    """The radiance (3,) along a ray that meets something at distance t."""
-    N, B = ti.static(scene.N, scene.B)
-    who = owner // FACETS
-    x = o + d * t
-    n, albedo, emission, m = d, d, d, 0
-    if who >= surfaces:
-        i = who - surfaces
-        n, m = solid_normal(B, i, x), ti.cast(B[i, MATERIAL], ti.i32)
-        albedo, emission = row_vector(B, i, ALBEDO), row_vector(B, i, EMITTED)
-    else:
-        if ti.static(surfaces > 0):
-            n = surface_normal(entries, scene.Q, who, x + vector_at(N, CAMERA), N[TIME])
-            m = scene.owners[who]
-            albedo = albedo_at(scene.M, N, m, x, n, t, ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5)
-            emission = row_vector(scene.M, m, EMISSION)
-    return surface_radiance(entries, scene, m, x, n, -d, albedo, emission, t, depth, column, row)
-
-
-@ti.func
 def _depth(N: ti.template(), d, t):
     """The distance along the line of sight of a place at distance t along a ray."""
     result = t
@@ -173,32 +166,38 @@ def _depth(N: ti.template(), d, t):
 
 
 @cache
-def draw_kernel(terms: ColliderTerms):
-    """The kernel that draws surfaces of these colliders, and solids."""
+def draw_kernel(terms: ColliderTerms, follows: bool):
+    """The kernel that draws surfaces of these colliders, and solids.
+
+    follows : whether smooth surfaces reflect each other, and light goes through transparent bodies
+    """
     entries, surfaces = terms.entries, len(terms.owners)
 
     @ti.kernel
     def draw(
         N: F1, Q: F1, owners: I1, M: F2, E: F3, B: F2, rectangles: I2, bin_starts: I1, bin_solids: I1, shadow_starts: I1,
         shadow_solids: I1, D: F2, sky: F2, open_sky: F1, smoke: F1, across: ti.i32, down: ti.i32, framebuffer: F1,
-        stride: ti.i32, depths: F3, bounds: F3, T: F2, levels: I2, G: F2, dome: F3,
+        stride: ti.i32, depths: F3, bounds: F3, T: F2, levels: I2, G: F2, dome: F3, grid_starts: I1, grid_solids: I1,
+        photons: F2, photon_starts: I1,
     ):  # fmt: skip
         """Draw surfaces into a clear framebuffer, and their distances along the line of sight into `depths`.
 
         owners : collider of each surface
-        M : (materials, 13); E : (materials, ANGLES, 3) of reflected_share
+        M : (materials, 15); E : (materials, ANGLES, 3) of reflected_share
         B : (solids, 24) rows; rectangles : (solids, 4) first and last column and row of the pixels that each may cover
         bin_starts, bin_solids : the solids of each bin of the framebuffer; shadow_starts, shadow_solids : of ShadowBins
         D : of lamp_disc; sky, open_sky : of SkyLight; smoke : optical depths from the lamp
         depths : (rows, columns, SUBPIXELS), NEVER where nothing is met
         bounds : (down, across, 2) the least and the largest of them in each tile
         T, levels : of the MirrorFilm; G : of blur_points; dome : table of the SkyDome
+        grid_starts, grid_solids : of the SolidGrid; photons, photon_starts : of Photons
         """
         ti.loop_config(block_dim=1)
         for tile in range(across * down * TILES * TILES):
             scene = arrays(
                 N=N, Q=Q, owners=owners, M=M, E=E, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D,
                 sky=sky, open_sky=open_sky, smoke=smoke, T=T, levels=levels, G=G, dome=dome,
+                grid_starts=grid_starts, grid_solids=grid_solids, photons=photons, photon_starts=photon_starts,
             )  # fmt: skip
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE
@@ -206,7 +205,7 @@ def draw_kernel(terms: ColliderTerms):
             if width > 0 and rows > 0:
                 distance, owner = ti.Vector([NEVER] * _RAYS), ti.Vector([-1] * _RAYS)
                 if ti.static(surfaces > 0):
-                    _trace_colliders(entries, scene, ox, oy, distance, owner)
+                    _trace_colliders(entries, surfaces, follows, scene, ox, oy, distance, owner)
                 for k in range(bin_starts[bin], bin_starts[bin + 1]):
                     i = bin_solids[k]
                     box = ti.Vector([ti.max(rectangles[i, 0] - ox, 0), ti.min(rectangles[i, 1] - ox, width - 1), 0, 0])
@@ -217,6 +216,10 @@ def draw_kernel(terms: ColliderTerms):
                     column, row = ox + p % TILE, oy + p // TILE
                     if column < ox + width and row < oy + rows:
                         total, covered, first, whole = ti.Vector([0.0, 0.0, 0.0]), 0.0, p * SUBPIXELS, 1
+                        apart = 0  # whether each ray is shaded by itself: what a smooth surface shows has edges
+                        if ti.static(follows):
+                            apart = shows_edges(surfaces, scene, owner[first] // FACETS)
+                            whole = 1 - apart
                         for s in range(1, SUBPIXELS):
                             if owner[first + s] != owner[first]:
                                 whole = 0
@@ -232,8 +235,12 @@ def draw_kernel(terms: ColliderTerms):
                             else:
                                 o, d = _subpixel_ray(N, column, row, s)
                                 share = 0.0
+                                if ti.static(follows):
+                                    apart = shows_edges(surfaces, scene, who // FACETS)
                                 for other in range(SUBPIXELS):
-                                    if owner[first + other] == who:
+                                    if apart == 1:
+                                        share = 1.0 / SUBPIXELS
+                                    elif owner[first + other] == who:
                                         share += 1.0 / SUBPIXELS
                                         if other < s:
                                             earlier = 1
@@ -241,7 +248,9 @@ def draw_kernel(terms: ColliderTerms):
                             nearest, farthest = ti.min(nearest, depth), ti.max(farthest, depth)
                             depths[row, column, s] = depth
                             if who >= 0 and earlier == 0:
-                                total += share * _light(entries, surfaces, scene, who, t, column, row, o, d, depth)
+                                total += share * light_along(
+                                    entries, surfaces, follows, scene, who // FACETS, t, column, row, o, d, depth
+                                )
                                 covered += share
                         if whole == 1:
                             for s in range(1, SUBPIXELS):

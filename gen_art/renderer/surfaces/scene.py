@@ -61,6 +61,14 @@ class Scene:
             if look is not None:
                 found.append((collider, look))
         _check_mirrors(found)
+        for collider, look in found:
+            if look.transmission > 0.0 and (
+                collider.sides > 1 or collider.values.get("inside") or isinstance(collider, Plane)
+            ):
+                raise UsageError(
+                    f"light goes through a solid only, such as a ball or a block, and a {collider.name} here has no other side: "
+                    "leave out `transmission`"
+                )
         return found
 
     @cached_property

@@ -17,12 +17,13 @@ __all__ = ["NUMBERS", "camera_ray", "first_distance", "lamp_tangent", "scene_num
 (
     CAMERA, RIGHT, UP, FORWARD, SCALE, PARALLEL, NEAR, FAR, WIDTH, ROWS, TIME, TO_LAMP, LAMP_SIDE, LAMP_UP, LAMP_TANGENT,
     LAMP_COLOUR, SHADOWS, SHADOW_REACH, FOG_START, FOG_RATE, FOG_COLOUR, BIN_CORNER, BIN_CELL, BIN_SHAPE, SKY_ORIGIN, SKY_CELL,
-    SKY_SHAPE, SMOKE_CORNER, SMOKE_CELL, SMOKE_SHAPE, CLIP, MIRROR, HAS_DOME, FOG_IS_SKY,
+    SKY_SHAPE, SMOKE_CORNER, SMOKE_CELL, SMOKE_SHAPE, CLIP, MIRROR, HAS_DOME, FOG_IS_SKY, GRID_CORNER, GRID_CELL, GRID_SHAPE,
+    PHOTON_CELL,
 ) = (
     0, 3, 6, 9, 12, 13, 14, 15, 16, 17, 18, 19, 22, 25, 28, 29, 32, 33, 34, 35, 36, 39, 41, 42, 44, 47, 48, 51, 54, 55, 58,
-    62, 63, 64,
+    62, 63, 64, 65, 68, 71, 74,
 )  # fmt: skip
-NUMBERS = 65
+NUMBERS = 75
 _FARTHEST = 1e15  # its square is a float32
 
 
@@ -65,7 +66,7 @@ def lamp_tangent(light: Lighting) -> float:
 
 
 def scene_numbers(
-    view: CameraView, size, time: float, light: Lighting, shadows: bool, bins, sky, smoke, clip=None, mirror: int = -1
+    view: CameraView, size, time: float, light: Lighting, shadows: bool, bins, sky, smoke, grid=None, clip=None, mirror: int = -1,
 ) -> np.ndarray:  # fmt: skip
     """N, (NUMBERS,) float32.
 
@@ -74,6 +75,7 @@ def scene_numbers(
     bins : ShadowBins
     sky : SkyLight
     smoke : the Smoke that shadows the lamp, along the lamp's axes, or None
+    grid : the SolidGrid that rays between surfaces walk through, or None
     clip : (point, normal) of the plane before which nothing is drawn, as behind a mirror, or None
     mirror : the material of the mirror, or -1
     """
@@ -99,6 +101,9 @@ def scene_numbers(
     if smoke is not None:
         n[SMOKE_CORNER : SMOKE_CORNER + 3], n[SMOKE_CELL] = smoke.corner, smoke.cell
         n[SMOKE_SHAPE : SMOKE_SHAPE + 3] = smoke.extinction.shape
+    if grid is not None:
+        n[GRID_CORNER : GRID_CORNER + 3], n[GRID_CELL : GRID_CELL + 3] = grid.corner, grid.cell
+        n[GRID_SHAPE : GRID_SHAPE + 3] = grid.shape
     if clip is not None:
         point, normal = (np.asarray(vector, np.float64) for vector in clip)
         n[CLIP : CLIP + 3], n[CLIP + 3] = normal, (point - view.position) @ normal

@@ -4,31 +4,38 @@ import numpy as np
 
 from gen_art.preset.surface import Finish, SurfaceLook
 from gen_art.renderer.colour import linear
+from gen_art.renderer.surfaces.caustics import caustic_photons
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.draw_surfaces import BIN, SUBPIXELS, TILE, draw_kernel
 from gen_art.renderer.surfaces.lamp_shadows import lamp_disc
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm, blur_points
+from gen_art.renderer.surfaces.photon_cells import NO_PHOTONS
+from gen_art.renderer.surfaces.ray_tree import TRACED_ROUGHNESS
 from gen_art.renderer.surfaces.reflection import reflected_share
 from gen_art.renderer.surfaces.scene import Scene
-from gen_art.renderer.surfaces.scene_numbers import scene_numbers
+from gen_art.renderer.surfaces.scene_numbers import PHOTON_CELL, scene_numbers
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters, filled
 from gen_art.renderer.surfaces.sky_light import SkyLight
+from gen_art.renderer.surfaces.solid_grid import SolidGrid
 from gen_art.renderer.surfaces.solid_rows import SolidSystem, mean_areas, pixel_rectangles
-from gen_art.renderer.surfaces.solids import BOUND
+from gen_art.renderer.surfaces.solids import BOUND, MATERIAL
 from gen_art.renderer.surfaces.surface_shading import (
     CHECKER,
     EMISSION,
     IOR,
     MATERIAL_FLOATS,
     METAL,
+    PER_LENGTH,
     ROUGHNESS,
     SECOND_ALBEDO,
+    TRANSMISSION,
 )
 from gen_art.renderer.surfaces.view_problems import check_camera, check_distances
 
 __all__ = ["SurfacePass"]
 
 
+_THROUGH = 0.85  # of the sky's light, what clear glass lets pass: it reflects some 15% of light from all sides
 _NO_DOME = np.zeros((2, 2, 3), np.float32)
 
 
@@ -67,20 +74,28 @@ class SurfacePass:
         table = np.stack([_material(look) for look in looks])
         shares = np.stack([reflected_share(look.roughness, look.ior) for look in looks])
         positions, radii = rows[:, :3].astype(np.float64) + view.position, rows[:, BOUND].astype(np.float64)
-        sky = SkyLight.of(light, positions, mean_areas(rows) * scene.shadows, radii)
+        opaque = 1.0 - _THROUGH * table[rows[:, MATERIAL].astype(np.int64), TRANSMISSION]
+        sky = SkyLight.of(light, positions, mean_areas(rows) * opaque * scene.shadows, radii)
         grid, depths = smoke if smoke is not None and scene.shadows else (None, np.zeros(1, np.float32))
         mirror = scene.mirror if film is not NO_MIRROR else -1
-        numbers = scene_numbers(view, self.size, time, light, scene.shadows, bins, sky, grid, clip, mirror)
+        follows = bool((table[:, ROUGHNESS] <= TRACED_ROUGHNESS).any() or table[:, TRANSMISSION].any())
+        places = SolidGrid.of(rows) if follows else SolidGrid.none()
+        numbers = scene_numbers(view, self.size, time, light, scene.shadows, bins, sky, grid, places, clip, mirror)
         rectangles = pixel_rectangles(rows, view, self.size)
         across, down = framebuffer.across, framebuffer.down
         first, last = rectangles[:, 2::-2] // BIN, rectangles[:, 3::-2] // BIN
         bin_starts, bin_solids = cell_lists(first, last, (down, across))
         owners = np.array(casters.terms.owners or [0], np.int32)
-        draw_kernel(casters.terms)(
+        photons = NO_PHOTONS
+        if scene.shadows and table[:, TRANSMISSION].any():
+            photons = caustic_photons(casters, scene.surfaces, table, owners, numbers, depths, places)
+            numbers[PHOTON_CELL] = photons.cell
+        draw_kernel(casters.terms, follows)(
             numbers, casters.terms.numbers(), owners, table, shares, filled(rows), filled(rectangles), bin_starts,
             filled(bin_solids), bins.starts, filled(bins.solids), self._disc, sky.light, sky.open, depths, across, down,
             framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, film.texels, film.levels, self._blur,
-            light.dome.table if light.dome is not None else _NO_DOME,
+            light.dome.table if light.dome is not None else _NO_DOME, places.starts,
+            filled(places.solids), photons.rows, photons.starts,
         )  # fmt: skip
 
 
@@ -88,6 +103,8 @@ def _material(look: Finish) -> np.ndarray:
     """The row of the kernel's materials."""
     row = np.zeros(MATERIAL_FLOATS, np.float32)
     row[ROUGHNESS], row[IOR], row[METAL] = look.roughness, look.ior, look.metal
+    row[TRANSMISSION] = look.transmission
+    row[PER_LENGTH] = 0.0 if look.attenuation_distance is None else 1.0 / look.attenuation_distance
     if isinstance(look, SurfaceLook):
         row[:3] = linear(look.albedo)
         if look.checker is not None:

@@ -7,6 +7,7 @@ from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp
 from gen_art.renderer.sky_table import sky_radiance
 from gen_art.renderer.surfaces.mirror_film import mirrored_light
+from gen_art.renderer.surfaces.photon_cells import photon_light
 from gen_art.renderer.surfaces.reflection import ANGLES, SMOOTH, fresnel_of, microfacets
 from gen_art.renderer.surfaces.scene_numbers import (
     CAMERA,
@@ -17,22 +18,21 @@ from gen_art.renderer.surfaces.scene_numbers import (
     HAS_DOME,
     LAMP_COLOUR,
     LAMP_TANGENT,
-    MIRROR,
-    PARALLEL,
     RIGHT,
     SCALE,
     SKY_CELL,
     TO_LAMP,
     UP,
-    camera_ray,
     vector_at,
 )
 from gen_art.renderer.surfaces.surface_light import lamp_share, sky_at
 
-__all__ = ["MATERIAL_FLOATS", "albedo_at", "row_vector", "surface_radiance"]
+__all__ = ["MATERIAL_FLOATS", "albedo_at", "background", "mirror_film_at", "row_vector", "surface_light", "air_between"]
 
-# a material's row: albedo, second albedo, side of the checker's squares or 0, roughness, refractive index, metal, emission
-SECOND_ALBEDO, CHECKER, ROUGHNESS, IOR, METAL, EMISSION, MATERIAL_FLOATS = 3, 6, 7, 8, 9, 10, 13
+# a material's row: albedo, second albedo, side of the checker's squares or 0, roughness, refractive index, metal, emission,
+# transmission, 1 / attenuation_distance
+SECOND_ALBEDO, CHECKER, ROUGHNESS, IOR, METAL, EMISSION, TRANSMISSION, PER_LENGTH = 3, 6, 7, 8, 9, 10, 13, 14
+MATERIAL_FLOATS = 15
 _FOUR_PI = 12.566370614359172
 
 
@@ -59,19 +59,21 @@ def _checker(position, change_x, change_y, size):
 
 
 @ti.func
-def albedo_at(M: ti.template(), N: ti.template(), m, x, n, t, column, row):
-    """A collider's albedo at the position x (relative to the camera), averaged over the pixel."""
+def albedo_at(scene: ti.template(), m, x, n, d, pixel):
+    """A collider's albedo at the position x (relative to the camera), averaged over the pixel.
+
+    n : unit normal; d : direction of the ray that meets x; pixel : side of a pixel at x, in world units
+    """
+    N, M = ti.static(scene.N, scene.M)
     albedo = row_vector(M, m, 0)
     if M[m, CHECKER] > 0.0:
-        # the pixel's neighbours on the plane through x that touches the surface
-        moves = ti.Matrix([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
-        for k in range(2):
-            o_k, d_k = camera_ray(N, column + ti.cast(1 - k, ti.f32), row + ti.cast(k, ti.f32))
-            slope = d_k.dot(n)
-            slope = ti.select(abs(slope) < 1e-6, -1e-6, slope)
-            t_k = ti.min(ti.max((x - o_k).dot(n) / slope, 0.0), 100.0 * t)
+        # from one pixel to the next: across the view, then along the ray back to the plane that touches the surface
+        slope, moves = d.dot(n), ti.Matrix([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+        slope = ti.select(abs(slope) < 1e-4, -1e-4, slope)
+        for k in ti.static(range(2)):
+            side = vector_at(N, RIGHT if k == 0 else UP) * pixel
             for c in ti.static(range(3)):
-                moves[k, c] = o_k[c] + d_k[c] * t_k - x[c]
+                moves[k, c] = side[c] - d[c] * (side.dot(n) / slope)
         world = x + vector_at(N, CAMERA)
         a, b = 0, 2  # the two axes of the world along which the surface extends most
         if abs(n[0]) > abs(n[1]) and abs(n[0]) >= abs(n[2]):
@@ -90,18 +92,19 @@ def albedo_at(M: ti.template(), N: ti.template(), m, x, n, t, column, row):
 
 
 @ti.func
-def surface_radiance(
-    entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, emission, t, depth, column, row
-):  # fmt: skip
-    """The radiance (3,) from x towards the camera.
+def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, emission, pixel):
+    """The light from x towards the viewer, in parts: (own, mirrored, around, entering).
+
+    own : (3,) radiance of what is scattered and emitted, and of the lamp's highlight
+    mirrored : (3,) the share that is reflected of the light from the mirrored direction
+    around : (3,) radiance from there, if nothing but the sky lies there
+    entering : the share of the light that goes into a transparent body
 
     m : row of the material
-    x : position relative to the camera; n : unit normal; view : unit vector to the camera
-    t, depth : distance along the ray, and along the line of sight
-    column, row : the pixel
+    x : position relative to the camera; n : unit normal; view : unit vector to the viewer
+    pixel : side of a pixel at x, in world units
     """
     N, M, E = ti.static(scene.N, scene.M, scene.E)
-    pixel = ti.select(N[PARALLEL] > 0.5, 1.0, t) / N[SCALE]
     to_lamp = vector_at(N, TO_LAMP)
     nl, nv = n.dot(to_lamp), ti.min(ti.max(n.dot(view), 1e-4), 1.0)
     share = 0.0
@@ -120,43 +123,67 @@ def surface_radiance(
     if nl > 0.0:  # the lamp's disc widens the highlight
         alpha = ti.max(rough * rough, 0.5 * N[LAMP_TANGENT] + 1e-3)
         lobe = microfacets(nl, nv, ti.max(n.dot(h), 0.0), alpha) * nl * _FOUR_PI
-    mirrored = n * (2.0 * n.dot(view)) - view
+    towards = n * (2.0 * n.dot(view)) - view
     schlick, dielectric = (1.0 - vh) ** 5, fresnel_of(vh, M[m, IOR]) * lobe
     blur = 1.0 - rough * (1.0 / 3.0)
-    film = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    if N[MIRROR] == ti.cast(m, ti.f32):
-        film = _mirrored(scene, n, nv, rough, column, row)
     # the sky as a smooth surface reflects it, dimmed as the sky's mean is here; a rough one reflects its even part
-    around, even = ti.Vector([0.0, 0.0, 0.0]), 1.0
+    dome, even = ti.Vector([0.0, 0.0, 0.0]), 1.0
     if N[HAS_DOME] > 0.5:
         even = ti.min(1.5 * rough, 1.0)
         if even < 1.0:
-            around = sky_radiance(scene.dome, mirrored[0], mirrored[1], mirrored[2])
-    result = emission
+            dome = sky_radiance(scene.dome, towards[0], towards[1], towards[2])
+    gathered = photon_light(scene, x)
+    own, mirrored, around = emission, emission * 0.0, emission * 0.0
+    scattered = 1.0 - M[m, TRANSMISSION]
     for k in ti.static(range(3)):
         lamp, slope = N[LAMP_COLOUR + k] * share, ti.Vector([sky[3 + 3 * k], sky[4 + 3 * k], sky[5 + 3 * k]])
-        arriving = 4.0 * lamp * ti.max(nl, 0.0) + ti.max(sky[k] + (2.0 / 3.0) * slope.dot(n), 0.0)
+        arriving = 4.0 * lamp * ti.max(nl, 0.0) + ti.max(sky[k] + (2.0 / 3.0) * slope.dot(n), 0.0) + gathered[k]
         open_share = ti.min(sky[k] / ti.max(scene.open_sky[k], 1e-20), 1.0)
-        reflected = even * ti.max(sky[k] + blur * slope.dot(mirrored), 0.0) + (1.0 - even) * around[k] * open_share
-        reflected = film[k] + (1.0 - film[3]) * reflected
-        painted = (1.0 - c) * arriving * albedo[k] + c * reflected + dielectric * lamp
+        around[k] = even * ti.max(sky[k] + blur * slope.dot(towards), 0.0) + (1.0 - even) * dome[k] * open_share
+        painted = (1.0 - c) * scattered * arriving * albedo[k] + dielectric * lamp
         again = 1.0 + albedo[k] * (1.0 / ti.max(a + b, 1e-3) - 1.0)  # what a rough metal reflects twice
-        bare = (albedo[k] * a + b) * reflected + (albedo[k] + (1.0 - albedo[k]) * schlick) * lobe * lamp
-        result[k] += (1.0 - metal) * painted + metal * bare * again
+        bare = (albedo[k] + (1.0 - albedo[k]) * schlick) * lobe * lamp
+        own[k] += (1.0 - metal) * painted + metal * bare * again
+        mirrored[k] = (1.0 - metal) * c + metal * (albedo[k] * a + b) * again
+    return own, mirrored, around, (1.0 - metal) * (1.0 - c) * M[m, TRANSMISSION]
+
+
+@ti.func
+def air_between(scene: ti.template(), direction, depth):
+    """(4,) radiance of the fog up to a distance `depth` in a direction, and the share of the light behind that passes."""
+    N = ti.static(scene.N)
+    result = ti.Vector([0.0, 0.0, 0.0, 1.0])
     if N[FOG_RATE] > 0.0:
         seen = exp(-ti.max(depth - N[FOG_START], 0.0) * N[FOG_RATE])
         air = vector_at(N, FOG_COLOUR)
         if N[FOG_IS_SKY] > 0.5:
-            level = ti.max(-view[1], 0.02 * ti.sqrt(view[0] * view[0] + view[2] * view[2]))
-            air = sky_radiance(scene.dome, -view[0], level, -view[2])
-        result = result * seen + air * (1.0 - seen)
+            level = ti.max(direction[1], 0.02 * ti.sqrt(direction[0] * direction[0] + direction[2] * direction[2]))
+            air = sky_radiance(scene.dome, direction[0], level, direction[2])
+        for k in ti.static(range(3)):
+            result[k] = air[k] * (1.0 - seen)
+        result[3] = seen
     return result
 
 
 @ti.func
-def _mirrored(scene: ti.template(), n, nv, rough, column, row):
+def background(scene: ti.template(), direction):
+    """The radiance (3,) of the sky in a direction, without the lamp."""
+    N = ti.static(scene.N)
+    result = ti.Vector([0.0, 0.0, 0.0])
+    if N[HAS_DOME] > 0.5:
+        result = sky_radiance(scene.dome, direction[0], direction[1], direction[2])
+    else:
+        for k in ti.static(range(3)):
+            slope = ti.Vector([scene.open_sky[3 + 3 * k], scene.open_sky[4 + 3 * k], scene.open_sky[5 + 3 * k]])
+            result[k] = ti.max(scene.open_sky[k] + slope.dot(direction), 0.0)
+    return result
+
+
+@ti.func
+def mirror_film_at(scene: ti.template(), m, n, view, column, row):
     """(4,) light and coverage that the mirror shows in a pixel."""
     N = ti.static(scene.N)
+    rough, nv = scene.M[m, ROUGHNESS], ti.min(ti.max(n.dot(view), 1e-4), 1.0)
     # the slopes of facets have the standard deviation alpha / sqrt(2); a reflected ray turns by twice the angle
     spread = 1.4142135 * rough * rough * N[SCALE]
     up = ti.Vector([n.dot(vector_at(N, RIGHT)), -n.dot(vector_at(N, UP))])

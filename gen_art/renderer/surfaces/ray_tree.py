@@ -1,0 +1,243 @@
+"""The light along a ray that surfaces reflect and transparent bodies refract, followed from one surface to the next.
+
+At a smooth surface a ray goes on in the mirrored direction, and into a transparent body as the law of refraction says; each
+part carries its share of the light. Rays wait in a short list until all are followed or MOST_RAYS are.
+Source: Whitted, An improved illumination model for shaded display, CACM 23 (1980).
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
+
+from gen_art.backend.runtime import ti
+from gen_art.maths.elementary import exp, log
+from gen_art.renderer.surfaces.collider_rays import first_hit, surface_exit, surface_normal
+from gen_art.renderer.surfaces.reflection import fresnel_of
+from gen_art.renderer.surfaces.scene_numbers import CAMERA, MIRROR, PARALLEL, SCALE, TIME, vector_at
+from gen_art.renderer.surfaces.solid_grid import far_side, nearest_solid
+from gen_art.renderer.surfaces.solids import ALBEDO, EMITTED, MATERIAL, NEVER, solid_normal
+from gen_art.renderer.surfaces.surface_shading import (
+    EMISSION,
+    IOR,
+    METAL,
+    PER_LENGTH,
+    ROUGHNESS,
+    TRANSMISSION,
+    air_between,
+    albedo_at,
+    background,
+    mirror_film_at,
+    row_vector,
+    surface_light,
+)
+
+__all__ = [
+    "TRACED_ROUGHNESS",
+    "leaving_distance",
+    "light_along",
+    "nearest_hit",
+    "refracted",
+    "shows_edges",
+    "surface_point",
+]
+
+TRACED_ROUGHNESS = 0.3  # roughness up to which surfaces reflect each other
+_SHARP = 0.05  # roughness up to which one ray shows a reflection; a rougher surface sends FACETS of them
+_FACETS = 4
+_AWAY = 0.05  # pixels from a surface at which the next ray starts
+MOST_RAYS = 16
+_WAITING = 12  # rays that may wait
+_LEAST = 0.01  # share of the light below which a reflection is not followed
+_NUMBERS = 11  # of a waiting ray: origin, direction, share of the light, length so far, what it is inside or -1
+
+
+@ti.func
+def surface_point(entries: ti.template(), surfaces: ti.template(), scene: ti.template(), who, x, d, pixel):
+    """(unit normal, albedo, emission, material) of a surface or solid at the position x, which a ray along d meets."""
+    N, B = ti.static(scene.N, scene.B)
+    n, albedo, emission, m = d, d, d, 0
+    if who >= surfaces:
+        i = who - surfaces
+        n, m = solid_normal(B, i, x), ti.cast(B[i, MATERIAL], ti.i32)
+        albedo, emission = row_vector(B, i, ALBEDO), row_vector(B, i, EMITTED)
+    else:
+        if ti.static(surfaces > 0):
+            n = surface_normal(entries, scene.Q, who, x + vector_at(N, CAMERA), N[TIME])
+            m = scene.owners[who]
+            albedo = albedo_at(scene, m, x, n, d, pixel)
+            emission = row_vector(scene.M, m, EMISSION)
+    return n, albedo, emission, m
+
+
+@ti.func
+def shows_edges(surfaces: ti.template(), scene: ti.template(), who):
+    """1 for a surface that shows others sharply, by reflection or through it, else 0."""
+    m = -1
+    if who >= surfaces:
+        m = ti.cast(scene.B[who - surfaces, MATERIAL], ti.i32)
+    elif who >= 0:
+        m = scene.owners[who]
+    result = 0
+    if m >= 0 and scene.N[MIRROR] != ti.cast(m, ti.f32):
+        clear = scene.M[m, TRANSMISSION] > 0.0 or scene.M[m, METAL] > 0.0
+        result = ti.cast(clear and scene.M[m, ROUGHNESS] <= _SHARP, ti.i32)
+    return result
+
+
+@ti.func
+def nearest_hit(entries: ti.template(), surfaces: ti.template(), scene: ti.template(), o, d, pixel):
+    """(distance, index of the surface or solid) of what a ray meets first, or (NEVER, -1)."""
+    N = ti.static(scene.N)
+    t, who = NEVER, -1
+    if ti.static(surfaces > 0):
+        t, who, _ = first_hit(
+            entries, scene.Q, o + vector_at(N, CAMERA), d, N[TIME], 0.0, NEVER, 0.01 * pixel, 0.004 / N[SCALE]
+        )
+    near, i = nearest_solid(scene, o, d, t)
+    if i >= 0:
+        t, who = near, surfaces + i
+    return t, who
+
+
+@ti.func
+def leaving_distance(entries: ti.template(), surfaces: ti.template(), scene: ti.template(), who, o, d, pixel):
+    """The distance at which a ray inside a transparent body leaves it."""
+    N = ti.static(scene.N)
+    t = 0.0
+    if who >= surfaces:
+        t = far_side(scene.B, who - surfaces, o, d)
+    else:
+        if ti.static(surfaces > 0):
+            t = surface_exit(entries, scene.Q, who, o + vector_at(N, CAMERA), d, N[TIME], 0.01 * pixel)
+    return t
+
+
+@ti.func
+def refracted(d, n, ratio):
+    """The unit direction in which a ray along d goes on behind a surface, or zeros where all is reflected.
+
+    n : unit normal towards the side from which the ray comes; ratio : its side's refractive index over that of the other
+    """
+    cosine = -d.dot(n)
+    square = 1.0 - ratio * ratio * (1.0 - cosine * cosine)
+    result = d * 0.0
+    if square > 0.0:
+        result = (d * ratio + n * (ratio * cosine - ti.sqrt(square))).normalized()
+    return result
+
+
+@ti.func
+def _facet(scene: ti.template(), n, roughness, nth, column, row):
+    """Normal `nth` of _FACETS facets of a rough surface, drawn from the Trowbridge-Reitz distribution."""
+    # which of the evenly spread points a pixel takes follows a pattern of 4 x 4 pixels
+    which = ((column & 3) * 5 + (row & 3) * 7 + 3 * ((column >> 2) ^ (row >> 2))) & 15
+    k = nth * 16 + which
+    u, v = scene.D[k, 0], scene.D[k, 1]
+    slope = roughness * roughness / ti.sqrt(ti.max(1.0 - u * u - v * v, 1e-3))
+    side = ti.Vector([1.0, 0.0, 0.0])
+    if abs(n[0]) > 0.7:
+        side = ti.Vector([0.0, 1.0, 0.0])
+    side = (side - n * n.dot(side)).normalized()
+    return (n + (side * u + n.cross(side) * v) * slope).normalized()
+
+
+@ti.func
+def _put(waiting: ti.template(), count, o, d, share, length, inside):
+    """Add a ray to those that wait; returns their new number."""
+    base = count * _NUMBERS
+    for k in ti.static(range(3)):
+        waiting[base + k], waiting[base + 3 + k], waiting[base + 6 + k] = o[k], d[k], share[k]
+    waiting[base + 9], waiting[base + 10] = length, ti.cast(inside, ti.f32)
+    return count + 1
+
+
+@ti.func
+def light_along(
+    entries: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), owner, distance, column,
+    row, origin, direction, depth,
+):  # fmt: skip
+    """The radiance (3,) along a camera's ray that meets `owner` at `distance`.
+
+    follows : whether rays go on to what a surface reflects and refracts; else it reflects the sky and its mirror alone
+    depth : distance along the line of sight
+    """
+    N, M = ti.static(scene.N, scene.M)
+    per_length, same_everywhere = 1.0 / N[SCALE], N[PARALLEL]  # of a pixel's side
+    air = air_between(scene, direction, depth)
+    result = ti.Vector([air[0], air[1], air[2]])
+    waiting, count, followed = ti.Vector([0.0] * (_WAITING * _NUMBERS if follows else _NUMBERS)), 0, 0
+    count = _put(waiting, count, origin, direction, ti.Vector([air[3], air[3], air[3]]), 0.0, -1)
+    while count > 0:
+        count -= 1
+        followed += 1
+        base = count * _NUMBERS
+        o = ti.Vector([waiting[base], waiting[base + 1], waiting[base + 2]])
+        d = ti.Vector([waiting[base + 3], waiting[base + 4], waiting[base + 5]])
+        share = ti.Vector([waiting[base + 6], waiting[base + 7], waiting[base + 8]])
+        length, inside, t, who = waiting[base + 9], ti.cast(waiting[base + 10], ti.i32), distance, owner
+        pixel = ti.select(same_everywhere > 0.5, 1.0, length) * per_length
+        if ti.static(follows):
+            if inside >= 0:
+                t, who = leaving_distance(entries, surfaces, scene, inside, o, d, pixel), inside
+            elif followed > 1:
+                t, who = nearest_hit(entries, surfaces, scene, o, d, pixel)
+        if who < 0:
+            result += share * background(scene, d)
+        else:
+            length += t
+            pixel = ti.select(same_everywhere > 0.5, 1.0, length) * per_length
+            x, room = o + d * t, followed < MOST_RAYS and count < _WAITING - _FACETS
+            n, albedo, emission, m = surface_point(entries, surfaces, scene, who, x, d, pixel)
+            if inside >= 0:
+                if ti.static(follows):
+                    for k in ti.static(range(3)):
+                        share[k] *= exp(log(ti.max(albedo[k], 1e-6)) * t * M[m, PER_LENGTH])
+                    out, back = refracted(d, -n, M[m, IOR]), 1.0
+                    if out.dot(out) > 0.0:
+                        back = fresnel_of(ti.max(out.dot(n), 1e-4), M[m, IOR])
+                    if room and (share * back).max() > _LEAST:
+                        turned = d - n * (2.0 * n.dot(d))
+                        count = _put(waiting, count, x - n * (_AWAY * pixel), turned, share * back, length, inside)
+                    elif back < 1.0:
+                        back = 0.0
+                    if back < 1.0:
+                        count = _put(waiting, count, x + n * (_AWAY * pixel), out, share * (1.0 - back), length, -1)
+            else:
+                if followed > 1:
+                    gas = air_between(scene, d, t)
+                    result += share * ti.Vector([gas[0], gas[1], gas[2]])
+                    share *= gas[3]
+                own, mirrored, around, entering = surface_light(entries, scene, m, x, n, -d, albedo, emission, pixel)
+                result += share * own
+                mirrored *= share
+                reflects = room and M[m, ROUGHNESS] <= TRACED_ROUGHNESS and mirrored.max() > _LEAST
+                if N[MIRROR] == ti.cast(m, ti.f32):
+                    reflects = False
+                    if followed == 1:
+                        film = mirror_film_at(scene, m, n, -d, column, row)
+                        for k in ti.static(range(3)):
+                            # the film's light has come through the air already, so what the air adds is in it too
+                            result[k] += mirrored[k] / air[3] * (film[k] - air[k] * film[3])
+                        mirrored *= 1.0 - film[3]
+                if ti.static(follows):
+                    if reflects:
+                        facets = 1
+                        if followed == 1 and M[m, ROUGHNESS] > _SHARP:
+                            facets = _FACETS
+                        for k in range(facets):
+                            h = n
+                            if facets > 1:
+                                h = _facet(scene, n, M[m, ROUGHNESS], k, column, row)
+                            turned = d - h * (2.0 * h.dot(d))
+                            if turned.dot(n) <= 0.0:
+                                turned = d - n * (2.0 * n.dot(d))
+                            part = mirrored / ti.cast(facets, ti.f32)
+                            count = _put(waiting, count, x + n * (_AWAY * pixel), turned, part, length, -1)
+                    else:
+                        result += mirrored * around
+                    if entering > 0.0 and not room:
+                        result += share * entering * around
+                    elif entering > 0.0:
+                        into = refracted(d, n, 1.0 / M[m, IOR])
+                        count = _put(waiting, count, x - n * (_AWAY * pixel), into, share * entering, length, who)
+                else:
+                    result += mirrored * around
+    return result
