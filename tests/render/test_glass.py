@@ -166,3 +166,11 @@ def test_bounding_balls_hold_their_colliders():
     ):
         found = caustics.bounding_ball(collider, 2.0)
         assert found is not None and found[0] == pytest.approx(center) and found[1] == pytest.approx(radius)
+
+
+def test_a_mirror_in_fog_is_fog_at_the_horizon():
+    """No light of the film passes there; the picture is the fog's. Mutant: the film's light divided by the air's share, 0."""
+    camera = {"position": [0, 1, 5], "target": [0, 1, 0], "fov": 40, "fog": {"distance": 5, "color": "#406080"}}
+    got = picture(ground={"mirror": True, "roughness": 0.3}, light={}, camera=camera)
+    assert np.isfinite(got).all()
+    assert got[25, 32, :3] == pytest.approx([((c / 255 + 0.055) / 1.055) ** 2.4 for c in (0x40, 0x60, 0x80)], rel=0.05)

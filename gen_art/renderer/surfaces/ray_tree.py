@@ -45,6 +45,7 @@ _FACETS = 4
 _AWAY = 0.05  # pixels from a surface at which the next ray starts
 MOST_RAYS = 16
 _WAITING = 12  # rays that may wait
+_STRONG = 0.15  # share of the light from which on a rough surface's reflection is worth several rays
 _LEAST = 0.01  # share of the light below which a reflection is not followed
 _NUMBERS = 11  # of a waiting ray: origin, direction, share of the light, length so far, what it is inside or -1
 
@@ -215,16 +216,16 @@ def light_along(
                         film = mirror_film_at(scene, m, n, -d, column, row)
                         for k in ti.static(range(3)):
                             # the film's light has come through the air already, so what the air adds is in it too
-                            result[k] += mirrored[k] / air[3] * (film[k] - air[k] * film[3])
+                            result[k] += mirrored[k] / ti.max(air[3], 1e-30) * (film[k] - air[k] * film[3])
                         mirrored *= 1.0 - film[3]
                 if ti.static(follows):
                     if reflects:
                         facets = 1
-                        if followed == 1 and M[m, ROUGHNESS] > _SHARP:
+                        if followed == 1 and M[m, ROUGHNESS] > _SHARP and mirrored.max() > _STRONG:
                             facets = _FACETS
                         for k in range(facets):
                             h = n
-                            if facets > 1:
+                            if followed == 1 and M[m, ROUGHNESS] > _SHARP:
                                 h = _facet(scene, n, M[m, ROUGHNESS], k, column, row)
                             turned = d - h * (2.0 * h.dot(d))
                             if turned.dot(n) <= 0.0:
