@@ -91,12 +91,14 @@ def albedo_at(M: ti.template(), N: ti.template(), m, x, n, t, column, row):
 
 @ti.func
 def surface_radiance(
-    entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, emission, t, depth, column, row
+    entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, t, depth, column, row
 ):  # fmt: skip
     """The radiance (3,) from x towards the camera.
 
     m : row of the material
     x : position relative to the camera; n : unit normal; view : unit vector to the camera
+    albedo, through : (3,) the part of the light that is scattered on this side, and of the light on the other side that comes
+        through
     t, depth : distance along the ray, and along the line of sight
     column, row : the pixel
     """
@@ -104,10 +106,20 @@ def surface_radiance(
     pixel = ti.select(N[PARALLEL] > 0.5, 1.0, t) / N[SCALE]
     to_lamp = vector_at(N, TO_LAMP)
     nl, nv = n.dot(to_lamp), ti.min(ti.max(n.dot(view), 1e-4), 1.0)
-    share = 0.0
-    if nl > 0.0:
-        share = lamp_share(entries, scene, x + n * (0.6 * pixel), pixel)
+    share, lit = 0.0, nl > 0.0
+    if ti.static(scene.with_sheets):
+        lit = nl > 0.0 or through.max() > 0.0
+    if lit:
+        share = lamp_share(entries, scene, x + n * ti.select(nl > 0.0, 0.6 * pixel, -0.6 * pixel), pixel)
     sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * N[SKY_CELL])
+    shining = through * 0.0  # what comes through from the other side
+    if ti.static(scene.with_sheets):
+        if through.max() > 0.0:
+            behind = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) - n * N[SKY_CELL])
+            for k in ti.static(range(3)):
+                slope = ti.Vector([behind[3 + 3 * k], behind[4 + 3 * k], behind[5 + 3 * k]])
+                even = ti.max(behind[k] - (2.0 / 3.0) * slope.dot(n), 0.0)
+                shining[k] = through[k] * (4.0 * N[LAMP_COLOUR + k] * share * ti.max(-nl, 0.0) + even)
     metal, rough = M[m, METAL], M[m, ROUGHNESS]
     at = nv * (ANGLES - 1.0)
     e = ti.min(ti.cast(at, ti.i32), ANGLES - 2)
@@ -140,6 +152,8 @@ def surface_radiance(
         reflected = even * ti.max(sky[k] + blur * slope.dot(mirrored), 0.0) + (1.0 - even) * around[k] * open_share
         reflected = film[k] + (1.0 - film[3]) * reflected
         painted = (1.0 - c) * arriving * albedo[k] + c * reflected + dielectric * lamp
+        if ti.static(scene.with_sheets):
+            painted += (1.0 - c) * shining[k]
         again = 1.0 + albedo[k] * (1.0 / ti.max(a + b, 1e-3) - 1.0)  # what a rough metal reflects twice
         bare = (albedo[k] * a + b) * reflected + (albedo[k] + (1.0 - albedo[k]) * schlick) * lobe * lamp
         result[k] += (1.0 - metal) * painted + metal * bare * again
