@@ -17,6 +17,11 @@ _ALL = -1  # all bits of a set
 
 
 @ti.func
+def _length(x, y):
+    return ti.sqrt(x * x + y * y)
+
+
+@ti.func
 def _face_shadow(hidden, V: ti.template(), faces: ti.template(), j, at, tangent, half_pixel, D: ti.template()):
     """The set `hidden` with the lamp's points that a triangle hides.
 
@@ -35,17 +40,27 @@ def _face_shadow(hidden, V: ti.template(), faces: ti.template(), j, at, tangent,
                 near = 0
         if near == 1:
             E = edge_functions(p, q, r, c)
-            least, most = z, z
+            # over all D: the least and the largest of each E, of their sum, and of their sum times the depth of the crossing
+            least, most, total, times_depth = z, z, z * 0.0, z * 0.0
             for k in ti.static(range(3)):
-                change = ti.sqrt(E[k, 1] * E[k, 1] + E[k, 2] * E[k, 2])
+                change = _length(E[k, 1], E[k, 2])
                 least[k], most[k] = E[k, 0] - change, E[k, 0] + change
-            if (least.min() > 0.0 or most.max() < 0.0) and z.min() > 0.0:
-                result = ti.i64(_ALL)
-            elif most.min() >= 0.0 or least.max() <= 0.0:
-                for k in range(LAMP_POINTS):
-                    e = edges_at(E, D[k, 0], D[k, 1])
-                    if triangle_crossed(e) and e.dot(z) * (e[0] + e[1] + e[2]) > 0.0:  # before the point, not behind it
-                        result |= ti.i64(1) << ti.cast(k, ti.i64)
+                for i in ti.static(range(3)):
+                    total[i] += E[k, i]
+                    times_depth[i] += E[k, i] * z[k]
+            turns, rises = _length(total[1], total[2]), _length(times_depth[1], times_depth[2])
+            before, behind = 0, 0  # whether all of the triangle lies before the point where the rays cross it, or none of it
+            if abs(total[0]) > turns:
+                depth = times_depth[0] * ti.select(total[0] > 0.0, 1.0, -1.0)
+                before, behind = ti.cast(depth > rises, ti.i32), ti.cast(depth < -rises, ti.i32)
+            if behind == 0:
+                if before == 1 and (least.min() > 0.0 or most.max() < 0.0):
+                    result = ti.i64(_ALL)
+                elif most.min() >= 0.0 or least.max() <= 0.0:
+                    for k in range(LAMP_POINTS):
+                        e = edges_at(E, D[k, 0], D[k, 1])
+                        if triangle_crossed(e) and e.dot(z) * (e[0] + e[1] + e[2]) > 0.0:  # before the point
+                            result |= ti.i64(1) << ti.cast(k, ti.i64)
     return result
 
 
