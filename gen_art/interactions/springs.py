@@ -55,7 +55,9 @@ class Springs(Interaction):
     tear: float = param(None, min=0, doc="strain beyond which a spring breaks; none does when left out")
     tether: float = param(None, min=0, doc="largest strain of the path to fixed particles; none when left out")
     sweeps: int = param(2, min=1, max=100)
-    faces: object = param(None, doc="triangles of particles to be drawn; those of the cloths that emitters lay when left out")
+    faces: object = param(
+        None, doc="triangles of particles to be drawn; those of the cloths that emitters lay when left out"
+    )
 
     def prepare(self):
         values, self._broken = self.values, np.zeros(0, bool)

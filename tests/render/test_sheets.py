@@ -34,7 +34,13 @@ def cloth(corner=(-2, 0, -2), across=(4, 0, 0), down=(0, 0, 4), columns=9, rows=
 
 def preset(**more):
     return ga.load_preset(
-        {"version": 1, "clock": {"duration": 1, "fps": 30, "step": "1/120"}, "systems": cloth(), "camera": ABOVE, **more}
+        {
+            "version": 1,
+            "clock": {"duration": 1, "fps": 30, "step": "1/120"},
+            "systems": cloth(),
+            "camera": ABOVE,
+            **more,
+        }
     )
 
 
@@ -79,7 +85,8 @@ def test_what_comes_through_and_what_is_scattered_are_the_albedo_s_part(back):
         np.array([((c + 0.055) / 1.055) ** 2.4 for c in srgb]) for srgb in (look["albedo"], back or look["albedo"])
     )
     lit, other = (
-        picture(systems=cloth(**look), light=light, camera={**ABOVE, "position": [0, y, 0]})[24, 32, :3] for y in (5, -5)
+        picture(systems=cloth(**look), light=light, camera={**ABOVE, "position": [0, y, 0]})[24, 32, :3]
+        for y in (5, -5)
     )
     assert lit == pytest.approx(0.65 * front * arriving, rel=0.01)
     assert other == pytest.approx(0.35 * np.minimum(front, rear) * arriving, rel=0.01)
@@ -151,7 +158,7 @@ def test_no_ray_passes_between_triangles(parallel):
     """
     rough = np.random.default_rng(5).uniform(-0.05, 0.05, 10_000)
     for k, side in enumerate((4.0, 4.7, 5.3)):
-        sim = bent(lambda x, z: rough[: len(x)] * (k > 0), columns=65, rows=65, side=side)
+        sim = bent(lambda x, z, k=k: rough[: len(x)] * (k > 0), columns=65, rows=65, side=side)
         # a picture of 2 x 2 m with 64 x 64 pixels: columns of the flat sheet stand on the sides of pixels, two pixels apart
         shift = 1 / 32 * np.array([0.125, 0.375]) if k == 0 else np.array([0.01, 0.013])
         view = {"height": 2.0} if parallel else {"fov": 2 * math.degrees(math.atan(0.25))}
@@ -179,7 +186,9 @@ def test_a_bent_sheet_is_smooth_and_does_not_shadow_itself_where_it_faces_the_la
     angle = (net.position[:, 0] - 0.5) * 2 * half
     place = np.stack([radius * np.sin(angle), radius * np.cos(angle), net.position[:, 2] - 2], axis=1)
     look = bent(lambda x, z: 0 * x).members["flag"].look
-    sim = ga.Simulation({"flag": ga.ParticleSystem(place, mass=0.01, interactions=[net.springs(1.0)], look=look)}, dt=0.01)
+    sim = ga.Simulation(
+        {"flag": ga.ParticleSystem(place, mass=0.01, interactions=[net.springs(1.0)], look=look)}, dt=0.01
+    )
     camera = ga.Camera(position=(0, 9, 0), target=(0, 0, 0), up=(0, 0, -1), height=1.0)
     tilt = math.radians(50)
     light = {"direction": [math.sin(tilt), -math.cos(tilt), 0], "intensity": 0.25, "size": 0.5, **DARK}
@@ -250,7 +259,9 @@ def test_a_cloth_through_the_mirror_keeps_its_colour_below_and_above():
     through = cloth((-0.5, 0.3, -0.1), (1, 0, 0), (0, -0.6, 0), 2, 2, emission="#808080", albedo="black")
     mirror = {"albedo": "white", "metal": 1, "roughness": 0, "mirror": True}
     camera = {"position": [0, 1.2, 4], "target": [0, 0.0, 0], "fov": 20}
-    got = picture(systems=through, ground=mirror, light={"intensity": 0, **DARK}, camera=camera, size=(160, 120))[..., 0]
+    got = picture(systems=through, ground=mirror, light={"intensity": 0, **DARK}, camera=camera, size=(160, 120))[
+        ..., 0
+    ]
     bright = got[got > 0.01]
     assert len(bright) > 400 and np.median(bright) == pytest.approx(((0.50196 + 0.055) / 1.055) ** 2.4, rel=0.02)
     assert bright.max() <= 0.25
@@ -263,7 +274,12 @@ def test_a_cloth_through_the_mirror_keeps_its_colour_below_and_above():
         {"position": [0, 0.0, 0.3], "target": [0, 0, -1], "fov": 120},  # in the sheet's plane, which reaches behind it
         {"position": [0, 0.2, 0], "target": [0, 0.2, -1], "fov": 160},
         {"position": [0, 5, 0], "target": [0, 0, 0], "up": [0, 0, -1], "height": 2},
-        {"position": [0, -5, 0], "target": [0, -9, 0], "up": [0, 0, -1], "height": 2},  # behind a camera of parallel rays
+        {
+            "position": [0, -5, 0],
+            "target": [0, -9, 0],
+            "up": [0, 0, -1],
+            "height": 2,
+        },  # behind a camera of parallel rays
         {"position": [0, 5, 0], "target": [0, 9, 0], "up": [0, 0, -1]},  # behind a camera
     ],
 )
@@ -298,7 +314,9 @@ def test_colours_go_from_corner_to_corner():
     light = {"direction": [0, -1, 0], "intensity": 0.25, **DARK}
     camera = {**ABOVE, "height": 2.0}
     got = picture(systems=cloth(columns=2, rows=2, **look), light=light, camera=camera)[..., 0]
-    step = 1 / 96  # of the light from pixel to pixel; where two triangles share a pixel, its light is that of a place in it
+    step = (
+        1 / 96
+    )  # of the light from pixel to pixel; where two triangles share a pixel, its light is that of a place in it
     assert np.abs(got - (0.5 + (np.arange(64) + 0.5 - 32) * step)).max() <= 0.5 * step
 
 
@@ -344,7 +362,11 @@ def test_what_is_no_cloth_is_a_sentence():
     rope = {"rope": {**cloth()["flag"], "emitters": {"one": {"chain": {"count": 3}}}}}
     with pytest.raises(ga.UsageError, match="draw: cloth shows the `cloth:`"):
         picture(systems=rope, light={})
-    for faces, words in (([[0, 1]], "shape"), ([[0, 1, 9]], "no spring holds particle 9"), ([[0, 1, 2], [0]], "no triangle")):
+    for faces, words in (
+        ([[0, 1]], "shape"),
+        ([[0, 1, 9]], "no spring holds particle 9"),
+        ([[0, 1, 2], [0]], "no triangle"),
+    ):
         with pytest.raises(ga.UsageError, match=words):
             ga.interactions.Springs([[0, 1], [1, 2]], 1.0, faces=faces)
     with pytest.raises(ga.UsageError, match="faces go with pairs"):

@@ -40,7 +40,10 @@ def trace_face(scene: ti.template(), j, who, box, ox, oy, distance: ti.template(
     N, V, faces = ti.static(scene.N, scene.V, scene.faces)
     # relative to the ray through the tile's middle, where float32 is exact enough
     half = 0.5 * TILE
-    u, v = (ti.cast(ox, ti.f32) + half - 0.5 * N[WIDTH]) / N[SCALE], (0.5 * N[ROWS] - ti.cast(oy, ti.f32) - half) / N[SCALE]
+    u, v = (
+        (ti.cast(ox, ti.f32) + half - 0.5 * N[WIDTH]) / N[SCALE],
+        (0.5 * N[ROWS] - ti.cast(oy, ti.f32) - half) / N[SCALE],
+    )
     p, q, r = corner(V, faces[j, 0], VIEW), corner(V, faces[j, 1], VIEW), corner(V, faces[j, 2], VIEW)
     c = ti.Vector([1.0, 1.0, 1.0])
     if N[PARALLEL] < 0.5:

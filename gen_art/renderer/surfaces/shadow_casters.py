@@ -1,4 +1,4 @@
-"""What shadows the lamp of a picture: colliders with a look, solids and cloth; and the lamp's light among them on a grid of smoke.
+"""What shadows the lamp of a picture: colliders with a look, solids and cloth; and the light among them on a grid of smoke.
 
 The one-letter names in kernels are in docs/glossary.md.
 """
@@ -49,7 +49,8 @@ def _share_kernel(terms: ColliderTerms, with_sheets: bool):
         for block in range((X.shape[0] + 255) // 256):
             scene = arrays(
                 N=N, Q=Q, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D, smoke=smoke,
-                with_sheets=with_sheets, V=V, faces=faces, sheet_grid=sheet_grid, sheet_starts=sheet_starts, sheet_faces=sheet_faces,
+                with_sheets=with_sheets, V=V, faces=faces, sheet_grid=sheet_grid,
+                sheet_starts=sheet_starts, sheet_faces=sheet_faces,
             )  # fmt: skip
             for i in range(block * 256, ti.min((block + 1) * 256, X.shape[0])):
                 out[i] = lamp_share(entries, scene, ti.Vector([X[i, 0], X[i, 1], X[i, 2]]), pixel)

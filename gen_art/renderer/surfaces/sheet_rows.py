@@ -107,9 +107,11 @@ class Sheets:
         table, listed = np.concatenate(corners), np.concatenate(faces)
         place = table[:, PLACE : PLACE + 3][listed[:, :3]]
         grid, starts, in_cells = _lamp_grid(table[:, LAMP : LAMP + 3][listed[:, :3]])
+        areas = 0.5 * np.sqrt((_normals(place) ** 2).sum(axis=1))
         return cls(
-            table.astype(np.float32), np.ascontiguousarray(listed, np.int32), np.array(looks, np.float32).reshape(-1, SHEET_FLOATS),
-            grid, starts, in_cells, place.mean(axis=1) + view.position, 0.5 * np.sqrt((_normals(place) ** 2).sum(axis=1)),
+            table.astype(np.float32), np.ascontiguousarray(listed, np.int32),
+            np.array(looks, np.float32).reshape(-1, SHEET_FLOATS), grid, starts, in_cells,
+            place.mean(axis=1) + view.position, areas,
         )  # fmt: skip
 
     @cached_property

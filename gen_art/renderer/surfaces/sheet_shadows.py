@@ -49,7 +49,10 @@ def _face_shadow(hidden, V: ti.template(), faces: ti.template(), j, at, tangent,
                     total[i] += E[k, i]
                     times_depth[i] += E[k, i] * z[k]
             turns, rises = _length(total[1], total[2]), _length(times_depth[1], times_depth[2])
-            before, behind = 0, 0  # whether all of the triangle lies before the point where the rays cross it, or none of it
+            before, behind = (
+                0,
+                0,
+            )  # whether all of the triangle lies before the point where the rays cross it, or none of it
             if abs(total[0]) > turns:
                 depth = times_depth[0] * ti.select(total[0] > 0.0, 1.0, -1.0)
                 before, behind = ti.cast(depth > rises, ti.i32), ti.cast(depth < -rises, ti.i32)

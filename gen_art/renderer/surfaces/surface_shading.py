@@ -113,13 +113,13 @@ def surface_radiance(
         share = lamp_share(entries, scene, x + n * ti.select(nl > 0.0, 0.6 * pixel, -0.6 * pixel), pixel)
     sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * N[SKY_CELL])
     shining = through * 0.0  # what comes through from the other side
-    if ti.static(scene.with_sheets):
+    if ti.static(scene.with_sheets):  # noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
         if through.max() > 0.0:
             behind = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) - n * N[SKY_CELL])
             for k in ti.static(range(3)):
                 slope = ti.Vector([behind[3 + 3 * k], behind[4 + 3 * k], behind[5 + 3 * k]])
-                even = ti.max(behind[k] - (2.0 / 3.0) * slope.dot(n), 0.0)
-                shining[k] = through[k] * (4.0 * N[LAMP_COLOUR + k] * share * ti.max(-nl, 0.0) + even)
+                of_sky = ti.max(behind[k] - (2.0 / 3.0) * slope.dot(n), 0.0)
+                shining[k] = through[k] * (4.0 * N[LAMP_COLOUR + k] * share * ti.max(-nl, 0.0) + of_sky)
     metal, rough = M[m, METAL], M[m, ROUGHNESS]
     at = nv * (ANGLES - 1.0)
     e = ti.min(ti.cast(at, ti.i32), ANGLES - 2)

@@ -1,8 +1,8 @@
 """Where bundles of rays cross triangles, without gaps between triangles that share an edge.
 
-In a frame whose third axis z points along a bundle, ray D (two numbers) passes at depth z through (D_x c, D_y c), where c is z for
-the rays of a perspective camera, 1 for parallel rays, and the radius of the cone at z for the points of a lamp's disc. A corner
-p of a triangle then lies at p - D c_p beside the ray, and the edge from q to r passes it on the side
+In a frame whose third axis z points along a bundle, ray D (two numbers) passes at depth z through (D_x c, D_y c), where c is z
+for the rays of a perspective camera, 1 for parallel rays, and the radius of the cone at z for the points of a lamp's disc. A
+corner p of a triangle then lies at p - D c_p beside the ray, and the edge from q to r passes it on the side
 
     E(D) = (q - D c_q) x (r - D c_r) = q x r + D_x (c_r q_y - c_q r_y) + D_y (c_q r_x - c_r q_x),
 
