@@ -18,6 +18,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     PARALLEL,
     ROWS,
     SCALE,
+    SKY_CELL,
     TIME,
     WIDTH,
     camera_ray,
@@ -135,9 +136,10 @@ def _light(entries: ti.template(), surfaces: ti.template(), scene: ti.template()
     N, B = ti.static(scene.N, scene.B)
     who = owner // FACETS
     x = o + d * t
-    n, albedo, emission, m, through = d, d, d, 0, d * 0.0
+    n, albedo, emission, m, through, clear = d, d, d, 0, d * 0.0, N[SKY_CELL]
     if who >= surfaces + B.shape[0]:
         if ti.static(scene.with_sheets):
+            clear *= 2.0  # a sheet lies in two layers of the grid's nodes, blurred by one more
             n, x, m, albedo, through, emission = sheet_material(scene, who - surfaces - B.shape[0], x, -d)
     elif who >= surfaces:
         i = who - surfaces
@@ -149,7 +151,7 @@ def _light(entries: ti.template(), surfaces: ti.template(), scene: ti.template()
             m = scene.owners[who]
             albedo = albedo_at(scene.M, N, m, x, n, t, ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5)
             emission = row_vector(scene.M, m, EMISSION)
-    return surface_radiance(entries, scene, m, x, n, -d, albedo, through, emission, t, depth, column, row)
+    return surface_radiance(entries, scene, m, x, n, -d, albedo, through, emission, clear, t, depth, column, row)
 
 
 @ti.func

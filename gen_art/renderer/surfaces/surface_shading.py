@@ -21,7 +21,6 @@ from gen_art.renderer.surfaces.scene_numbers import (
     PARALLEL,
     RIGHT,
     SCALE,
-    SKY_CELL,
     TO_LAMP,
     UP,
     camera_ray,
@@ -91,7 +90,7 @@ def albedo_at(M: ti.template(), N: ti.template(), m, x, n, t, column, row):
 
 @ti.func
 def surface_radiance(
-    entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, t, depth, column, row
+    entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, clear, t, depth, column, row
 ):  # fmt: skip
     """The radiance (3,) from x towards the camera.
 
@@ -99,6 +98,7 @@ def surface_radiance(
     x : position relative to the camera; n : unit normal; view : unit vector to the camera
     albedo, through : (3,) the part of the light that is scattered on this side, and of the light on the other side that comes
         through
+    clear : how far from x the sky's light is taken, so that what lies at x does not hide it
     t, depth : distance along the ray, and along the line of sight
     column, row : the pixel
     """
@@ -111,11 +111,11 @@ def surface_radiance(
         lit = nl > 0.0 or through.max() > 0.0
     if lit:
         share = lamp_share(entries, scene, x + n * ti.select(nl > 0.0, 0.6 * pixel, -0.6 * pixel), pixel)
-    sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * N[SKY_CELL])
+    sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * clear)
     shining = through * 0.0  # what comes through from the other side
     if ti.static(scene.with_sheets):  # noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
         if through.max() > 0.0:
-            behind = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) - n * N[SKY_CELL])
+            behind = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) - n * clear)
             for k in ti.static(range(3)):
                 slope = ti.Vector([behind[3 + 3 * k], behind[4 + 3 * k], behind[5 + 3 * k]])
                 of_sky = ti.max(behind[k] - (2.0 / 3.0) * slope.dot(n), 0.0)
