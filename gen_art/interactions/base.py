@@ -143,6 +143,10 @@ class Interaction(Parametric):
         """The shapes of bodies (`draw: body`) or of links between particles (`draw: thread`), or None if it has none."""
         return None
 
+    def sheet(self, state: Particles) -> np.ndarray | None:
+        """(k, 3), slots of the particles at the corners of each triangle of a cloth (`draw: cloth`), or None if it has none."""
+        return None
+
     def accelerate(self, request: ForceRequest, out: np.ndarray) -> None:
         raise NotImplementedError
 

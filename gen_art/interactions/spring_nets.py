@@ -1,7 +1,7 @@
 """Nets of springs: chains, ropes and cloths as positions, pairs and rest lengths."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +24,7 @@ class Net:
     rest_length : (m,) m
     share : (m,), each spring's part of the stiffness and of the damping
     edges : named groups of points, for pinning
+    faces : (k, 3), indices of the points of each triangle of a sheet; none for chains and ropes
     """
 
     position: np.ndarray
@@ -31,11 +32,13 @@ class Net:
     rest_length: np.ndarray
     share: np.ndarray
     edges: dict[str, np.ndarray]
+    faces: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), np.int64))
 
     def springs(self, stiffness: float, damping: float = 0.0, method: str = "explicit", **more):
         """The interaction for a ParticleSystem whose first particles are these points, in this order; `more` as of Springs."""
         from gen_art.interactions.springs import Springs
 
+        more = {"faces": self.faces, **more} if len(self.faces) else more
         return Springs(self.pairs, stiffness, self.rest_length, damping, method, self.share, **more)
 
     def pinned(self, name: str) -> np.ndarray:
@@ -120,4 +123,16 @@ def cloth(
         "none": k[:0, 0], "top": k[0], "bottom": k[-1], "left": k[:, 0], "right": k[:, -1],
         "corners": k[0, [0, -1]], "four corners": k[[0, 0, -1, -1], [0, -1, 0, -1]],
     }  # fmt: skip
-    return Net(x, pairs, rest, share, edges)
+    return Net(x, pairs, rest, share, edges, _triangles(k))
+
+
+def _triangles(k: np.ndarray) -> np.ndarray:
+    """(m, 3): two triangles for each cell of a sheet of points k (rows, columns), counter-clockwise as seen with column 0 on the
+    left and row 0 at the top. The diagonals alternate from cell to cell, so that no direction of the weave is preferred.
+    """
+    a, b, c, d = (part.reshape(-1) for part in (k[:-1, :-1], k[:-1, 1:], k[1:, :-1], k[1:, 1:]))
+    row, column = np.divmod(np.arange(len(a)), k.shape[1] - 1)
+    falling = (row + column) % 2 == 0  # the diagonal from a to d
+    one = np.where(falling[:, None], np.stack([a, c, d], 1), np.stack([a, c, b], 1))
+    two = np.where(falling[:, None], np.stack([a, d, b], 1), np.stack([b, c, d], 1))
+    return np.stack([one, two], 1).reshape(-1, 3)

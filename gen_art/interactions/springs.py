@@ -10,6 +10,7 @@ from gen_art.interactions.adjacency import Adjacency
 from gen_art.interactions.base import ForcePart, ForceRequest, Interaction, interaction
 from gen_art.interactions.implicit_springs import solve_implicit
 from gen_art.interactions.links import capsules_along
+from gen_art.interactions.sheets import NO_FACES, checked_faces, whole_faces
 from gen_art.interactions.spring_kernels import spring_kernels
 from gen_art.particles.fixed import fixed_lifetimes
 from gen_art.particles.rows import LIFETIME, MASS, POSITION, VELOCITY
@@ -38,6 +39,7 @@ class Springs(Interaction):
     tear : strain beyond which a spring breaks for good; its energy is recorded as dissipated
     tether : with xpbd, largest strain of the shortest path along springs to each group of fixed particles
     sweeps : of xpbd in a step; 1 is enough where steps are short, and the stiffness does not depend on it
+    faces : (k, 3), ids of the particles at the corners of the triangles that `draw: cloth` shows; no force comes from them
     The energy that backward Euler takes from oscillations faster than the step is recorded as dissipated too.
     A spring is removed when one of its ends dies. Fixed particles pull on others but do not move.
     Reciprocal; conservative except for damping and tearing.
@@ -53,6 +55,9 @@ class Springs(Interaction):
     tear: float = param(None, min=0, doc="strain beyond which a spring breaks; none does when left out")
     tether: float = param(None, min=0, doc="largest strain of the path to fixed particles; none when left out")
     sweeps: int = param(2, min=1, max=100)
+    faces: object = param(
+        None, doc="triangles of particles to be drawn; those of the cloths that emitters lay when left out"
+    )
 
     def prepare(self):
         values, self._broken = self.values, np.zeros(0, bool)
@@ -63,6 +68,8 @@ class Springs(Interaction):
         if values["pairs"] is None:
             if values["share"] is not None:
                 raise UsageError("share goes with pairs")
+            if values["faces"] is not None:
+                raise UsageError("faces go with pairs")
             length = values["rest_length"]
             if length is not None:
                 values["rest_length"] = arguments.number("rest_length, without pairs,", length, "m", low=0.0)
@@ -82,6 +89,8 @@ class Springs(Interaction):
             i, j = known[times > 1][0]
             raise UsageError(f"two springs contradict each other: particles {i} and {j} are joined twice")
         values["pairs"] = pairs.astype(np.int64)
+        if values["faces"] is not None:
+            values["faces"] = checked_faces(values["faces"], pairs)
         for key in ("rest_length", "share"):
             if values[key] is not None:
                 what = f"one number or {len(pairs)} of them, finite and at least 0"
@@ -119,8 +128,9 @@ class Springs(Interaction):
         state = system.state
         n = state.count
         pairs, rest, share = self.values["pairs"], self.values["rest_length"], self.values["share"]
+        self._faces = NO_FACES if self.values["faces"] is None else self.values["faces"]
         if pairs is None:
-            pairs, laid_rest, share = self._from_emitters(system)
+            pairs, laid_rest, share, self._faces = self._from_emitters(system)
             rest = laid_rest if rest is None else np.full(len(pairs), float(rest))
         if len(pairs) and pairs.max() >= n > 0:
             raise UsageError(
@@ -169,14 +179,14 @@ class Springs(Interaction):
 
     @staticmethod
     def _from_emitters(system):
-        """Pairs of ids, rest lengths and shares of all nets that the system's emitters lay."""
+        """Pairs of ids, rest lengths, shares, and triangles of ids, of all nets that the system's emitters lay."""
         state, found = system.state, []
         for emission in system.emitters:
             for k, kind in enumerate(emission.kinds):
                 net = getattr(kind.scripted, "net", None)
                 if net is not None:
                     ids = state.id[: state.count][state.source[: state.count] == emission.first_source + k]
-                    found.append((ids[net.pairs], net.rest_length, net.share))
+                    found.append((ids[net.pairs], net.rest_length, net.share, ids[net.faces]))
         return tuple(np.concatenate(part) for part in zip(*found))
 
     def _adjacency(self, state) -> Adjacency:
@@ -208,6 +218,12 @@ class Springs(Interaction):
             springs = self._adjacency(state)
             pairs = springs.pairs[springs.numbers[:, 0] > 0]
         return capsules_along(state.floats[POSITION].astype(np.float64), pairs)
+
+    def sheet(self, state):
+        if not len(self._faces):
+            return None
+        broken = self._ids[self._broken] if self.breaks else self._ids[:0]
+        return whole_faces(self._faces, state.id[: state.count], broken)
 
     def accelerate(self, request: ForceRequest, out):
         springs = self._adjacency(request.state)

@@ -12,6 +12,7 @@ from gen_art.preset.colour_names import Gradient
 from gen_art.preset.fields import (
     MOST_LIGHT,
     MOST_SIZE,
+    ColourValue,
     CurveValue,
     Fraction,
     GradientValue,
@@ -286,12 +287,12 @@ def _legend(value):
 class Look(Model):
     """How a system's particles are drawn. All sizes scale with the picture's height."""
 
-    draw: Literal["point", "pixel", "disc", "streak", "sphere", "picture", "body", "thread"] = about(
+    draw: Literal["point", "pixel", "disc", "streak", "sphere", "picture", "body", "thread", "cloth"] = about(
         "point",
         "`point` is a dot placed between pixels, `pixel` lights only the pixel that it falls in, `disc` is a soft Gaussian "
         "sprite whose radius is 2.2 standard deviations, `streak` the path of the last `length` seconds, `sphere` an even "
         "disc with a sharp rim, or a ball where it is opaque in the preset's `light`, `picture` an image, `body` the shapes of "
-        "rigid bodies, `thread` the springs between particles as rods",
+        "rigid bodies, `thread` the springs between particles as rods, `cloth` a cloth as a smooth sheet with two sides",
     )
     picture: Picture | None = about(None, "the image of `draw: picture`")
     blend: Literal["add", "alpha", "opaque"] = about(
@@ -325,7 +326,14 @@ class Look(Model):
     light: KeyLight | None = about(None, "the light on smoke; the preset's `light` when left out")
     finish: Finish = about(
         Finish.model_validate({}),
-        "how balls reflect, which are `draw: sphere` with `blend: opaque` in the preset's `light`",
+        "how balls, bodies, threads and cloth reflect; balls are `draw: sphere` with `blend: opaque` in the preset's `light`",
+    )
+    back: ColourValue | None = about(
+        None, "with `draw: cloth`, the albedo of the side that is not seen with column 0 on the left; both sides have the "
+        "`albedo` when left out"
+    )  # fmt: skip
+    translucency: Fraction = about(
+        0.0, "with `draw: cloth`, the part of the scattered light that leaves on the other side: 0.3 is thin cotton"
     )
     falloff: Literal["none", "inverse_square"] = about(
         "none", "`inverse_square` dims points as 1/d^2, with a factor of 1 at the camera's target"
@@ -338,8 +346,8 @@ class Look(Model):
 
     @property
     def shapes(self) -> bool:
-        """Whether the shapes of bodies or threads are drawn instead of the particles."""
-        return self.draw in ("body", "thread")
+        """Whether the shapes of bodies, threads or cloth are drawn instead of the particles."""
+        return self.draw in ("body", "thread", "cloth")
 
     def ramps(self) -> "dict[tuple[str, ...], Ramp | Color]":
         """The numbers and colours that may depend on a quantity, by their keys: first those that a legend shows first."""
@@ -382,6 +390,12 @@ class Look(Model):
             raise UsageError(f"draw: {self.draw} hides what is behind it: leave out `blend`")
         if self.shapes and (self.trail is not None or self.light is not None):
             raise UsageError(f"draw: {self.draw} has no {'trail' if self.trail else 'light of its own'}: leave it out")
+        if self.draw == "cloth":
+            given = self.model_fields_set & {"radius", "width", "pixels", "size", "length", "tail", "taper"}
+            if given:
+                raise UsageError(f"draw: cloth is a sheet without thickness: leave out `{min(given)}`")
+        elif self.back is not None or self.translucency > 0.0:
+            raise UsageError(f"`{'back' if self.back is not None else 'translucency'}` needs draw: cloth")
         if self.blend == "alpha" and self.draw not in ("disc", "sphere", "picture"):
             raise UsageError("blend: alpha needs draw: disc, sphere or picture")
         if self.blend == "opaque" and self.draw not in ("sphere", "picture"):

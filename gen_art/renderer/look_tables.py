@@ -174,6 +174,7 @@ def kernel_numbers(
         "sphere": math.pi,
         "body": math.pi,
         "thread": math.pi,
+        "cloth": math.pi,
         "picture": 4.0 * texels(look.picture.image.place)[1] if look.picture else 0.0,
     }.get(look.draw, AREA * FOOTPRINT_PER_RADIUS * FOOTPRINT_PER_RADIUS)
     if look.pixels is not None:

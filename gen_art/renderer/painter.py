@@ -20,7 +20,7 @@ from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, p
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
 from gen_art.renderer.lighting import Lighting
-from gen_art.renderer.look_tables import LookTables, kernel_numbers
+from gen_art.renderer.look_tables import SIZE_MODE, SIZE_VALUE, LookTables, kernel_numbers
 from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import ProjectedParticles, shade
 from gen_art.renderer.sky import SkyDome
@@ -33,7 +33,8 @@ from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES, SurfaceDepth
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
-from gen_art.renderer.surfaces.solid_rows import SolidSystem, shapes_of, solid_rows
+from gen_art.renderer.surfaces.sheet_rows import SheetSystem, sheet_of
+from gen_art.renderer.surfaces.solid_rows import SolidSystem, shapes_of
 from gen_art.renderer.surfaces.surface_pass import SurfacePass
 
 if TYPE_CHECKING:
@@ -208,6 +209,7 @@ class Painter:
         drawn: dict[str, tuple] = {}
         lit: dict[str, tuple] = {}
         solids: list[SolidSystem] = []
+        sheets: list[SheetSystem] = []
         sprites, looks = self._sprites, {}
         for name in names:
             if self.looks.get(name, self._default_look) is not None:
@@ -219,29 +221,38 @@ class Painter:
                 light, solid = self._light_on(look), self._is_solid(look)
                 # solids are clipped by the rays that meet them, and fog is added where they are drawn
                 seen = replace(view, fog=None, near=-math.inf, far=math.inf) if solid else view
+                if look.draw == "cloth":  # its colours alone are needed, and those of parallel rays exist everywhere
+                    seen = replace(seen, height=1.0)
                 q = kernel_numbers(
                     tables, seen, self.size, sim.time, film_time, shutter, raw, weight, lit=solid or light is not None
                 )
+                if look.draw == "cloth":
+                    q[SIZE_MODE], q[SIZE_VALUE] = 1, 1.0
                 shade(projected, system, tables, q, self._acceleration(name, system, sim.time))
-                if mirror is not None:
+                if mirror is not None and look.draw != "cloth":
                     _hide_below(projected, system, *mirror)
                 drawn[name] = system, projected.used
-                if solid:
+                columns = projected.lit[: projected.count]
+                if look.draw == "cloth":
+                    faces = sheet_of(name, sim.members[name].interactions, system)
+                    positions = system.floats[POSITION, : projected.count]
+                    sheets.append(SheetSystem(look, projected.used, columns, positions, faces))
+                elif solid:
                     shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
-                    solids.append(SolidSystem(look.finish, projected.used, projected.lit[: projected.count], shapes))
+                    solids.append(SolidSystem(look.finish, projected.used, columns, shapes))
                 elif light is not None and projected.count:
-                    lit[name] = light, projected.used, projected.lit[: projected.count]
+                    lit[name] = light, projected.used, columns
         scene = self.scene if mirror is None else self.scene.without_mirror
         casters = None
-        if trails is not None and (solids or scene.surfaces):
-            rows = solid_rows(solids, len(scene.surfaces), view)
-            casters = ShadowCasters.of(scene, rows, view, sim.time)
+        if trails is not None and (solids or sheets or scene.surfaces):
+            casters = ShadowCasters.of(scene, solids, sheets, view, sim.time)
         shading = casters if scene.shadows else None
         smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1]), shading) if lit else {}
         sprites.clear()
         if trails is not None:
             if casters is not None:
-                sprites.hidden_by = self._draw_surfaces(scene, casters, solids, smoke, framebuffer, film, mirror)
+                finishes = [*(system.finish for system in solids), *(system.look.finish for system in sheets)]
+                sprites.hidden_by = self._draw_surfaces(scene, casters, finishes, smoke, framebuffer, film, mirror)
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
         sprites.layered = (
@@ -263,17 +274,17 @@ class Painter:
         return self.scene.lighting if self.scene.lit and look.blend == "alpha" else None
 
     def _is_solid(self, look: Look) -> bool:
-        """Whether a system is drawn by surfaces in the scene's light: balls, bodies or threads."""
+        """Whether a system is drawn by surfaces in the scene's light: balls, bodies, threads or cloth."""
         return look.shapes or (self.scene.lit and look.draw == "sphere" and look.blend == "opaque")
 
     def _draw_surfaces(
-        self, scene, casters, solids, smoke: dict, framebuffer, film: MirrorFilm, mirror
+        self, scene, casters, finishes, smoke: dict, framebuffer, film: MirrorFilm, mirror
     ) -> SurfaceDepths:
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
         if self._surfaces is None:
             self._surfaces = SurfacePass(self.size)
         of_lamp = smoke.get(smoke_key(scene.lighting))
-        self._surfaces.draw(scene, casters, solids, of_lamp and of_lamp[:2], framebuffer, film, mirror)
+        self._surfaces.draw(scene, casters, finishes, of_lamp and of_lamp[:2], framebuffer, film, mirror)
         depths, tiles, view = self._surfaces.depths, self._surfaces.bounds, casters.view
         return SurfaceDepths.of(depths, tiles, 1.0 / view.scale(self.size[1]), view.height is not None)
 

@@ -33,6 +33,7 @@ KINDS = {
     "sphere": SPHERE,
     "body": SPHERE,  # for shading alone: shapes are drawn as surfaces
     "thread": SPHERE,
+    "cloth": SPHERE,
     "picture": PICTURE,
 }  # keys: the look's `draw`
 # Channels of a projected particle: position (pixels), footprint (pixels), EDGE, movement (pixels), light times area,

@@ -12,30 +12,24 @@ from functools import cache
 from gen_art.backend.kernel_views import particle as arrays
 from gen_art.backend.runtime import kernel, ti
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms, first_hit
+from gen_art.renderer.surfaces.draw_sheets import middle_distance, trace_face
 from gen_art.renderer.surfaces.ray_tree import light_along, shows_edges
 from gen_art.renderer.surfaces.scene_numbers import (
     CAMERA,
-    CLIP,
-    FAR,
     FORWARD,
-    NEAR,
     PARALLEL,
     ROWS,
     SCALE,
     TIME,
     WIDTH,
     camera_ray,
-    first_distance,
     vector_at,
 )
 from gen_art.renderer.surfaces.solids import NEVER, solid_facet, solid_hit
+from gen_art.renderer.surfaces.tiles import BIN, FACETS, SUBPIXELS, TILE, TILES, ray_limits, subpixel
 
-__all__ = ["BIN", "SUBPIXELS", "TILE", "draw_kernel"]
+__all__ = ["draw_kernel"]
 
-BIN, TILE = 32, 8  # pixels along the sides of a bin of the framebuffer and of a tile
-TILES = BIN // TILE
-SUBPIXELS = 4
-FACETS = 4  # an owner of a ray is a surface or solid, times this, plus the facet that the ray meets
 _RAYS, _WITH_BORDER = TILE * TILE * SUBPIXELS, (TILE + 2) * (TILE + 2)
 
 F1, F2, F3, I1, I2 = (
@@ -45,29 +39,14 @@ F1, F2, F3, I1, I2 = (
 
 @ti.func
 def _subpixel_ray(N: ti.template(), column, row, s):
-    """Origin and direction of ray s of a pixel, on a rotated grid: no two of the rays share a row or a column."""
-    across, down = (
-        0.375 + 0.5 * ti.cast(s & 1, ti.f32) - 0.25 * ti.cast(s >> 1, ti.f32),
-        0.125 + 0.25 * ti.cast(s, ti.f32),
-    )
-    return camera_ray(N, ti.cast(column, ti.f32) + across, ti.cast(row, ti.f32) + down)
+    """Origin and direction of ray s of a pixel."""
+    place = subpixel(s)
+    return camera_ray(N, ti.cast(column, ti.f32) + place[0], ti.cast(row, ti.f32) + place[1])
 
 
 @ti.func
 def _middle_ray(N: ti.template(), column, row):
     return camera_ray(N, ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5)
-
-
-@ti.func
-def _limits(N: ti.template(), o, d):
-    """The distances along a ray between which the scene is drawn: the near and the far plane, and the plane of a mirror."""
-    stretch = 1.0
-    if N[PARALLEL] < 0.5:
-        stretch = 1.0 / ti.max(d.dot(vector_at(N, FORWARD)), 1e-6)
-    low = N[NEAR] * stretch
-    if N[CLIP] ** 2 + N[CLIP + 1] ** 2 + N[CLIP + 2] ** 2 > 0.0:
-        low = ti.max(low, first_distance(N, o, d))
-    return low, ti.min(N[FAR] * stretch, NEVER)
 
 
 @ti.func
@@ -77,7 +56,7 @@ def _collider_hit(entries: ti.template(), scene: ti.template(), o, d):
     per_length, tolerance = 0.0, 0.004 / N[SCALE]
     if N[PARALLEL] < 0.5:
         per_length, tolerance = tolerance, 1e-7
-    low, high = _limits(N, o, d)
+    low, high = ray_limits(N, o, d)
     t, surface, facet = first_hit(
         entries, scene.Q, o + vector_at(N, CAMERA), d, N[TIME], low, high, tolerance, per_length
     )
@@ -129,7 +108,7 @@ def _trace_colliders(
 def _solid_distance(scene: ti.template(), i, o, d):
     """The distance along a ray to a solid, or NEVER; an orthographic camera also sees what is behind it."""
     N = ti.static(scene.N)
-    low, high = _limits(N, o, d)
+    low, high = ray_limits(N, o, d)
     start = ti.select(N[PARALLEL] > 0.5, low, 0.0)
     t = solid_hit(scene.B, i, o + d * start, d, False)
     if t < NEVER:
@@ -157,6 +136,13 @@ def _trace_solid(scene: ti.template(), i, who, box, ox, oy, distance: ti.templat
 
 
 @ti.func
+def _box_in_tile(rectangles: ti.template(), i, ox, oy, width, rows):
+    """(4,) first and last column, first and last row of rectangle i in the tile at (ox, oy)."""
+    left, right = ti.max(rectangles[i, 0] - ox, 0), ti.min(rectangles[i, 1] - ox, width - 1)
+    return ti.Vector([left, right, ti.max(rectangles[i, 2] - oy, 0), ti.min(rectangles[i, 3] - oy, rows - 1)])
+
+
+@ti.func
 def _depth(N: ti.template(), d, t):
     """The distance along the line of sight of a place at distance t along a ray."""
     result = t
@@ -166,8 +152,8 @@ def _depth(N: ti.template(), d, t):
 
 
 @cache
-def draw_kernel(terms: ColliderTerms, follows: bool):
-    """The kernel that draws surfaces of these colliders, and solids.
+def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool):
+    """The kernel that draws surfaces of these colliders, solids, and cloth if there is any.
 
     follows : whether smooth surfaces reflect each other, and light goes through transparent bodies
     """
@@ -178,7 +164,8 @@ def draw_kernel(terms: ColliderTerms, follows: bool):
         N: F1, Q: F1, owners: I1, M: F2, E: F3, B: F2, rectangles: I2, bin_starts: I1, bin_solids: I1, shadow_starts: I1,
         shadow_solids: I1, D: F2, sky: F2, open_sky: F1, smoke: F1, across: ti.i32, down: ti.i32, framebuffer: F1,
         stride: ti.i32, depths: F3, bounds: F3, T: F2, levels: I2, G: F2, dome: F3, grid_starts: I1, grid_solids: I1,
-        photons: F2, photon_starts: I1,
+        photons: F2, photon_starts: I1, V: F2, faces: I2, sheet_looks: F2, sheet_grid: F1, sheet_starts: I1, sheet_faces: I1,
+        face_rectangles: I2, face_starts: I1, bin_faces: I1,
     ):  # fmt: skip
         """Draw surfaces into a clear framebuffer, and their distances along the line of sight into `depths`.
 
@@ -191,6 +178,8 @@ def draw_kernel(terms: ColliderTerms, follows: bool):
         bounds : (down, across, 2) the least and the largest of them in each tile
         T, levels : of the MirrorFilm; G : of blur_points; dome : table of the SkyDome
         grid_starts, grid_solids : of the SolidGrid; photons, photon_starts : of Photons
+        V, faces, sheet_looks, sheet_grid, sheet_starts, sheet_faces : of Sheets
+        face_rectangles, face_starts, bin_faces : of its faces, as for solids
         """
         ti.loop_config(block_dim=1)
         for tile in range(across * down * TILES * TILES):
@@ -198,6 +187,8 @@ def draw_kernel(terms: ColliderTerms, follows: bool):
                 N=N, Q=Q, owners=owners, M=M, E=E, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D,
                 sky=sky, open_sky=open_sky, smoke=smoke, T=T, levels=levels, G=G, dome=dome,
                 grid_starts=grid_starts, grid_solids=grid_solids, photons=photons, photon_starts=photon_starts,
+                with_sheets=with_sheets, V=V, faces=faces, sheet_looks=sheet_looks, sheet_grid=sheet_grid,
+                sheet_starts=sheet_starts, sheet_faces=sheet_faces,
             )  # fmt: skip
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE
@@ -208,9 +199,15 @@ def draw_kernel(terms: ColliderTerms, follows: bool):
                     _trace_colliders(entries, surfaces, follows, scene, ox, oy, distance, owner)
                 for k in range(bin_starts[bin], bin_starts[bin + 1]):
                     i = bin_solids[k]
-                    box = ti.Vector([ti.max(rectangles[i, 0] - ox, 0), ti.min(rectangles[i, 1] - ox, width - 1), 0, 0])
-                    box[2], box[3] = ti.max(rectangles[i, 2] - oy, 0), ti.min(rectangles[i, 3] - oy, rows - 1)
+                    box = _box_in_tile(rectangles, i, ox, oy, width, rows)
                     _trace_solid(scene, i, surfaces + i, box, ox, oy, distance, owner)
+                first_face = surfaces + B.shape[0]
+                if ti.static(with_sheets):
+                    for k in range(face_starts[bin], face_starts[bin + 1]):
+                        j = bin_faces[k]
+                        box = _box_in_tile(face_rectangles, j, ox, oy, width, rows)
+                        if box[0] <= box[1] and box[2] <= box[3]:
+                            trace_face(scene, j, first_face + j, box, ox, oy, distance, owner)
                 nearest, farthest = NEVER, -NEVER
                 for p in range(TILE * TILE):
                     column, row = ox + p % TILE, oy + p // TILE
@@ -227,7 +224,10 @@ def draw_kernel(terms: ColliderTerms, follows: bool):
                             who, t, earlier, share = owner[first + s], distance[first + s], 0, 1.0
                             o, d = _middle_ray(N, column, row)
                             if whole == 1:  # one surface in all rays: its light along the ray through the middle
-                                if who // FACETS >= surfaces:
+                                if who // FACETS >= first_face:
+                                    if ti.static(with_sheets):
+                                        t = middle_distance(N, distance, first)
+                                elif who // FACETS >= surfaces:
                                     middle = _solid_distance(scene, who // FACETS - surfaces, o, d)
                                     t = ti.select(middle < NEVER, middle, t)
                                 elif distance[first + 1] != t:  # each ray of the pixel was traced, but not this one

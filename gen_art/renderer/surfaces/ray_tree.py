@@ -10,8 +10,9 @@ The one-letter names in kernels are in docs/glossary.md.
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp, log
 from gen_art.renderer.surfaces.collider_rays import first_hit, surface_exit, surface_normal
+from gen_art.renderer.surfaces.draw_sheets import sheet_material
 from gen_art.renderer.surfaces.reflection import fresnel_of
-from gen_art.renderer.surfaces.scene_numbers import CAMERA, MIRROR, PARALLEL, SCALE, TIME, vector_at
+from gen_art.renderer.surfaces.scene_numbers import CAMERA, MIRROR, PARALLEL, SCALE, SKY_CELL, TIME, vector_at
 from gen_art.renderer.surfaces.solid_grid import far_side, nearest_solid
 from gen_art.renderer.surfaces.solids import ALBEDO, EMITTED, MATERIAL, NEVER, solid_normal
 from gen_art.renderer.surfaces.surface_shading import (
@@ -52,10 +53,18 @@ _NUMBERS = 11  # of a waiting ray: origin, direction, share of the light, length
 
 @ti.func
 def surface_point(entries: ti.template(), surfaces: ti.template(), scene: ti.template(), who, x, d, pixel):
-    """(unit normal, albedo, emission, material) of a surface or solid at the position x, which a ray along d meets."""
+    """(unit normal, place, material, albedo, through, emission, clear) of what a ray along d meets at the position x.
+
+    who : a surface, from `surfaces` on a solid, and after them a face of cloth, which is smooth: its place is not quite x
+    through, clear : see surface_light
+    """
     N, B = ti.static(scene.N, scene.B)
-    n, albedo, emission, m = d, d, d, 0
-    if who >= surfaces:
+    n, place, m, albedo, through, emission, clear = d, x, 0, d, d * 0.0, d, N[SKY_CELL]
+    if who >= surfaces + B.shape[0]:
+        if ti.static(scene.with_sheets):
+            clear *= 2.0  # a sheet lies in two layers of the grid's nodes, blurred by one more
+            n, place, m, albedo, through, emission = sheet_material(scene, who - surfaces - B.shape[0], x, -d)
+    elif who >= surfaces:
         i = who - surfaces
         n, m = solid_normal(B, i, x), ti.cast(B[i, MATERIAL], ti.i32)
         albedo, emission = row_vector(B, i, ALBEDO), row_vector(B, i, EMITTED)
@@ -65,14 +74,16 @@ def surface_point(entries: ti.template(), surfaces: ti.template(), scene: ti.tem
             m = scene.owners[who]
             albedo = albedo_at(scene, m, x, n, d, pixel)
             emission = row_vector(scene.M, m, EMISSION)
-    return n, albedo, emission, m
+    return n, place, m, albedo, through, emission, clear
 
 
 @ti.func
 def shows_edges(surfaces: ti.template(), scene: ti.template(), who):
     """1 for a surface that shows others sharply, by reflection or through it, else 0."""
     m = -1
-    if who >= surfaces:
+    if who >= surfaces + scene.B.shape[0]:
+        m = -1
+    elif who >= surfaces:
         m = ti.cast(scene.B[who - surfaces, MATERIAL], ti.i32)
     elif who >= 0:
         m = scene.owners[who]
@@ -185,8 +196,10 @@ def light_along(
         else:
             length += t
             pixel = ti.select(same_everywhere > 0.5, 1.0, length) * per_length
-            x, room = o + d * t, followed < MOST_RAYS and count < _WAITING - _FACETS
-            n, albedo, emission, m = surface_point(entries, surfaces, scene, who, x, d, pixel)
+            room = followed < MOST_RAYS and count < _WAITING - _FACETS
+            n, x, m, albedo, through, emission, clear = surface_point(
+                entries, surfaces, scene, who, o + d * t, d, pixel
+            )
             if inside >= 0:
                 if ti.static(follows):
                     for k in ti.static(range(3)):
@@ -206,7 +219,9 @@ def light_along(
                     gas = air_between(scene, d, t)
                     result += share * ti.Vector([gas[0], gas[1], gas[2]])
                     share *= gas[3]
-                own, mirrored, around, entering = surface_light(entries, scene, m, x, n, -d, albedo, emission, pixel)
+                own, mirrored, around, entering = surface_light(
+                    entries, scene, m, x, n, -d, albedo, through, emission, clear, pixel
+                )
                 result += share * own
                 mirrored *= share
                 reflects = room and M[m, ROUGHNESS] <= TRACED_ROUGHNESS and mirrored.max() > _LEAST

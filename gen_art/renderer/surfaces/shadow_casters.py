@@ -1,4 +1,4 @@
-"""What shadows the lamp of a picture: colliders with a look, and solids; and the lamp's light among them on a grid of smoke.
+"""What shadows the lamp of a picture: colliders with a look, solids and cloth; and the light among them on a grid of smoke.
 
 The one-letter names in kernels are in docs/glossary.md.
 """
@@ -18,13 +18,15 @@ from gen_art.renderer.surfaces.collider_rays import ColliderTerms
 from gen_art.renderer.surfaces.lamp_shadows import ShadowBins, lamp_disc
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.scene_numbers import scene_numbers
+from gen_art.renderer.surfaces.sheet_rows import Sheets, SheetSystem
 from gen_art.renderer.surfaces.sky_light import SkyLight
+from gen_art.renderer.surfaces.solid_rows import SolidSystem, solid_rows
 from gen_art.renderer.surfaces.solids import BOUND
 from gen_art.renderer.surfaces.surface_light import lamp_share
 
 __all__ = ["ShadowCasters", "filled"]
 
-F1, F2, I1 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i32, 1)
+F1, F2, I1, I2 = (ti.types.ndarray(d, n) for d, n in ((ti.f32, 1), (ti.f32, 2), (ti.i32, 1), (ti.i32, 2)))
 _NO_SKY = SkyLight(np.zeros(3), 1.0, (1, 1, 1), np.zeros((1, 12), np.float32), np.zeros(12, np.float32))
 
 
@@ -34,18 +36,21 @@ def filled(array: np.ndarray) -> np.ndarray:
 
 
 @cache
-def _share_kernel(terms: ColliderTerms):
+def _share_kernel(terms: ColliderTerms, with_sheets: bool):
     entries = terms.entries
 
     @ti.kernel
     def shares(
-        N: F1, Q: F1, B: F2, shadow_starts: I1, shadow_solids: I1, D: F2, smoke: F1, X: F2, pixel: ti.f32, out: F1
+        N: F1, Q: F1, B: F2, shadow_starts: I1, shadow_solids: I1, D: F2, smoke: F1, X: F2, pixel: ti.f32, out: F1, V: F2,
+        faces: I2, sheet_grid: F1, sheet_starts: I1, sheet_faces: I1,
     ):  # fmt: skip
         """out[i]: the share of the lamp's light that reaches X[i], relative to the camera; edges are `pixel` wide or wider."""
         ti.loop_config(block_dim=1)
         for block in range((X.shape[0] + 255) // 256):
             scene = arrays(
-                N=N, Q=Q, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D, smoke=smoke
+                N=N, Q=Q, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D, smoke=smoke,
+                with_sheets=with_sheets, V=V, faces=faces, sheet_grid=sheet_grid,
+                sheet_starts=sheet_starts, sheet_faces=sheet_faces,
             )  # fmt: skip
             for i in range(block * 256, ti.min((block + 1) * 256, X.shape[0])):
                 out[i] = lamp_share(entries, scene, ti.Vector([X[i, 0], X[i, 1], X[i, 2]]), pixel)
@@ -55,12 +60,13 @@ def _share_kernel(terms: ColliderTerms):
 
 @dataclass(frozen=True, eq=False)
 class ShadowCasters:
-    """Colliders and solids that shadow a lamp.
+    """Colliders, solids and cloth that shadow a lamp.
 
     light : the lamp
     terms : the colliders, laid out for kernels
     rows : (n, SOLID_FLOATS) of the solids, relative to the camera
     bins : the solids in cells across the lamp's rays
+    sheets : the cloth
     view, time : the camera, and simulated seconds
     """
 
@@ -68,17 +74,23 @@ class ShadowCasters:
     terms: ColliderTerms
     rows: np.ndarray
     bins: ShadowBins
+    sheets: Sheets
     view: CameraView
     time: float
 
     @classmethod
-    def of(cls, scene: Scene, rows: np.ndarray, view: CameraView, time: float) -> "ShadowCasters":
-        """Those of a scene and the rows of its solids."""
+    def of(
+        cls, scene: Scene, solids: list[SolidSystem], sheets: list[SheetSystem], view: CameraView, time: float
+    ) -> "ShadowCasters":
+        """Those of a scene, its solids and its cloth. Their materials follow those of the scene's surfaces."""
+        first = len(scene.surfaces)
+        rows = solid_rows(solids, first, view)
         terms = ColliderTerms([collider for collider, _ in scene.surfaces])
         positions, radii = rows[:, :3].astype(np.float64) + view.position, rows[:, BOUND].astype(np.float64)
         light = scene.lighting
-        bins = ShadowBins.of(positions, radii, lamp_axes(light.direction))
-        return cls(light, terms, rows, bins, view, time)
+        axes = lamp_axes(light.direction)
+        bins = ShadowBins.of(positions, radii, axes)
+        return cls(light, terms, rows, bins, Sheets.of(sheets, first + len(solids), view, axes), view, time)
 
     def lamp_shares(self, light: Lighting, smoke: Smoke) -> np.ndarray:
         """(nodes,) float32: the share of a lamp's light that reaches each node of a grid of smoke past them.
@@ -92,8 +104,10 @@ class ShadowCasters:
         places = (nodes * smoke.cell) @ smoke.axes - self.view.position
         numbers = scene_numbers(self.view, (1, 1), self.time, self.light, True, self.bins, _NO_SKY, None)
         out = np.zeros(count, np.float32)
-        _share_kernel(self.terms)(
+        cloth = self.sheets
+        _share_kernel(self.terms, cloth.any)(
             numbers, self.terms.numbers(), filled(self.rows), self.bins.starts, filled(self.bins.solids), lamp_disc(),
             np.zeros(1, np.float32), np.ascontiguousarray(places, np.float32), float(smoke.cell), out,
+            filled(cloth.corners), filled(cloth.faces), cloth.grid, cloth.starts, filled(cloth.listed),
         )  # fmt: skip
         return out

@@ -26,6 +26,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     TO_LAMP,
     vector_at,
 )
+from gen_art.renderer.surfaces.sheet_shadows import sheet_shadow
 
 __all__ = ["lamp_share", "sky_at"]
 
@@ -91,7 +92,7 @@ def _smoke_depth(N: ti.template(), depth: ti.template(), place):
 def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel):
     """The share of the lamp's light that reaches x (relative to the camera) past colliders, solids and smoke.
 
-    scene : view of the kernel's arrays
+    scene : view of the kernel's arrays; its `with_sheets` says whether there is any cloth
     pixel : side of a pixel at x, in world units
     """
     share = 1.0
@@ -112,6 +113,8 @@ def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel):
                 solid = scene.shadow_solids[k]
                 hidden = solid_shadow(hidden, scene.B, solid, x, to_lamp, side, up, tangent, half_pixel, scene.D)
                 k = ti.select(hidden == ti.i64(-1), end, k + 1)
+        if ti.static(scene.with_sheets):
+            hidden = sheet_shadow(hidden, scene, x, to_lamp, side, up, tangent, half_pixel)
         share = 1.0 - ti.cast(set_bits(hidden), ti.f32) * (1.0 / LAMP_POINTS)
         if share > 0.0:
             share *= exp(-_smoke_depth(N, scene.smoke, place))

@@ -6,7 +6,7 @@ from gen_art.preset.surface import Finish, SurfaceLook
 from gen_art.renderer.colour import linear
 from gen_art.renderer.surfaces.caustics import caustic_photons
 from gen_art.renderer.surfaces.cell_lists import cell_lists
-from gen_art.renderer.surfaces.draw_surfaces import BIN, SUBPIXELS, TILE, draw_kernel
+from gen_art.renderer.surfaces.draw_surfaces import draw_kernel
 from gen_art.renderer.surfaces.lamp_shadows import lamp_disc
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm, blur_points
 from gen_art.renderer.surfaces.photon_cells import NO_PHOTONS
@@ -15,9 +15,10 @@ from gen_art.renderer.surfaces.reflection import reflected_share
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.scene_numbers import PHOTON_CELL, scene_numbers
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters, filled
+from gen_art.renderer.surfaces.sheet_rows import face_rectangles
 from gen_art.renderer.surfaces.sky_light import SkyLight
 from gen_art.renderer.surfaces.solid_grid import SolidGrid
-from gen_art.renderer.surfaces.solid_rows import SolidSystem, mean_areas, pixel_rectangles
+from gen_art.renderer.surfaces.solid_rows import mean_areas, pixel_rectangles
 from gen_art.renderer.surfaces.solids import BOUND, MATERIAL
 from gen_art.renderer.surfaces.surface_shading import (
     CHECKER,
@@ -30,6 +31,7 @@ from gen_art.renderer.surfaces.surface_shading import (
     SECOND_ALBEDO,
     TRANSMISSION,
 )
+from gen_art.renderer.surfaces.tiles import BIN, SUBPIXELS, TILE
 from gen_art.renderer.surfaces.view_problems import check_camera, check_distances
 
 __all__ = ["SurfacePass"]
@@ -54,12 +56,13 @@ class SurfacePass:
         self._disc, self._blur = lamp_disc(), blur_points()
 
     def draw(
-        self, scene: Scene, casters: ShadowCasters, solids: list[SolidSystem], smoke, framebuffer,
+        self, scene: Scene, casters: ShadowCasters, finishes: list[Finish], smoke, framebuffer,
         film: MirrorFilm = NO_MIRROR, clip=None,
     ) -> None:  # fmt: skip
-        """Draw the surfaces of a scene, and solids, into a clear framebuffer.
+        """Draw the surfaces of a scene, solids and cloth into a clear framebuffer.
 
-        casters : the scene's colliders and the rows of all solids
+        casters : the scene's colliders and the rows of all solids and cloth
+        finishes : of the solids' systems, then of the cloths'
         smoke : (Smoke along the lamp's axes, its optical depths from the lamp) that shadows surfaces, or None
         film : what the scene's mirror shows
         clip : (point, normal) of the plane before which nothing is drawn, or None
@@ -70,12 +73,17 @@ class SurfacePass:
             if not self._checked:
                 check_distances(casters.terms, view, time)
                 self._checked = True
-        looks = [*(look for _, look in scene.surfaces), *(system.finish for system in solids)]
+        looks = [*(look for _, look in scene.surfaces), *finishes]
         table = np.stack([_material(look) for look in looks])
         shares = np.stack([reflected_share(look.roughness, look.ior) for look in looks])
         positions, radii = rows[:, :3].astype(np.float64) + view.position, rows[:, BOUND].astype(np.float64)
         opaque = 1.0 - _THROUGH * table[rows[:, MATERIAL].astype(np.int64), TRANSMISSION]
-        sky = SkyLight.of(light, positions, mean_areas(rows) * opaque * scene.shadows, radii)
+        cloth = casters.sheets
+        areas = mean_areas(rows) * opaque
+        if cloth.any:  # a triangle's shadow is half as large as the triangle, as the mean over all directions
+            positions, areas = np.concatenate([positions, cloth.centers]), np.concatenate([areas, 0.5 * cloth.areas])
+            radii = np.concatenate([radii, np.sqrt(cloth.areas / np.pi)])
+        sky = SkyLight.of(light, positions, areas * scene.shadows, radii)
         grid, depths = smoke if smoke is not None and scene.shadows else (None, np.zeros(1, np.float32))
         mirror = scene.mirror if film is not NO_MIRROR else -1
         follows = bool((table[:, ROUGHNESS] <= TRACED_ROUGHNESS).any() or table[:, TRANSMISSION].any())
@@ -83,20 +91,27 @@ class SurfacePass:
         numbers = scene_numbers(view, self.size, time, light, scene.shadows, bins, sky, grid, places, clip, mirror)
         rectangles = pixel_rectangles(rows, view, self.size)
         across, down = framebuffer.across, framebuffer.down
-        first, last = rectangles[:, 2::-2] // BIN, rectangles[:, 3::-2] // BIN
-        bin_starts, bin_solids = cell_lists(first, last, (down, across))
+        bin_starts, bin_solids = _in_bins(rectangles, (down, across))
+        of_faces = face_rectangles(cloth, view, self.size)
+        face_starts, bin_faces = _in_bins(of_faces, (down, across))
         owners = np.array(casters.terms.owners or [0], np.int32)
         photons = NO_PHOTONS
         if scene.shadows and table[:, TRANSMISSION].any():
             photons = caustic_photons(casters, scene.surfaces, table, owners, numbers, depths, places)
             numbers[PHOTON_CELL] = photons.cell
-        draw_kernel(casters.terms, follows)(
+        draw_kernel(casters.terms, follows, cloth.any)(
             numbers, casters.terms.numbers(), owners, table, shares, filled(rows), filled(rectangles), bin_starts,
             filled(bin_solids), bins.starts, filled(bins.solids), self._disc, sky.light, sky.open, depths, across, down,
             framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, film.texels, film.levels, self._blur,
             light.dome.table if light.dome is not None else _NO_DOME, places.starts,
-            filled(places.solids), photons.rows, photons.starts,
+            filled(places.solids), photons.rows, photons.starts, filled(cloth.corners), filled(cloth.faces),
+            filled(cloth.looks), cloth.grid, cloth.starts, filled(cloth.listed), filled(of_faces), face_starts, filled(bin_faces),
         )  # fmt: skip
+
+
+def _in_bins(rectangles: np.ndarray, shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """The lists of rectangles of pixels that touch each bin of a framebuffer of this many bins down and across."""
+    return cell_lists(rectangles[:, 2::-2] // BIN, rectangles[:, 3::-2] // BIN, shape)
 
 
 def _material(look: Finish) -> np.ndarray:

@@ -20,7 +20,6 @@ from gen_art.renderer.surfaces.scene_numbers import (
     LAMP_TANGENT,
     RIGHT,
     SCALE,
-    SKY_CELL,
     TO_LAMP,
     UP,
     vector_at,
@@ -92,7 +91,7 @@ def albedo_at(scene: ti.template(), m, x, n, d, pixel):
 
 
 @ti.func
-def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, emission, pixel):
+def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, clear, pixel):
     """The light from x towards the viewer, in parts: (own, mirrored, around, entering).
 
     own : (3,) radiance of what is scattered and emitted, and of the lamp's highlight
@@ -102,15 +101,28 @@ def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, a
 
     m : row of the material
     x : position relative to the camera; n : unit normal; view : unit vector to the viewer
+    albedo, through : (3,) the part of the light that is scattered on this side, and of the light on the other side that comes
+        through
+    clear : how far from x the sky's light is taken, so that what lies at x does not hide it
     pixel : side of a pixel at x, in world units
     """
     N, M, E = ti.static(scene.N, scene.M, scene.E)
     to_lamp = vector_at(N, TO_LAMP)
     nl, nv = n.dot(to_lamp), ti.min(ti.max(n.dot(view), 1e-4), 1.0)
-    share = 0.0
-    if nl > 0.0:
-        share = lamp_share(entries, scene, x + n * (0.6 * pixel), pixel)
-    sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * N[SKY_CELL])
+    share, lit = 0.0, nl > 0.0
+    if ti.static(scene.with_sheets):
+        lit = nl > 0.0 or through.max() > 0.0
+    if lit:
+        share = lamp_share(entries, scene, x + n * ti.select(nl > 0.0, 0.6 * pixel, -0.6 * pixel), pixel)
+    sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * clear)
+    shining = through * 0.0  # what comes through from the other side
+    if ti.static(scene.with_sheets):  # noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
+        if through.max() > 0.0:
+            behind = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) - n * clear)
+            for k in ti.static(range(3)):
+                slope = ti.Vector([behind[3 + 3 * k], behind[4 + 3 * k], behind[5 + 3 * k]])
+                of_sky = ti.max(behind[k] - (2.0 / 3.0) * slope.dot(n), 0.0)
+                shining[k] = through[k] * (4.0 * N[LAMP_COLOUR + k] * share * ti.max(-nl, 0.0) + of_sky)
     metal, rough = M[m, METAL], M[m, ROUGHNESS]
     at = nv * (ANGLES - 1.0)
     e = ti.min(ti.cast(at, ti.i32), ANGLES - 2)
@@ -141,6 +153,8 @@ def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, a
         open_share = ti.min(sky[k] / ti.max(scene.open_sky[k], 1e-20), 1.0)
         around[k] = even * ti.max(sky[k] + blur * slope.dot(towards), 0.0) + (1.0 - even) * dome[k] * open_share
         painted = (1.0 - c) * scattered * arriving * albedo[k] + dielectric * lamp
+        if ti.static(scene.with_sheets):
+            painted += (1.0 - c) * shining[k]
         again = 1.0 + albedo[k] * (1.0 / ti.max(a + b, 1e-3) - 1.0)  # what a rough metal reflects twice
         bare = (albedo[k] + (1.0 - albedo[k]) * schlick) * lobe * lamp
         own[k] += (1.0 - metal) * painted + metal * bare * again
