@@ -26,6 +26,7 @@ from gen_art.preset.fields import (
 )
 from gen_art.preset.files import ImageFile, PresetFile
 from gen_art.preset.light import KeyLight
+from gen_art.preset.liquid import Liquid
 from gen_art.preset.model import Model, about
 from gen_art.preset.surface import Finish
 from gen_art.preset.values import Curve, Range, number, shown
@@ -286,12 +287,12 @@ def _legend(value):
 class Look(Model):
     """How a system's particles are drawn. All sizes scale with the picture's height."""
 
-    draw: Literal["point", "pixel", "disc", "streak", "sphere", "picture", "body", "thread"] = about(
+    draw: Literal["point", "pixel", "disc", "streak", "sphere", "picture", "body", "thread", "surface"] = about(
         "point",
         "`point` is a dot placed between pixels, `pixel` lights only the pixel that it falls in, `disc` is a soft Gaussian "
         "sprite whose radius is 2.2 standard deviations, `streak` the path of the last `length` seconds, `sphere` an even "
         "disc with a sharp rim, or a ball where it is opaque in the preset's `light`, `picture` an image, `body` the shapes of "
-        "rigid bodies, `thread` the springs between particles as rods",
+        "rigid bodies, `thread` the springs between particles as rods, `surface` the smooth surface of a liquid",
     )
     picture: Picture | None = about(None, "the image of `draw: picture`")
     blend: Literal["add", "alpha", "opaque"] = about(
@@ -325,8 +326,10 @@ class Look(Model):
     light: KeyLight | None = about(None, "the light on smoke; the preset's `light` when left out")
     finish: Finish = about(
         Finish.model_validate({}),
-        "how balls reflect, which are `draw: sphere` with `blend: opaque` in the preset's `light`",
+        "how balls reflect, which are `draw: sphere` with `blend: opaque` in the preset's `light`; of a clear liquid, what it "
+        "leaves out is water's: roughness 0, ior 1.33",
     )
+    liquid: Liquid = about(Liquid.model_validate({}), "what light does inside the surface of `draw: surface`")
     falloff: Literal["none", "inverse_square"] = about(
         "none", "`inverse_square` dims points as 1/d^2, with a factor of 1 at the camera's target"
     )
@@ -340,6 +343,18 @@ class Look(Model):
     def shapes(self) -> bool:
         """Whether the shapes of bodies or threads are drawn instead of the particles."""
         return self.draw in ("body", "thread")
+
+    @property
+    def is_liquid(self) -> bool:
+        """Whether the particles are drawn together as the surface of a liquid."""
+        return self.draw == "surface"
+
+    @property
+    def liquid_finish(self) -> Finish:
+        """How the surface of the liquid reflects."""
+        if not self.liquid.clear:
+            return self.finish
+        return Finish(**{"roughness": 0.0, "ior": 1.33, **self.finish.model_dump(exclude_unset=True)})
 
     def ramps(self) -> "dict[tuple[str, ...], Ramp | Color]":
         """The numbers and colours that may depend on a quantity, by their keys: first those that a legend shows first."""
@@ -378,9 +393,11 @@ class Look(Model):
             raise UsageError("draw: pixel has no size: leave out `pixels`, or give draw: disc")
         if (self.draw == "picture") != (self.picture is not None):
             raise UsageError("`draw: picture` and `picture: spark.png` need each other")
-        if self.shapes and self.blend != "add":
+        if (self.shapes or self.is_liquid) and self.blend != "add":
             raise UsageError(f"draw: {self.draw} hides what is behind it: leave out `blend`")
-        if self.shapes and (self.trail is not None or self.light is not None):
+        if "liquid" in self.model_fields_set and not self.is_liquid:
+            raise UsageError("`liquid` is of a surface: give draw: surface, or leave it out")
+        if (self.shapes or self.is_liquid) and (self.trail is not None or self.light is not None):
             raise UsageError(f"draw: {self.draw} has no {'trail' if self.trail else 'light of its own'}: leave it out")
         if self.blend == "alpha" and self.draw not in ("disc", "sphere", "picture"):
             raise UsageError("blend: alpha needs draw: disc, sphere or picture")

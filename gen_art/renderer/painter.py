@@ -20,6 +20,7 @@ from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, p
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
 from gen_art.renderer.lighting import Lighting
+from gen_art.renderer.liquid.liquid_pass import LiquidPass, LiquidSystem
 from gen_art.renderer.look_tables import LookTables, kernel_numbers
 from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import ProjectedParticles, shade
@@ -89,6 +90,7 @@ class Painter:
         self.sky = None if transparent else self.scene.dome
         self.framebuffer = FrameBuffer(self.size)
         self._surfaces: SurfacePass | None = None
+        self._liquids: LiquidPass | None = None
         self._film: MirrorFilm | None = None
         self._sprites = Sprites()
         self._projected: dict[str, ProjectedParticles] = {}
@@ -208,6 +210,7 @@ class Painter:
         drawn: dict[str, tuple] = {}
         lit: dict[str, tuple] = {}
         solids: list[SolidSystem] = []
+        liquids: list[LiquidSystem] = []
         sprites, looks = self._sprites, {}
         for name in names:
             if self.looks.get(name, self._default_look) is not None:
@@ -217,11 +220,13 @@ class Painter:
                 if look.ribbon is not None:
                     continue
                 light, solid = self._light_on(look), self._is_solid(look)
-                # solids are clipped by the rays that meet them, and fog is added where they are drawn
+                # solids are clipped by the rays that meet them, and fog is added where surfaces are drawn
                 seen = replace(view, fog=None, near=-math.inf, far=math.inf) if solid else view
+                seen = replace(view, fog=None) if look.is_liquid else seen
                 q = kernel_numbers(
-                    tables, seen, self.size, sim.time, film_time, shutter, raw, weight, lit=solid or light is not None
-                )
+                    tables, seen, self.size, sim.time, film_time, shutter, raw, weight,
+                    lit=solid or look.is_liquid or light is not None,
+                )  # fmt: skip
                 shade(projected, system, tables, q, self._acceleration(name, system, sim.time))
                 if mirror is not None:
                     _hide_below(projected, system, *mirror)
@@ -229,11 +234,13 @@ class Painter:
                 if solid:
                     shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
                     solids.append(SolidSystem(look.finish, projected.used, projected.lit[: projected.count], shapes))
+                elif look.is_liquid:
+                    liquids.append(LiquidSystem(look.liquid, look.liquid_finish, projected))
                 elif light is not None and projected.count:
                     lit[name] = light, projected.used, projected.lit[: projected.count]
         scene = self.scene if mirror is None else self.scene.without_mirror
         casters = None
-        if trails is not None and (solids or scene.surfaces):
+        if trails is not None and (solids or liquids or scene.surfaces):
             rows = solid_rows(solids, len(scene.surfaces), view)
             casters = ShadowCasters.of(scene, rows, view, sim.time)
         shading = casters if scene.shadows else None
@@ -241,18 +248,20 @@ class Painter:
         sprites.clear()
         if trails is not None:
             if casters is not None:
-                sprites.hidden_by = self._draw_surfaces(scene, casters, solids, smoke, framebuffer, film, mirror)
+                sprites.hidden_by = self._draw_surfaces(
+                    scene, casters, solids, liquids, smoke, framebuffer, film, mirror
+                )
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
         sprites.layered = (
-            any(look.blend != "add" and not self._is_solid(look) for look in looks.values()) and recolour is None
+            any(look.blend != "add" and not self._is_surface(look) for look in looks.values()) and recolour is None
         )
         for name, look in looks.items():
             if recolour is not None and name in drawn:
                 recolour(*drawn[name])
             if look.ribbon is not None and recolour is None:
                 self._add_ribbons(sim, name, view, film_time, weight, framebuffer)
-            elif look.ribbon is None and not self._is_solid(look):
+            elif look.ribbon is None and not self._is_surface(look):
                 self._add_sprites(look, self._projected[name], framebuffer)
         splat(sprites, framebuffer)
 
@@ -266,14 +275,24 @@ class Painter:
         """Whether a system is drawn by surfaces in the scene's light: balls, bodies or threads."""
         return look.shapes or (self.scene.lit and look.draw == "sphere" and look.blend == "opaque")
 
+    def _is_surface(self, look: Look) -> bool:
+        """Whether a system is drawn by surfaces: as solids or as a liquid."""
+        return look.is_liquid or self._is_solid(look)
+
     def _draw_surfaces(
-        self, scene, casters, solids, smoke: dict, framebuffer, film: MirrorFilm, mirror
+        self, scene, casters, solids, liquids, smoke: dict, framebuffer, film: MirrorFilm, mirror
     ) -> SurfaceDepths:
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
         if self._surfaces is None:
             self._surfaces = SurfacePass(self.size)
         of_lamp = smoke.get(smoke_key(scene.lighting))
-        self._surfaces.draw(scene, casters, solids, of_lamp and of_lamp[:2], framebuffer, film, mirror)
+        finishes = [liquid.finish for liquid in liquids]
+        self._surfaces.draw(scene, casters, solids, of_lamp and of_lamp[:2], framebuffer, film, mirror, finishes)
+        if liquids:
+            if self._liquids is None:
+                self._liquids = LiquidPass(self.size)
+            first = len(scene.surfaces) + len(solids)
+            self._liquids.draw(liquids, first, casters, self._surfaces, framebuffer, self.sky is not None)
         depths, tiles, view = self._surfaces.depths, self._surfaces.bounds, casters.view
         return SurfaceDepths.of(depths, tiles, 1.0 / view.scale(self.size[1]), view.height is not None)
 

@@ -1,5 +1,8 @@
 """Draws the surfaces of a scene: gathers colliders, solids and light for the kernel of draw_surfaces.py."""
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 
 from gen_art.preset.surface import Finish, SurfaceLook
@@ -32,12 +35,35 @@ __all__ = ["SurfacePass"]
 _NO_DOME = np.zeros((2, 2, 3), np.float32)
 
 
+class SceneArrays(NamedTuple):
+    """What kernels read to light a place of a surface; the letters of draw_surfaces.py are in the comments."""
+
+    numbers: np.ndarray  # N
+    colliders: np.ndarray  # Q
+    materials: np.ndarray  # M
+    shares: np.ndarray  # E
+    solids: np.ndarray  # B
+    shadow_starts: np.ndarray
+    shadow_solids: np.ndarray
+    disc: np.ndarray  # D
+    sky: np.ndarray
+    open_sky: np.ndarray
+    smoke: np.ndarray
+    film: np.ndarray  # T
+    levels: np.ndarray
+    blur: np.ndarray  # G
+    dome: np.ndarray
+
+
 class SurfacePass:
     """Draws surfaces into framebuffers of one size. Of the last picture it keeps
 
     depths : (rows, columns, SUBPIXELS) along the line of sight
     bounds : (down, across, 2), the least and the largest of each tile of 8 x 8 pixels
+    arrays : SceneArrays, with which liquids are lit
     """
+
+    arrays: SceneArrays
 
     def __init__(self, size: tuple[int, int]):
         self.size = size
@@ -48,7 +74,7 @@ class SurfacePass:
 
     def draw(
         self, scene: Scene, casters: ShadowCasters, solids: list[SolidSystem], smoke, framebuffer,
-        film: MirrorFilm = NO_MIRROR, clip=None,
+        film: MirrorFilm = NO_MIRROR, clip=None, finishes: Sequence[Finish] = (),
     ) -> None:  # fmt: skip
         """Draw the surfaces of a scene, and solids, into a clear framebuffer.
 
@@ -56,6 +82,7 @@ class SurfacePass:
         smoke : (Smoke along the lamp's axes, its optical depths from the lamp) that shadows surfaces, or None
         film : what the scene's mirror shows
         clip : (point, normal) of the plane before which nothing is drawn, or None
+        finishes : of liquids, which are drawn later; their materials come after all others
         """
         view, time, rows, light, bins = casters.view, casters.time, casters.rows, casters.light, casters.bins
         if clip is None:
@@ -63,7 +90,7 @@ class SurfacePass:
             if not self._checked:
                 check_distances(casters.terms, view, time)
                 self._checked = True
-        looks = [*(look for _, look in scene.surfaces), *(system.finish for system in solids)]
+        looks = [*(look for _, look in scene.surfaces), *(system.finish for system in solids), *finishes]
         table = np.stack([_material(look) for look in looks])
         shares = np.stack([reflected_share(look.roughness, look.ior) for look in looks])
         positions, radii = rows[:, :3].astype(np.float64) + view.position, rows[:, BOUND].astype(np.float64)
@@ -76,11 +103,16 @@ class SurfacePass:
         first, last = rectangles[:, 2::-2] // BIN, rectangles[:, 3::-2] // BIN
         bin_starts, bin_solids = cell_lists(first, last, (down, across))
         owners = np.array(casters.terms.owners or [0], np.int32)
-        draw_kernel(casters.terms)(
-            numbers, casters.terms.numbers(), owners, table, shares, filled(rows), filled(rectangles), bin_starts,
-            filled(bin_solids), bins.starts, filled(bins.solids), self._disc, sky.light, sky.open, depths, across, down,
-            framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, film.texels, film.levels, self._blur,
+        self.arrays = SceneArrays(
+            numbers, casters.terms.numbers(), table, shares, filled(rows), bins.starts, filled(bins.solids), self._disc,
+            sky.light, sky.open, depths, film.texels, film.levels, self._blur,
             light.dome.table if light.dome is not None else _NO_DOME,
+        )  # fmt: skip
+        a = self.arrays
+        draw_kernel(casters.terms)(
+            a.numbers, a.colliders, owners, a.materials, a.shares, a.solids, filled(rectangles), bin_starts,
+            filled(bin_solids), a.shadow_starts, a.shadow_solids, a.disc, a.sky, a.open_sky, a.smoke, across, down,
+            framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, a.film, a.levels, a.blur, a.dome,
         )  # fmt: skip
 
 

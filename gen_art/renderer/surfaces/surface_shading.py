@@ -29,7 +29,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
 )
 from gen_art.renderer.surfaces.surface_light import lamp_share, sky_at
 
-__all__ = ["MATERIAL_FLOATS", "albedo_at", "row_vector", "surface_radiance"]
+__all__ = ["MATERIAL_FLOATS", "albedo_at", "layer_shares", "row_vector", "surface_radiance"]
 
 # a material's row: albedo, second albedo, side of the checker's squares or 0, roughness, refractive index, metal, emission
 SECOND_ALBEDO, CHECKER, ROUGHNESS, IOR, METAL, EMISSION, MATERIAL_FLOATS = 3, 6, 7, 8, 9, 10, 13
@@ -90,6 +90,20 @@ def albedo_at(M: ti.template(), N: ti.template(), m, x, n, t, column, row):
 
 
 @ti.func
+def layer_shares(M: ti.template(), E: ti.template(), m, nv):
+    """A, B and C of reflection.py (3,): what the layer of a material reflects of light from all sides.
+
+    nv : cosine of the normal with the view
+    """
+    at = nv * (ANGLES - 1.0)
+    e = ti.min(ti.cast(at, ti.i32), ANGLES - 2)
+    result = row_vector_3(E, m, e) + (row_vector_3(E, m, e + 1) - row_vector_3(E, m, e)) * (at - ti.cast(e, ti.f32))
+    if M[m, ROUGHNESS] <= SMOOTH:
+        result[2] = fresnel_of(nv, M[m, IOR])
+    return result
+
+
+@ti.func
 def surface_radiance(
     entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, emission, t, depth, column, row
 ):  # fmt: skip
@@ -109,12 +123,8 @@ def surface_radiance(
         share = lamp_share(entries, scene, x + n * (0.6 * pixel), pixel)
     sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * N[SKY_CELL])
     metal, rough = M[m, METAL], M[m, ROUGHNESS]
-    at = nv * (ANGLES - 1.0)
-    e = ti.min(ti.cast(at, ti.i32), ANGLES - 2)
-    share_of = row_vector_3(E, m, e) + (row_vector_3(E, m, e + 1) - row_vector_3(E, m, e)) * (at - ti.cast(e, ti.f32))
+    share_of = layer_shares(M, E, m, nv)
     a, b, c = share_of[0], share_of[1], share_of[2]
-    if rough <= SMOOTH:
-        c = fresnel_of(nv, M[m, IOR])
     h = (to_lamp + view).normalized()
     vh, lobe = ti.max(h.dot(view), 0.0), 0.0
     if nl > 0.0:  # the lamp's disc widens the highlight
