@@ -20,17 +20,20 @@ from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, p
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
 from gen_art.renderer.lighting import Lighting
-from gen_art.renderer.liquid.liquid_pass import LiquidPass, LiquidSystem
+from gen_art.renderer.liquid.lamp_map import lamp_map
+from gen_art.renderer.liquid.liquid_pass import LiquidPass
+from gen_art.renderer.liquid.liquid_system import LiquidSystem, hiding_particles
 from gen_art.renderer.look_tables import LookTables, kernel_numbers
 from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import ProjectedParticles, shade
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.sky_background import draw_sky
-from gen_art.renderer.smoke_lighting import add_scattered_light, smoke_key
+from gen_art.renderer.smoke_lighting import add_scattered_light, lamp_axes, smoke_key
 from gen_art.renderer.sprite import ALPHA, DISC, FOOTPRINT, HIDDEN, KINDS, OUTSIDE, POINT, RED, STREAK, X
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.supersample import box_averaged
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES, SurfaceDepths, hide_small_sprites
+from gen_art.renderer.surfaces.liquid_shadow import NO_LIQUID
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
@@ -287,7 +290,14 @@ class Painter:
             self._surfaces = SurfacePass(self.size)
         of_lamp = smoke.get(smoke_key(scene.lighting))
         finishes = [liquid.finish for liquid in liquids]
-        self._surfaces.draw(scene, casters, solids, of_lamp and of_lamp[:2], framebuffer, film, mirror, finishes)
+        shadow = NO_LIQUID
+        if liquids and scene.shadows:  # of a clear liquid only other things stand in
+            if scene.surfaces or solids or not all(system.liquid.clear for system in liquids):
+                shadow = lamp_map(liquids, lamp_axes(scene.lighting.direction))
+        self._surfaces.draw(
+            scene, casters, solids, of_lamp and of_lamp[:2], framebuffer, film, mirror, finishes, shadow,
+            hiding_particles(liquids),
+        )  # fmt: skip
         if liquids:
             if self._liquids is None:
                 self._liquids = LiquidPass(self.size)

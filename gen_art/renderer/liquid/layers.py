@@ -48,21 +48,23 @@ def _box(N: ti.template(), entries: ti.template(), e, radius, margin, side, ox, 
 
 
 @ti.func
-def _ray_past(N: ti.template(), entries: ti.template(), e, x, y):
+def _ray_past(N: ti.template(), entries: ti.template(), e, per_pixel, x, y):
     """How the ray through a place of the picture passes a particle.
 
-    Returns the square of its distance from the middle, the depth of the point nearest to the middle, and the length of the
-    ray's direction per depth.
+    per_pixel : length of a pixel at its depth
+    Returns the square of its distance from the middle, the depth of the point nearest to the middle, and 1 over the square of the
+    length of the ray's direction per depth.
     """
-    z, scale = entries[e, 2], N[SCALE]
-    dx, dy, per_depth = 0.0, 0.0, 1.0
+    ex, ey = (x - entries[e, 0]) * per_pixel, (y - entries[e, 1]) * per_pixel
+    past2, middle, inverse = ex * ex + ey * ey, entries[e, 2], 1.0
     if N[PARALLEL] < 0.5:
-        dx, dy = (x - 0.5 * N[WIDTH]) / scale, (y - 0.5 * N[ROWS]) / scale
-        per_depth = 1.0 + dx * dx + dy * dy
-        scale /= z
-    ex, ey = (x - entries[e, 0]) / scale, (y - entries[e, 1]) / scale
-    along = ex * dx + ey * dy
-    return ex * ex + ey * ey - along * along / per_depth, z - along / per_depth, ti.sqrt(per_depth)
+        per_depth = per_pixel / middle
+        dx, dy = (x - 0.5 * N[WIDTH]) * per_depth, (y - 0.5 * N[ROWS]) * per_depth
+        inverse = 1.0 / (1.0 + dx * dx + dy * dy)
+        along = ex * dx + ey * dy
+        past2 -= along * along * inverse
+        middle -= along * inverse
+    return past2, middle, inverse
 
 
 @ti.kernel
@@ -91,16 +93,17 @@ def _find_layers(
             # a sphere smaller than a pixel covers it by its area
             drawn = ti.max(radius, 0.5 / pixels)
             share = ti.min((radius / drawn) ** 2, 1.0)
+            outer2 = (drawn + 0.5 / pixels) ** 2
             box = _box(N, entries, e, drawn, 0.5, 1.0, ox, oy, width, rows)
             for row in range(oy + box[2], oy + box[3] + 1):
                 for column in range(ox + box[0], ox + box[1] + 1):
-                    past2, middle, length = _ray_past(
-                        N, entries, e, ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5
+                    past2, middle, inverse = _ray_past(
+                        N, entries, e, 1.0 / pixels, ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5
                     )
-                    beyond = (drawn - ti.sqrt(ti.max(past2, 0.0))) * pixels + 0.5
-                    if beyond > 0.0:
+                    if past2 < outer2 and (cover[row, column] < share or middle - drawn < depth[row, column]):
+                        beyond = (drawn - ti.sqrt(ti.max(past2, 0.0))) * pixels + 0.5
+                        nearest = middle - ti.sqrt(ti.max(drawn * drawn - past2, 0.0) * inverse)
                         cover[row, column] = ti.max(cover[row, column], ti.min(beyond, 1.0) * share)
-                        nearest = middle - ti.sqrt(ti.max(drawn * drawn - past2, 0.0)) / length
                         if beyond >= 0.5:
                             depth[row, column] = ti.min(depth[row, column], nearest)
                         else:
@@ -111,8 +114,8 @@ def _find_layers(
             box = _box(N, entries, e, drawn, 0.0, 2.0, ox, oy, half_width, half_rows)
             for row in range(oy // 2 + box[2], oy // 2 + box[3] + 1):
                 for column in range(ox // 2 + box[0], ox // 2 + box[1] + 1):
-                    past2, middle, length = _ray_past(
-                        N, entries, e, 2.0 * ti.cast(column, ti.f32) + 1.0, 2.0 * ti.cast(row, ti.f32) + 1.0
+                    past2, middle, inverse = _ray_past(
+                        N, entries, e, 1.0 / pixels, 2.0 * ti.cast(column, ti.f32) + 1.0, 2.0 * ti.cast(row, ti.f32) + 1.0
                     )
                     inside = 1.0 - past2 / (drawn * drawn)
                     if inside > 0.0:
@@ -143,8 +146,8 @@ def _spread_colours(
             box = _box(N, entries, e, drawn, 0.0, 1.0, ox, oy, width, rows)
             for row in range(oy + box[2], oy + box[3] + 1):
                 for column in range(ox + box[0], ox + box[1] + 1):
-                    past2, middle, length = _ray_past(
-                        N, entries, e, ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5
+                    past2, middle, inverse = _ray_past(
+                        N, entries, e, 1.0 / pixels, ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5
                     )
                     below = (middle - depth[row, column]) / drawn - 0.5
                     inside = 1.0 - past2 / (drawn * drawn) - below * below

@@ -1,13 +1,7 @@
 """Draws the liquids of a scene: bins, layers, smoothing and shading, one liquid after the other from the farthest on."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from gen_art.maths.array_functions import log
-from gen_art.preset.liquid import Liquid
-from gen_art.preset.surface import Finish
-from gen_art.renderer.colour import linear
 from gen_art.renderer.framebuffer import FrameBuffer
 from gen_art.renderer.liquid.layers import COLOURS, SPREAD, PixelLayers
 from gen_art.renderer.liquid.liquid_shading import (
@@ -20,54 +14,16 @@ from gen_art.renderer.liquid.liquid_shading import (
     SPHERE,
     draw_liquid_kernel,
 )
-from gen_art.renderer.liquid.packing import packing
+from gen_art.renderer.liquid.liquid_system import LiquidSystem, absorption
 from gen_art.renderer.liquid.particle_bins import ParticleBins
 from gen_art.renderer.liquid.smoothing import smooth, spread_lengths
-from gen_art.renderer.shading import LIT_ALBEDO, LIT_EXTINCTION, LIT_POSITION, LIT_RADIUS, ProjectedParticles
-from gen_art.renderer.sprite import ALPHA, BLUE, DEPTH, FOOTPRINT, RED
+from gen_art.renderer.surfaces.scene_numbers import LIQUID_BIAS, LIQUID_CELL
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
 from gen_art.renderer.surfaces.surface_pass import SurfacePass
 
-__all__ = ["LiquidPass", "LiquidSystem", "absorption"]
+__all__ = ["LiquidPass"]
 
 _ALIKE = 1e-5  # by which colours differ by rounding alone
-_DARKEST = 1e-6  # what at least remains of light after the liquid's distance
-
-
-def absorption(liquid: Liquid) -> np.ndarray:
-    """(3,) absorption of linear light per length: -log(color) / distance."""
-    return -log(np.maximum(linear(liquid.color).astype(np.float64), _DARKEST)) / liquid.distance
-
-
-@dataclass(frozen=True, eq=False)
-class LiquidSystem:
-    """The liquid of one system, as its particles are shaded.
-
-    liquid, finish : what light does in it, and at its surface
-    projected : its particles, lit
-    """
-
-    liquid: Liquid
-    finish: Finish
-    projected: ProjectedParticles
-
-    @property
-    def radii(self) -> np.ndarray:
-        """(n,) m, of all particles that exist."""
-        lit = self.projected.lit[: self.projected.count]
-        return lit[lit[:, LIT_EXTINCTION] > 0.0, LIT_RADIUS]
-
-    @property
-    def positions(self) -> np.ndarray:
-        """(n, 3) of all particles that exist."""
-        lit = self.projected.lit[: self.projected.count]
-        return lit[lit[:, LIT_EXTINCTION] > 0.0, LIT_POSITION]
-
-    @property
-    def distance(self) -> float:
-        """The median distance of the visible particles along the line of sight."""
-        seen = self.projected.used[DEPTH, self.projected.used[FOOTPRINT] >= 0.0]
-        return float(np.median(seen)) if len(seen) else 0.0
 
 
 class LiquidPass:
@@ -94,23 +50,21 @@ class LiquidPass:
 
     def _draw_one(self, system: LiquidSystem, material: int, casters, surfaces, framebuffer, sky_behind: bool) -> None:
         projected, liquid, layers = system.projected, system.liquid, self._layers
-        radii, numbers = system.radii, surfaces.arrays.numbers
-        if not len(radii):
+        if not len(system.radii):
             return
-        paints = _paints(projected)
+        numbers, sphere, paints = surfaces.arrays.numbers, system.sphere, system.paints()
         coloured = bool(np.abs(paints - paints[:1]).max() > _ALIKE * max(float(paints[0].max()), 1.0))
         bins = ParticleBins.of(
             numbers, projected.channels, projected.lit, projected.count, self.size, SPREAD if coloured else 1.0
         )
         if not bins.starts[-1]:
             return
-        layers.find(numbers, bins, 1.0 / packing(system.positions, radii))
+        layers.find(numbers, bins, 1.0 / system.packing)
         if coloured:
             layers.spread(numbers, bins, paints)
             colours = layers.colours
         else:
             colours = np.append(paints[0], 1.0).astype(np.float32).reshape(1, 1, COLOURS + 1)
-        sphere = float(np.median(radii))
         smooth(numbers, layers.depth, liquid.smoothing * sphere, sphere, self._scratch, self._smooth)
         if liquid.clear:
             spread_lengths(numbers, self._smooth, liquid.smoothing * sphere, layers.thickness, self._lengths)
@@ -118,20 +72,18 @@ class LiquidPass:
         own[ABSORPTION : ABSORPTION + 3] = absorption(liquid)
         own[SCATTERING] = 0.0 if liquid.scattering is None else 1.0 / liquid.scattering
         own[CLEAR], own[SPHERE], own[MATERIAL], own[SKY_BEHIND] = liquid.clear, sphere, material, sky_behind
+        shared = surfaces.arrays._replace(numbers=_received(numbers, liquid.clear, sphere))
         film, far = framebuffer.pixels.copy(), surfaces.depths[:, :, 0].copy()
         draw_liquid_kernel(casters.terms, coloured)(
-            *surfaces.arrays, own, self._smooth, layers.cover, layers.thickness, colours, film, far, framebuffer.buffer,
+            *shared, own, self._smooth, layers.cover, layers.thickness, colours, film, far, framebuffer.buffer,
             framebuffer.stride, surfaces.depths, surfaces.bounds,
         )  # fmt: skip
 
 
-def _paints(projected: ProjectedParticles) -> np.ndarray:
-    """(n, COLOURS) float32: albedo and emission of each particle; those off the picture have those of the first that is not."""
-    area = projected.used[ALPHA]
-    paints = np.zeros((projected.count, COLOURS), np.float32)
-    seen = np.flatnonzero(area > 0.0)
-    if len(seen):
-        paints[:, :3] = projected.lit[: projected.count, LIT_ALBEDO] / np.maximum(area, 1e-30)[:, None]
-        paints[:, 3:] = (projected.used[RED : BLUE + 1] / np.maximum(area, 1e-30)).T
-        paints[area <= 0.0] = paints[seen[0]]
-    return paints
+def _received(numbers: np.ndarray, clear: bool, sphere: float) -> np.ndarray:
+    """N for a liquid's own surface: a clear one does not shadow itself, an opaque one from two radii below its surface on."""
+    numbers = numbers.copy()
+    numbers[LIQUID_BIAS] = 2.0 * sphere
+    if clear:
+        numbers[LIQUID_CELL] = 0.0
+    return numbers

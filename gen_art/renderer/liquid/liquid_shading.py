@@ -141,8 +141,8 @@ def draw_liquid_kernel(terms: ColliderTerms, coloured: bool):
     @ti.kernel
     def draw(
         N: F1, Q: F1, M: F2, E: F3, B: F2, shadow_starts: ti.types.ndarray(ti.i32, 1), shadow_solids: ti.types.ndarray(ti.i32, 1),
-        D: F2, sky: F2, open_sky: F1, smoke: F1, T: F2, levels: ti.types.ndarray(ti.i32, 2), G: F2, dome: F3, L: F1, U: F2,
-        cover: F2, thickness: F2, colours: F3, film: F3, far: F2, framebuffer: F1, stride: ti.i32, depths: F3, bounds: F3,
+        D: F2, sky: F2, open_sky: F1, smoke: F1, T: F2, levels: ti.types.ndarray(ti.i32, 2), G: F2, dome: F3,
+        liquid_first: F2, liquid_depths: F3, L: F1, U: F2, cover: F2, thickness: F2, colours: F3, film: F3, far: F2, framebuffer: F1, stride: ti.i32, depths: F3, bounds: F3,
     ):  # fmt: skip
         """Draw the liquid over the framebuffer, and its depths into `depths` and `bounds`.
 
@@ -154,6 +154,7 @@ def draw_liquid_kernel(terms: ColliderTerms, coloured: bool):
             scene = arrays(
                 N=N, Q=Q, M=M, E=E, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D, sky=sky,
                 open_sky=open_sky, smoke=smoke, T=T, levels=levels, G=G, dome=dome,
+                liquid_first=liquid_first, liquid_depths=liquid_depths,
             )  # fmt: skip
             oy, ox = tile // bounds.shape[1] * TILE, tile % bounds.shape[1] * TILE
             nearest, farthest = NEVER, -NEVER

@@ -182,6 +182,7 @@ def draw_kernel(terms: ColliderTerms):
         N: F1, Q: F1, owners: I1, M: F2, E: F3, B: F2, rectangles: I2, bin_starts: I1, bin_solids: I1, shadow_starts: I1,
         shadow_solids: I1, D: F2, sky: F2, open_sky: F1, smoke: F1, across: ti.i32, down: ti.i32, framebuffer: F1,
         stride: ti.i32, depths: F3, bounds: F3, T: F2, levels: I2, G: F2, dome: F3,
+        liquid_first: F2, liquid_depths: F3,
     ):  # fmt: skip
         """Draw surfaces into a clear framebuffer, and their distances along the line of sight into `depths`.
 
@@ -193,12 +194,14 @@ def draw_kernel(terms: ColliderTerms):
         depths : (rows, columns, SUBPIXELS), NEVER where nothing is met
         bounds : (down, across, 2) the least and the largest of them in each tile
         T, levels : of the MirrorFilm; G : of blur_points; dome : table of the SkyDome
+        liquid_first, liquid_depths : of the LiquidShadow
         """
         ti.loop_config(block_dim=1)
         for tile in range(across * down * TILES * TILES):
             scene = arrays(
                 N=N, Q=Q, owners=owners, M=M, E=E, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D,
                 sky=sky, open_sky=open_sky, smoke=smoke, T=T, levels=levels, G=G, dome=dome,
+                liquid_first=liquid_first, liquid_depths=liquid_depths,
             )  # fmt: skip
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE

@@ -17,12 +17,13 @@ __all__ = ["NUMBERS", "camera_ray", "first_distance", "lamp_tangent", "scene_num
 (
     CAMERA, RIGHT, UP, FORWARD, SCALE, PARALLEL, NEAR, FAR, WIDTH, ROWS, TIME, TO_LAMP, LAMP_SIDE, LAMP_UP, LAMP_TANGENT,
     LAMP_COLOUR, SHADOWS, SHADOW_REACH, FOG_START, FOG_RATE, FOG_COLOUR, BIN_CORNER, BIN_CELL, BIN_SHAPE, SKY_ORIGIN, SKY_CELL,
-    SKY_SHAPE, SMOKE_CORNER, SMOKE_CELL, SMOKE_SHAPE, CLIP, MIRROR, HAS_DOME, FOG_IS_SKY,
+    SKY_SHAPE, SMOKE_CORNER, SMOKE_CELL, SMOKE_SHAPE, CLIP, MIRROR, HAS_DOME, FOG_IS_SKY, LIQUID_CORNER, LIQUID_CELL,
+    LIQUID_FIRST, LIQUID_BIAS,
 ) = (
     0, 3, 6, 9, 12, 13, 14, 15, 16, 17, 18, 19, 22, 25, 28, 29, 32, 33, 34, 35, 36, 39, 41, 42, 44, 47, 48, 51, 54, 55, 58,
-    62, 63, 64,
+    62, 63, 64, 65, 67, 68, 69,
 )  # fmt: skip
-NUMBERS = 65
+NUMBERS = 70
 _FARTHEST = 1e15  # its square is a float32
 
 
@@ -65,7 +66,8 @@ def lamp_tangent(light: Lighting) -> float:
 
 
 def scene_numbers(
-    view: CameraView, size, time: float, light: Lighting, shadows: bool, bins, sky, smoke, clip=None, mirror: int = -1
+    view: CameraView, size, time: float, light: Lighting, shadows: bool, bins, sky, smoke, clip=None, mirror: int = -1,
+    liquid=None,
 ) -> np.ndarray:  # fmt: skip
     """N, (NUMBERS,) float32.
 
@@ -76,6 +78,7 @@ def scene_numbers(
     smoke : the Smoke that shadows the lamp, along the lamp's axes, or None
     clip : (point, normal) of the plane before which nothing is drawn, as behind a mirror, or None
     mirror : the material of the mirror, or -1
+    liquid : the LiquidShadow that liquids cast, or None
     """
     n = np.zeros(NUMBERS)
     n[CAMERA : CAMERA + 3] = view.position
@@ -102,6 +105,8 @@ def scene_numbers(
     if clip is not None:
         point, normal = (np.asarray(vector, np.float64) for vector in clip)
         n[CLIP : CLIP + 3], n[CLIP + 3] = normal, (point - view.position) @ normal
+    if liquid is not None:
+        n[LIQUID_CORNER : LIQUID_CORNER + 2], n[LIQUID_CELL], n[LIQUID_FIRST] = liquid.corner, liquid.cell, liquid.nearest
     n[MIRROR], n[HAS_DOME] = mirror, light.dome is not None
     return n.astype(np.float32)
 

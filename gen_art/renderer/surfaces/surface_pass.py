@@ -10,6 +10,7 @@ from gen_art.renderer.colour import linear
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.draw_surfaces import BIN, SUBPIXELS, TILE, draw_kernel
 from gen_art.renderer.surfaces.lamp_shadows import lamp_disc
+from gen_art.renderer.surfaces.liquid_shadow import NO_LIQUID, LiquidShadow
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm, blur_points
 from gen_art.renderer.surfaces.reflection import reflected_share
 from gen_art.renderer.surfaces.scene import Scene
@@ -53,6 +54,8 @@ class SceneArrays(NamedTuple):
     levels: np.ndarray
     blur: np.ndarray  # G
     dome: np.ndarray
+    liquid_first: np.ndarray
+    liquid_depths: np.ndarray
 
 
 class SurfacePass:
@@ -75,6 +78,7 @@ class SurfacePass:
     def draw(
         self, scene: Scene, casters: ShadowCasters, solids: list[SolidSystem], smoke, framebuffer,
         film: MirrorFilm = NO_MIRROR, clip=None, finishes: Sequence[Finish] = (),
+        liquid: LiquidShadow = NO_LIQUID, hidden_by=None,
     ) -> None:  # fmt: skip
         """Draw the surfaces of a scene, and solids, into a clear framebuffer.
 
@@ -83,6 +87,8 @@ class SurfacePass:
         film : what the scene's mirror shows
         clip : (point, normal) of the plane before which nothing is drawn, or None
         finishes : of liquids, which are drawn later; their materials come after all others
+        liquid : the shadow that they cast
+        hidden_by : (positions, extinction cross sections, radii) of their particles, which hide the sky, or None
         """
         view, time, rows, light, bins = casters.view, casters.time, casters.rows, casters.light, casters.bins
         if clip is None:
@@ -94,10 +100,13 @@ class SurfacePass:
         table = np.stack([_material(look) for look in looks])
         shares = np.stack([reflected_share(look.roughness, look.ior) for look in looks])
         positions, radii = rows[:, :3].astype(np.float64) + view.position, rows[:, BOUND].astype(np.float64)
-        sky = SkyLight.of(light, positions, mean_areas(rows) * scene.shadows, radii)
+        hiding = (positions, mean_areas(rows), radii)
+        if hidden_by is not None:
+            hiding = tuple(np.concatenate(pair) for pair in zip(hiding, hidden_by))
+        sky = SkyLight.of(light, hiding[0], hiding[1] * scene.shadows, hiding[2])
         grid, depths = smoke if smoke is not None and scene.shadows else (None, np.zeros(1, np.float32))
         mirror = scene.mirror if film is not NO_MIRROR else -1
-        numbers = scene_numbers(view, self.size, time, light, scene.shadows, bins, sky, grid, clip, mirror)
+        numbers = scene_numbers(view, self.size, time, light, scene.shadows, bins, sky, grid, clip, mirror, liquid)
         rectangles = pixel_rectangles(rows, view, self.size)
         across, down = framebuffer.across, framebuffer.down
         first, last = rectangles[:, 2::-2] // BIN, rectangles[:, 3::-2] // BIN
@@ -106,13 +115,14 @@ class SurfacePass:
         self.arrays = SceneArrays(
             numbers, casters.terms.numbers(), table, shares, filled(rows), bins.starts, filled(bins.solids), self._disc,
             sky.light, sky.open, depths, film.texels, film.levels, self._blur,
-            light.dome.table if light.dome is not None else _NO_DOME,
+            light.dome.table if light.dome is not None else _NO_DOME, liquid.first, liquid.depths,
         )  # fmt: skip
         a = self.arrays
         draw_kernel(casters.terms)(
             a.numbers, a.colliders, owners, a.materials, a.shares, a.solids, filled(rectangles), bin_starts,
             filled(bin_solids), a.shadow_starts, a.shadow_solids, a.disc, a.sky, a.open_sky, a.smoke, across, down,
             framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, a.film, a.levels, a.blur, a.dome,
+            a.liquid_first, a.liquid_depths,
         )  # fmt: skip
 
 

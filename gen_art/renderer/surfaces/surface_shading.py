@@ -6,6 +6,7 @@ The one-letter names in kernels are in docs/glossary.md.
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp
 from gen_art.renderer.sky_table import sky_radiance
+from gen_art.renderer.surfaces.liquid_shadow import liquid_light
 from gen_art.renderer.surfaces.mirror_film import mirrored_light
 from gen_art.renderer.surfaces.reflection import ANGLES, SMOOTH, fresnel_of, microfacets
 from gen_art.renderer.surfaces.scene_numbers import (
@@ -17,6 +18,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     HAS_DOME,
     LAMP_COLOUR,
     LAMP_TANGENT,
+    LIQUID_BIAS,
     MIRROR,
     PARALLEL,
     RIGHT,
@@ -118,9 +120,12 @@ def surface_radiance(
     pixel = ti.select(N[PARALLEL] > 0.5, 1.0, t) / N[SCALE]
     to_lamp = vector_at(N, TO_LAMP)
     nl, nv = n.dot(to_lamp), ti.min(ti.max(n.dot(view), 1e-4), 1.0)
-    share = 0.0
+    share, passed = 0.0, ti.Vector([1.0, 1.0, 1.0])
     if nl > 0.0:
         share = lamp_share(entries, scene, x + n * (0.6 * pixel), pixel)
+        if share > 0.0:
+            place = x + vector_at(N, CAMERA) + n * N[LIQUID_BIAS]
+            passed = liquid_light(N, scene.liquid_first, scene.liquid_depths, scene.D, place, pixel)
     sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * N[SKY_CELL])
     metal, rough = M[m, METAL], M[m, ROUGHNESS]
     share_of = layer_shares(M, E, m, nv)
@@ -144,7 +149,7 @@ def surface_radiance(
             around = sky_radiance(scene.dome, mirrored[0], mirrored[1], mirrored[2])
     result = emission
     for k in ti.static(range(3)):
-        lamp, slope = N[LAMP_COLOUR + k] * share, ti.Vector([sky[3 + 3 * k], sky[4 + 3 * k], sky[5 + 3 * k]])
+        lamp, slope = N[LAMP_COLOUR + k] * share * passed[k], ti.Vector([sky[3 + 3 * k], sky[4 + 3 * k], sky[5 + 3 * k]])
         arriving = 4.0 * lamp * ti.max(nl, 0.0) + ti.max(sky[k] + (2.0 / 3.0) * slope.dot(n), 0.0)
         open_share = ti.min(sky[k] / ti.max(scene.open_sky[k], 1e-20), 1.0)
         reflected = even * ti.max(sky[k] + blur * slope.dot(mirrored), 0.0) + (1.0 - even) * around[k] * open_share
