@@ -397,6 +397,8 @@ class Look(Model):
             raise UsageError(f"draw: {self.draw} hides what is behind it: leave out `blend`")
         if "liquid" in self.model_fields_set and not self.is_liquid:
             raise UsageError("`liquid` is of a surface: give draw: surface, or leave it out")
+        if self.is_liquid and self.liquid.clear and self.finish.metal > 0.0:
+            raise UsageError("a metal lets no light through: give liquid: {clear: false}, or leave out `metal`")
         if (self.shapes or self.is_liquid) and (self.trail is not None or self.light is not None):
             raise UsageError(f"draw: {self.draw} has no {'trail' if self.trail else 'light of its own'}: leave it out")
         if self.blend == "alpha" and self.draw not in ("disc", "sphere", "picture"):

@@ -291,9 +291,10 @@ class Painter:
         of_lamp = smoke.get(smoke_key(scene.lighting))
         finishes = [liquid.finish for liquid in liquids]
         shadow = NO_LIQUID
-        if liquids and scene.shadows:  # of a clear liquid only other things stand in
-            if scene.surfaces or solids or not all(system.liquid.clear for system in liquids):
-                shadow = lamp_map(liquids, lamp_axes(scene.lighting.direction))
+        # a clear liquid does not shadow itself
+        receivers = scene.surfaces or solids or not all(system.liquid.clear for system in liquids)
+        if liquids and scene.shadows and receivers:
+            shadow = lamp_map(liquids, lamp_axes(scene.lighting.direction))
         self._surfaces.draw(
             scene, casters, solids, of_lamp and of_lamp[:2], framebuffer, film, mirror, finishes, shadow,
             hiding_particles(liquids),

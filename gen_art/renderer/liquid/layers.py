@@ -69,7 +69,8 @@ def _ray_past(N: ti.template(), entries: ti.template(), e, per_pixel, x, y):
 
 @ti.kernel
 def _find_layers(
-    N: F1, across: ti.i32, down: ti.i32, starts: I1, entries: F2, per_volume: ti.f32, depth: F2, rim: F2, cover: F2, thickness: F2,
+    N: F1, across: ti.i32, down: ti.i32, starts: I1, entries: F2, per_volume: ti.f32, depth: F2, rim: F2, cover: F2,
+    thickness: F2,
 ):  # fmt: skip
     """Fill the arrays of PixelLayers.
 
@@ -115,7 +116,12 @@ def _find_layers(
             for row in range(oy // 2 + box[2], oy // 2 + box[3] + 1):
                 for column in range(ox // 2 + box[0], ox // 2 + box[1] + 1):
                     past2, middle, inverse = _ray_past(
-                        N, entries, e, 1.0 / pixels, 2.0 * ti.cast(column, ti.f32) + 1.0, 2.0 * ti.cast(row, ti.f32) + 1.0
+                        N,
+                        entries,
+                        e,
+                        1.0 / pixels,
+                        2.0 * ti.cast(column, ti.f32) + 1.0,
+                        2.0 * ti.cast(row, ti.f32) + 1.0,
                     )
                     inside = 1.0 - past2 / (drawn * drawn)
                     if inside > 0.0:
@@ -130,7 +136,7 @@ def _find_layers(
 def _spread_colours(
     N: F1, across: ti.i32, down: ti.i32, starts: I1, entries: F2, particles: I1, P: F2, depth: F2, colours: F3
 ):  # fmt: skip
-    """The mean of P (particles, COLOURS) over the particles near each pixel's surface, into `colours` (rows, columns, COLOURS + 1)."""
+    """Fill `colours`, (rows, columns, COLOURS + 1), with the mean of P, (particles, COLOURS), near each pixel's surface."""
     ti.loop_config(block_dim=1)
     for bin in range(across * down):
         ox, oy = (bin % across) * BIN, (bin // across) * BIN
@@ -146,7 +152,7 @@ def _spread_colours(
             box = _box(N, entries, e, drawn, 0.0, 1.0, ox, oy, width, rows)
             for row in range(oy + box[2], oy + box[3] + 1):
                 for column in range(ox + box[0], ox + box[1] + 1):
-                    past2, middle, inverse = _ray_past(
+                    past2, middle, _ = _ray_past(
                         N, entries, e, 1.0 / pixels, ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5
                     )
                     below = (middle - depth[row, column]) / drawn - 0.5
@@ -164,7 +170,27 @@ def _spread_colours(
                         colours[oy + v, ox + u, c] = colours[oy + v, ox + u, c] / weight
 
 
-_find_kernel, _colours_kernel = kernel(_find_layers), kernel(_spread_colours)
+@ti.kernel
+def _fill_inside(cover: F2):
+    """Cover pixels wholly that spheres cover in parts, where the middles of the four neighbours are covered, too.
+
+    Only what is half covered or more changes, and only that is asked for: the order of the pixels changes nothing.
+    """
+    ti.loop_config(block_dim=1)
+    for row in range(cover.shape[0]):
+        for column in range(cover.shape[1]):
+            if cover[row, column] >= 0.5 and cover[row, column] < 1.0:
+                open_sides = 0
+                for k in ti.static(range(4)):
+                    i = row + ti.static((1, -1, 0, 0)[k])
+                    j = column + ti.static((0, 0, 1, -1)[k])
+                    if i >= 0 and j >= 0 and i < cover.shape[0] and j < cover.shape[1]:
+                        open_sides += ti.select(cover[i, j] < 0.5, 1, 0)
+                if open_sides == 0:
+                    cover[row, column] = 1.0
+
+
+_find_kernel, _colours_kernel, _inside_kernel = map(kernel, (_find_layers, _spread_colours, _fill_inside))
 
 
 class PixelLayers:
@@ -188,6 +214,7 @@ class PixelLayers:
             numbers, bins.across, bins.down, bins.starts, bins.entries, per_volume, self.depth, self._rim, self.cover,
             self.thickness,
         )  # fmt: skip
+        _inside_kernel(self.cover)
 
     def spread(self, numbers: np.ndarray, bins: ParticleBins, paints: np.ndarray) -> None:
         """Fill colours from those of the particles, (particles, COLOURS)."""

@@ -17,7 +17,7 @@ from gen_art.renderer.liquid.liquid_shading import (
 from gen_art.renderer.liquid.liquid_system import LiquidSystem, absorption
 from gen_art.renderer.liquid.particle_bins import ParticleBins
 from gen_art.renderer.liquid.smoothing import smooth, spread_lengths
-from gen_art.renderer.surfaces.scene_numbers import LIQUID_BIAS, LIQUID_CELL
+from gen_art.renderer.surfaces.scene_numbers import LIQUID_BIAS, LIQUID_CELL, SKY_CELL, SKY_LIFT
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
 from gen_art.renderer.surfaces.surface_pass import SurfacePass
 
@@ -81,8 +81,13 @@ class LiquidPass:
 
 
 def _received(numbers: np.ndarray, clear: bool, sphere: float) -> np.ndarray:
-    """N for a liquid's own surface: a clear one does not shadow itself, an opaque one from two radii below its surface on."""
+    """N for a liquid's own surface.
+
+    A clear one does not shadow itself, an opaque one from two radii below its surface on. The sky's light is read where the
+    liquid, which is blurred in the grid of that light, no longer hides it from its own surface.
+    """
     numbers = numbers.copy()
+    numbers[SKY_LIFT] = 2.0 * numbers[SKY_CELL]
     numbers[LIQUID_BIAS] = 2.0 * sphere
     if clear:
         numbers[LIQUID_CELL] = 0.0

@@ -40,6 +40,7 @@ __all__ = ["LIQUID_NUMBERS", "draw_liquid_kernel"]
 ABSORPTION, SCATTERING, CLEAR, SPHERE, MATERIAL, SKY_BEHIND, LIQUID_NUMBERS = 0, 3, 4, 5, 6, 7, 8
 
 F1, F2, F3 = (ti.types.ndarray(ti.f32, n) for n in (1, 2, 3))
+I1, I2 = (ti.types.ndarray(ti.i32, n) for n in (1, 2))
 
 
 @ti.func
@@ -109,7 +110,9 @@ def _picture_at(film: ti.template(), N: ti.template(), x, y):
 
 
 @ti.func
-def _seen_through(scene: ti.template(), film: ti.template(), far: ti.template(), x, towards, length, depth, row, column):
+def _seen_through(
+    scene: ti.template(), film: ti.template(), far: ti.template(), x, towards, length, depth, row, column
+):
     """(4,) light and coverage of what the refracted ray meets where it leaves the liquid.
 
     x : relative to the camera, where it enters; towards : its direction; depth : of x along the line of sight
@@ -122,12 +125,13 @@ def _seen_through(scene: ti.template(), film: ti.template(), far: ti.template(),
         scale /= ti.max(ahead, 1e-6)
     u = 0.5 * N[WIDTH] + scale * end.dot(vector_at(N, RIGHT))
     v = 0.5 * N[ROWS] - scale * end.dot(vector_at(N, UP))
-    i, j = ti.cast(ti.floor(ti.min(ti.max(v, -1.0), N[ROWS])), ti.i32), ti.cast(ti.floor(ti.min(ti.max(u, -1.0), N[WIDTH])), ti.i32)
-    inside = i >= 0 and j >= 0 and i < film.shape[0] and j < film.shape[1]
+    i, j = (
+        ti.cast(ti.floor(ti.min(ti.max(v, -1.0), N[ROWS])), ti.i32),
+        ti.cast(ti.floor(ti.min(ti.max(u, -1.0), N[WIDTH])), ti.i32),
+    )
     before = 1
-    if inside:
-        if far[i, j] >= depth:
-            before = 0
+    if i >= 0 and j >= 0 and i < film.shape[0] and j < film.shape[1]:
+        before = ti.select(far[i, j] >= depth, 0, 1)
     if before == 1:  # off the picture, or of something before the liquid: what lies straight behind
         u, v = ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5
     return _picture_at(film, N, u, v)
@@ -140,9 +144,9 @@ def draw_liquid_kernel(terms: ColliderTerms, coloured: bool):
 
     @ti.kernel
     def draw(
-        N: F1, Q: F1, M: F2, E: F3, B: F2, shadow_starts: ti.types.ndarray(ti.i32, 1), shadow_solids: ti.types.ndarray(ti.i32, 1),
-        D: F2, sky: F2, open_sky: F1, smoke: F1, T: F2, levels: ti.types.ndarray(ti.i32, 2), G: F2, dome: F3,
-        liquid_first: F2, liquid_depths: F3, L: F1, U: F2, cover: F2, thickness: F2, colours: F3, film: F3, far: F2, framebuffer: F1, stride: ti.i32, depths: F3, bounds: F3,
+        N: F1, Q: F1, M: F2, E: F3, B: F2, shadow_starts: I1, shadow_solids: I1, D: F2, sky: F2, open_sky: F1, smoke: F1,
+        T: F2, levels: I2, G: F2, dome: F3, liquid_first: F2, liquid_depths: F3, L: F1, U: F2, cover: F2, thickness: F2,
+        colours: F3, film: F3, far: F2, framebuffer: F1, stride: ti.i32, depths: F3, bounds: F3,
     ):  # fmt: skip
         """Draw the liquid over the framebuffer, and its depths into `depths` and `bounds`.
 

@@ -107,7 +107,9 @@ class ParticleBins:
     particles: np.ndarray
 
     @classmethod
-    def of(cls, numbers: np.ndarray, channels: np.ndarray, lit: np.ndarray, count: int, size, spread: float) -> "ParticleBins":
+    def of(
+        cls, numbers: np.ndarray, channels: np.ndarray, lit: np.ndarray, count: int, size, spread: float
+    ) -> "ParticleBins":
         """The bins of projected particles.
 
         numbers : of scene_numbers

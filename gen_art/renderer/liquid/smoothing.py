@@ -20,7 +20,7 @@ from gen_art.renderer.surfaces.solids import NEVER
 
 __all__ = ["STEP_DEPTH", "STEP_SLOPE", "smooth", "spread_lengths"]
 
-TAPS = 8  # depths read on each side at most
+TAPS = 12  # depths read on each side at most
 PASSES = (1.0, 1.0, 0.4)  # parts of R, each along rows and then along columns
 RIDGE = 0.001  # how much a flat line is preferred
 STEP_DEPTH = 3.0  # radii by which the depth may change from one tap to the next, and
@@ -107,7 +107,9 @@ def _smooth(N: F1, radius: ti.f32, sphere: ti.f32, down: ti.i32, U: F2, out: F2)
 _plane_kernel, _smooth_kernel = kernel(_to_plane), kernel(_smooth)
 
 
-def smooth(numbers: np.ndarray, depth: np.ndarray, radius: float, sphere: float, scratch: np.ndarray, out: np.ndarray) -> None:
+def smooth(
+    numbers: np.ndarray, depth: np.ndarray, radius: float, sphere: float, scratch: np.ndarray, out: np.ndarray
+) -> None:
     """The smoothed surface, as 1/depth with perspective and as depth without, NEVER where there is nothing.
 
     numbers : of scene_numbers
@@ -127,7 +129,11 @@ def _blur(N: F1, radius: ti.f32, down: ti.i32, U: F2, T: F2, out: F2):
     ti.loop_config(block_dim=1)
     for row in range(T.shape[0]):
         for column in range(T.shape[1]):
-            u, total, weight = U[ti.min(2 * row, U.shape[0] - 1), ti.min(2 * column, U.shape[1] - 1)], T[row, column], 1.0
+            u, total, weight = (
+                U[ti.min(2 * row, U.shape[0] - 1), ti.min(2 * column, U.shape[1] - 1)],
+                T[row, column],
+                1.0,
+            )
             if u < NEVER:
                 reach = 0.5 * radius * N[SCALE] * ti.select(N[PARALLEL] > 0.5, 1.0, u)
                 spacing = ti.max(reach / TAPS, 1.0)
@@ -151,7 +157,9 @@ def _blur(N: F1, radius: ti.f32, down: ti.i32, U: F2, T: F2, out: F2):
 _blur_kernel = kernel(_blur)
 
 
-def spread_lengths(numbers: np.ndarray, surface: np.ndarray, radius: float, lengths: np.ndarray, scratch: np.ndarray) -> None:
+def spread_lengths(
+    numbers: np.ndarray, surface: np.ndarray, radius: float, lengths: np.ndarray, scratch: np.ndarray
+) -> None:
     """Smooth the lengths of liquid in place, over a radius in m.
 
     surface : of `smooth`; lengths, scratch : (rows / 2, columns / 2)

@@ -70,7 +70,7 @@ def _passed(N: ti.template(), first: ti.template(), depths: ti.template(), x, y,
                 share = ti.min((p - begins - N[LIQUID_BIAS]) / ti.max(depths[a, b, 3], 1e-20), 1.0)
                 above += weight * (p - begins)
                 weight_above += weight
-        for c in ti.static(range(3)):
+        for c in range(3):  # not unrolled: every surface's kernel holds this
             passed = 1.0
             if share > 0.0:
                 passed = exp(-share * depths[a, b, c])
@@ -95,23 +95,24 @@ def liquid_light(N: ti.template(), first: ti.template(), depths: ti.template(), 
         columns, rows = ti.cast(first.shape[1], ti.f32), ti.cast(first.shape[0], ti.f32)
         near = x > -widest - 1.0 and y > -widest - 1.0 and x < columns + widest + 1.0 and y < rows + widest + 1.0
         if near and p > N[LIQUID_FIRST]:
-            if widest < 1.0:
-                passed = _passed(N, first, depths, x, y, p)
-                result = ti.Vector([passed[0], passed[1], passed[2]])
-            else:
-                # how far above the place is what shadows it, on average, says how wide its half-shadow is
-                above, found = 0.0, 0.0
-                for j in range(LAMP_POINTS // 4):
-                    k = 4 * j + 3
-                    distance = _passed(N, first, depths, x + widest * D[k, 0], y + widest * D[k, 1], p)[3]
-                    if distance > 0.0:
-                        above += distance
-                        found += 1.0
-                if found > 0.0:
+            # first, how far above the place is what shadows it, on average: that says how wide its half-shadow is
+            reach, stage = widest, 0
+            while stage < 2:
+                passed, above, found = ti.Vector([0.0, 0.0, 0.0]), 0.0, 0.0
+                every = ti.select(widest < 1.0, LAMP_POINTS, ti.select(stage == 0, 4, 1))
+                for j in range(LAMP_POINTS // every):
+                    k = every * j + every - 1
+                    across = ti.select(widest < 1.0, 0.0, reach)
+                    one = _passed(N, first, depths, x + across * D[k, 0], y + across * D[k, 1], p)
+                    above, found = above + one[3], found + ti.select(one[3] > 0.0, 1.0, 0.0)
+                    for c in range(3):
+                        passed[c] += one[c]
+                stage += 1
+                if widest < 1.0 or stage == 2:
+                    stage = 2
+                    result = passed * (ti.cast(every, ti.f32) / LAMP_POINTS)
+                elif found > 0.0:
                     reach = (N[LAMP_TANGENT] * above / found + 0.5 * pixel) / N[LIQUID_CELL]
-                    result *= 0.0
-                    for k in range(LAMP_POINTS):
-                        passed = _passed(N, first, depths, x + reach * D[k, 0], y + reach * D[k, 1], p)
-                        for c in ti.static(range(3)):
-                            result[c] += passed[c] * (1.0 / LAMP_POINTS)
+                else:
+                    stage = 2
     return result

@@ -18,12 +18,12 @@ __all__ = ["NUMBERS", "camera_ray", "first_distance", "lamp_tangent", "scene_num
     CAMERA, RIGHT, UP, FORWARD, SCALE, PARALLEL, NEAR, FAR, WIDTH, ROWS, TIME, TO_LAMP, LAMP_SIDE, LAMP_UP, LAMP_TANGENT,
     LAMP_COLOUR, SHADOWS, SHADOW_REACH, FOG_START, FOG_RATE, FOG_COLOUR, BIN_CORNER, BIN_CELL, BIN_SHAPE, SKY_ORIGIN, SKY_CELL,
     SKY_SHAPE, SMOKE_CORNER, SMOKE_CELL, SMOKE_SHAPE, CLIP, MIRROR, HAS_DOME, FOG_IS_SKY, LIQUID_CORNER, LIQUID_CELL,
-    LIQUID_FIRST, LIQUID_BIAS,
+    LIQUID_FIRST, LIQUID_BIAS, SKY_LIFT,
 ) = (
     0, 3, 6, 9, 12, 13, 14, 15, 16, 17, 18, 19, 22, 25, 28, 29, 32, 33, 34, 35, 36, 39, 41, 42, 44, 47, 48, 51, 54, 55, 58,
-    62, 63, 64, 65, 67, 68, 69,
+    62, 63, 64, 65, 67, 68, 69, 70,
 )  # fmt: skip
-NUMBERS = 70
+NUMBERS = 71
 _FARTHEST = 1e15  # its square is a float32
 
 
@@ -106,7 +106,11 @@ def scene_numbers(
         point, normal = (np.asarray(vector, np.float64) for vector in clip)
         n[CLIP : CLIP + 3], n[CLIP + 3] = normal, (point - view.position) @ normal
     if liquid is not None:
-        n[LIQUID_CORNER : LIQUID_CORNER + 2], n[LIQUID_CELL], n[LIQUID_FIRST] = liquid.corner, liquid.cell, liquid.nearest
+        n[LIQUID_CORNER : LIQUID_CORNER + 2], n[LIQUID_CELL], n[LIQUID_FIRST] = (
+            liquid.corner,
+            liquid.cell,
+            liquid.nearest,
+        )
     n[MIRROR], n[HAS_DOME] = mirror, light.dome is not None
     return n.astype(np.float32)
 

@@ -24,6 +24,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     RIGHT,
     SCALE,
     SKY_CELL,
+    SKY_LIFT,
     TO_LAMP,
     UP,
     camera_ray,
@@ -126,7 +127,7 @@ def surface_radiance(
         if share > 0.0:
             place = x + vector_at(N, CAMERA) + n * N[LIQUID_BIAS]
             passed = liquid_light(N, scene.liquid_first, scene.liquid_depths, scene.D, place, pixel)
-    sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * N[SKY_CELL])
+    sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * (N[SKY_CELL] + N[SKY_LIFT]))
     metal, rough = M[m, METAL], M[m, ROUGHNESS]
     share_of = layer_shares(M, E, m, nv)
     a, b, c = share_of[0], share_of[1], share_of[2]
@@ -149,7 +150,10 @@ def surface_radiance(
             around = sky_radiance(scene.dome, mirrored[0], mirrored[1], mirrored[2])
     result = emission
     for k in ti.static(range(3)):
-        lamp, slope = N[LAMP_COLOUR + k] * share * passed[k], ti.Vector([sky[3 + 3 * k], sky[4 + 3 * k], sky[5 + 3 * k]])
+        lamp, slope = (
+            N[LAMP_COLOUR + k] * share * passed[k],
+            ti.Vector([sky[3 + 3 * k], sky[4 + 3 * k], sky[5 + 3 * k]]),
+        )
         arriving = 4.0 * lamp * ti.max(nl, 0.0) + ti.max(sky[k] + (2.0 / 3.0) * slope.dot(n), 0.0)
         open_share = ti.min(sky[k] / ti.max(scene.open_sky[k], 1e-20), 1.0)
         reflected = even * ti.max(sky[k] + blur * slope.dot(mirrored), 0.0) + (1.0 - even) * around[k] * open_share
