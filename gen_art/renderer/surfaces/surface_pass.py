@@ -100,10 +100,10 @@ class SurfacePass:
         table = np.stack([_material(look) for look in looks])
         shares = np.stack([reflected_share(look.roughness, look.ior) for look in looks])
         positions, radii = rows[:, :3].astype(np.float64) + view.position, rows[:, BOUND].astype(np.float64)
-        hiding = (positions, mean_areas(rows), radii)
+        areas = mean_areas(rows)
         if hidden_by is not None:
-            hiding = tuple(np.concatenate(pair) for pair in zip(hiding, hidden_by))
-        sky = SkyLight.of(light, hiding[0], hiding[1] * scene.shadows, hiding[2])
+            positions, areas, radii = (np.concatenate(pair) for pair in zip((positions, areas, radii), hidden_by))
+        sky = SkyLight.of(light, positions, areas * scene.shadows, radii)
         grid, depths = smoke if smoke is not None and scene.shadows else (None, np.zeros(1, np.float32))
         mirror = scene.mirror if film is not NO_MIRROR else -1
         numbers = scene_numbers(view, self.size, time, light, scene.shadows, bins, sky, grid, clip, mirror, liquid)
