@@ -20,7 +20,7 @@ from gen_art.renderer.surfaces.solids import NEVER
 
 __all__ = ["STEP_DEPTH", "STEP_SLOPE", "smooth", "spread_lengths"]
 
-TAPS = 12  # depths read on each side at most
+TAPS = 8  # depths read on each side at most
 PASSES = (1.0, 1.0, 0.4)  # parts of R, each along rows and then along columns
 RIDGE = 0.001  # how much a flat line is preferred
 STEP_DEPTH = 3.0  # radii by which the depth may change from one tap to the next, and
