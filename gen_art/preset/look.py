@@ -27,6 +27,7 @@ from gen_art.preset.fields import (
 )
 from gen_art.preset.files import ImageFile, PresetFile
 from gen_art.preset.light import KeyLight
+from gen_art.preset.liquid import Liquid
 from gen_art.preset.model import Model, about
 from gen_art.preset.surface import Finish
 from gen_art.preset.values import Curve, Range, number, shown
@@ -287,12 +288,15 @@ def _legend(value):
 class Look(Model):
     """How a system's particles are drawn. All sizes scale with the picture's height."""
 
-    draw: Literal["point", "pixel", "disc", "streak", "sphere", "picture", "body", "thread", "cloth"] = about(
-        "point",
-        "`point` is a dot placed between pixels, `pixel` lights only the pixel that it falls in, `disc` is a soft Gaussian "
-        "sprite whose radius is 2.2 standard deviations, `streak` the path of the last `length` seconds, `sphere` an even "
-        "disc with a sharp rim, or a ball where it is opaque in the preset's `light`, `picture` an image, `body` the shapes of "
-        "rigid bodies, `thread` the springs between particles as rods, `cloth` a cloth as a smooth sheet with two sides",
+    draw: Literal["point", "pixel", "disc", "streak", "sphere", "picture", "body", "thread", "cloth", "surface"] = (
+        about(
+            "point",
+            "`point` is a dot placed between pixels, `pixel` lights only the pixel that it falls in, `disc` is a soft Gaussian "
+            "sprite whose radius is 2.2 standard deviations, `streak` the path of the last `length` seconds, `sphere` an even "
+            "disc with a sharp rim, or a ball where it is opaque in the preset's `light`, `picture` an image, `body` the shapes of "
+            "rigid bodies, `thread` the springs between particles as rods, `cloth` a cloth as a smooth sheet with two sides, "
+            "`surface` the smooth surface of a liquid",
+        )
     )
     picture: Picture | None = about(None, "the image of `draw: picture`")
     blend: Literal["add", "alpha", "opaque"] = about(
@@ -326,7 +330,8 @@ class Look(Model):
     light: KeyLight | None = about(None, "the light on smoke; the preset's `light` when left out")
     finish: Finish = about(
         Finish.model_validate({}),
-        "how balls, bodies, threads and cloth reflect; balls are `draw: sphere` with `blend: opaque` in the preset's `light`",
+        "how balls, bodies, threads and cloth reflect; balls are `draw: sphere` with `blend: opaque` in the preset's `light`. Of a "
+        "clear liquid, what it leaves out is water's: roughness 0, ior 1.33",
     )
     back: ColourValue | None = about(
         None, "with `draw: cloth`, the albedo of the side that is not seen with column 0 on the left; both sides have the "
@@ -335,6 +340,7 @@ class Look(Model):
     translucency: Fraction = about(
         0.0, "with `draw: cloth`, the part of the scattered light that leaves on the other side: 0.3 is thin cotton"
     )
+    liquid: Liquid = about(Liquid.model_validate({}), "what light does inside the surface of `draw: surface`")
     falloff: Literal["none", "inverse_square"] = about(
         "none", "`inverse_square` dims points as 1/d^2, with a factor of 1 at the camera's target"
     )
@@ -348,6 +354,18 @@ class Look(Model):
     def shapes(self) -> bool:
         """Whether the shapes of bodies, threads or cloth are drawn instead of the particles."""
         return self.draw in ("body", "thread", "cloth")
+
+    @property
+    def is_liquid(self) -> bool:
+        """Whether the particles are drawn together as the surface of a liquid."""
+        return self.draw == "surface"
+
+    @property
+    def liquid_finish(self) -> Finish:
+        """How the surface of the liquid reflects."""
+        if not self.liquid.clear:
+            return self.finish
+        return Finish(**{"roughness": 0.0, "ior": 1.33, **self.finish.model_dump(exclude_unset=True)})
 
     def ramps(self) -> "dict[tuple[str, ...], Ramp | Color]":
         """The numbers and colours that may depend on a quantity, by their keys: first those that a legend shows first."""
@@ -386,14 +404,24 @@ class Look(Model):
             raise UsageError("draw: pixel has no size: leave out `pixels`, or give draw: disc")
         if (self.draw == "picture") != (self.picture is not None):
             raise UsageError("`draw: picture` and `picture: spark.png` need each other")
-        if self.shapes and self.blend != "add":
+        if (self.shapes or self.is_liquid) and self.blend != "add":
             raise UsageError(f"draw: {self.draw} hides what is behind it: leave out `blend`")
-        if self.shapes and (self.trail is not None or self.light is not None):
+        if "liquid" in self.model_fields_set and not self.is_liquid:
+            raise UsageError("`liquid` is of a surface: give draw: surface, or leave it out")
+        if self.is_liquid and self.liquid.clear and self.finish.metal > 0.0:
+            raise UsageError("a metal lets no light through: give liquid: {clear: false}, or leave out `metal`")
+        if self.is_liquid and self.finish.transmission > 0.0:
+            raise UsageError("what goes through a liquid stands in `liquid`: leave out `transmission`")
+        if (self.shapes or self.is_liquid) and (self.trail is not None or self.light is not None):
             raise UsageError(f"draw: {self.draw} has no {'trail' if self.trail else 'light of its own'}: leave it out")
         if self.draw == "cloth":
             given = self.model_fields_set & {"radius", "width", "pixels", "size", "length", "tail", "taper"}
             if given:
                 raise UsageError(f"draw: cloth is a sheet without thickness: leave out `{min(given)}`")
+            if self.finish.transmission > 0.0:
+                raise UsageError(
+                    "draw: cloth has no inside for light to go through: give `translucency` in place of `transmission`"
+                )
         elif self.back is not None or self.translucency > 0.0:
             raise UsageError(f"`{'back' if self.back is not None else 'translucency'}` needs draw: cloth")
         if self.blend == "alpha" and self.draw not in ("disc", "sphere", "picture"):

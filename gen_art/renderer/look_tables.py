@@ -175,6 +175,7 @@ def kernel_numbers(
         "body": math.pi,
         "thread": math.pi,
         "cloth": math.pi,
+        "surface": math.pi,
         "picture": 4.0 * texels(look.picture.image.place)[1] if look.picture else 0.0,
     }.get(look.draw, AREA * FOOTPRINT_PER_RADIUS * FOOTPRINT_PER_RADIUS)
     if look.pixels is not None:
@@ -183,14 +184,14 @@ def kernel_numbers(
         q[SIZE_MODE], q[SIZE_VALUE] = 1, look.radius if look.radius is not None else 0.5 * (look.width or 0.0)
     q[SIZE_VALUE] *= width
     q[RIBBON] = look.ribbon is not None
-    q[BLEND] = 2 if look.shapes else ("add", "alpha", "opaque").index(look.blend)
+    q[BLEND] = 2 if look.shapes or look.is_liquid else ("add", "alpha", "opaque").index(look.blend)
     q[CONSERVE] = look.reference or 0.0
     q[FALLOFF] = view.distance**2 if look.falloff == "inverse_square" else 0.0
     emission = look.emission
     if emission and emission.strobe:
         q[STROBE_LO], q[STROBE_HI], q[DUTY] = emission.strobe.lo, max(emission.strobe.hi, 1e-12), emission.duty
     q[RAW], q[WEIGHT], q[LIT] = raw, weight, lit
-    q[EMITS] = emission is not None or (look.blend == "add" and not look.shapes)
+    q[EMITS] = emission is not None or (look.blend == "add" and not look.shapes and not look.is_liquid)
     q[FOCUS] = 1.0
     lens = getattr(view, "lens", None)
     if lens is not None:

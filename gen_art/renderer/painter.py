@@ -20,16 +20,20 @@ from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, p
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
 from gen_art.renderer.lighting import Lighting
+from gen_art.renderer.liquid.lamp_map import lamp_map
+from gen_art.renderer.liquid.liquid_pass import LiquidPass
+from gen_art.renderer.liquid.liquid_system import LiquidSystem, hiding_particles
 from gen_art.renderer.look_tables import SIZE_MODE, SIZE_VALUE, LookTables, kernel_numbers
 from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import ProjectedParticles, shade
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.sky_background import draw_sky
-from gen_art.renderer.smoke_lighting import add_scattered_light, smoke_key
+from gen_art.renderer.smoke_lighting import add_scattered_light, lamp_axes, smoke_key
 from gen_art.renderer.sprite import ALPHA, DISC, FOOTPRINT, HIDDEN, KINDS, OUTSIDE, POINT, RED, STREAK, X
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.supersample import box_averaged
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES, SurfaceDepths, hide_small_sprites
+from gen_art.renderer.surfaces.liquid_shadow import NO_LIQUID
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
@@ -90,6 +94,7 @@ class Painter:
         self.sky = None if transparent else self.scene.dome
         self.framebuffer = FrameBuffer(self.size)
         self._surfaces: SurfacePass | None = None
+        self._liquids: LiquidPass | None = None
         self._film: MirrorFilm | None = None
         self._sprites = Sprites()
         self._projected: dict[str, ProjectedParticles] = {}
@@ -210,6 +215,7 @@ class Painter:
         lit: dict[str, tuple] = {}
         solids: list[SolidSystem] = []
         sheets: list[SheetSystem] = []
+        liquids: list[LiquidSystem] = []
         sprites, looks = self._sprites, {}
         for name in names:
             if self.looks.get(name, self._default_look) is not None:
@@ -219,13 +225,15 @@ class Painter:
                 if look.ribbon is not None:
                     continue
                 light, solid = self._light_on(look), self._is_solid(look)
-                # solids are clipped by the rays that meet them, and fog is added where they are drawn
+                # solids are clipped by the rays that meet them, and fog is added where surfaces are drawn
                 seen = replace(view, fog=None, near=-math.inf, far=math.inf) if solid else view
                 if look.draw == "cloth":  # its colours alone are needed, and those of parallel rays exist everywhere
                     seen = replace(seen, height=1.0)
+                seen = replace(view, fog=None) if look.is_liquid else seen
                 q = kernel_numbers(
-                    tables, seen, self.size, sim.time, film_time, shutter, raw, weight, lit=solid or light is not None
-                )
+                    tables, seen, self.size, sim.time, film_time, shutter, raw, weight,
+                    lit=solid or look.is_liquid or light is not None,
+                )  # fmt: skip
                 if look.draw == "cloth":
                     q[SIZE_MODE], q[SIZE_VALUE] = 1, 1.0
                 shade(projected, system, tables, q, self._acceleration(name, system, sim.time))
@@ -240,11 +248,13 @@ class Painter:
                 elif solid:
                     shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
                     solids.append(SolidSystem(look.finish, projected.used, columns, shapes))
+                elif look.is_liquid:
+                    liquids.append(LiquidSystem(look.liquid, look.liquid_finish, projected))
                 elif light is not None and projected.count:
                     lit[name] = light, projected.used, columns
         scene = self.scene if mirror is None else self.scene.without_mirror
         casters = None
-        if trails is not None and (solids or sheets or scene.surfaces):
+        if trails is not None and (solids or sheets or liquids or scene.surfaces):
             casters = ShadowCasters.of(scene, solids, sheets, view, sim.time)
         shading = casters if scene.shadows else None
         smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1]), shading) if lit else {}
@@ -252,18 +262,20 @@ class Painter:
         if trails is not None:
             if casters is not None:
                 finishes = [*(system.finish for system in solids), *(system.look.finish for system in sheets)]
-                sprites.hidden_by = self._draw_surfaces(scene, casters, finishes, smoke, framebuffer, film, mirror)
+                sprites.hidden_by = self._draw_surfaces(
+                    scene, casters, finishes, liquids, smoke, framebuffer, film, mirror
+                )
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
         sprites.layered = (
-            any(look.blend != "add" and not self._is_solid(look) for look in looks.values()) and recolour is None
+            any(look.blend != "add" and not self._is_surface(look) for look in looks.values()) and recolour is None
         )
         for name, look in looks.items():
             if recolour is not None and name in drawn:
                 recolour(*drawn[name])
             if look.ribbon is not None and recolour is None:
                 self._add_ribbons(sim, name, view, film_time, weight, framebuffer)
-            elif look.ribbon is None and not self._is_solid(look):
+            elif look.ribbon is None and not self._is_surface(look):
                 self._add_sprites(look, self._projected[name], framebuffer)
         splat(sprites, framebuffer)
 
@@ -277,14 +289,32 @@ class Painter:
         """Whether a system is drawn by surfaces in the scene's light: balls, bodies, threads or cloth."""
         return look.shapes or (self.scene.lit and look.draw == "sphere" and look.blend == "opaque")
 
+    def _is_surface(self, look: Look) -> bool:
+        """Whether a system is drawn by surfaces: as solids or as a liquid."""
+        return look.is_liquid or self._is_solid(look)
+
     def _draw_surfaces(
-        self, scene, casters, finishes, smoke: dict, framebuffer, film: MirrorFilm, mirror
+        self, scene, casters, finishes, liquids, smoke: dict, framebuffer, film: MirrorFilm, mirror
     ) -> SurfaceDepths:
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
         if self._surfaces is None:
             self._surfaces = SurfacePass(self.size)
         of_lamp = smoke.get(smoke_key(scene.lighting))
-        self._surfaces.draw(scene, casters, finishes, of_lamp and of_lamp[:2], framebuffer, film, mirror)
+        shadow = NO_LIQUID
+        # a clear liquid does not shadow itself
+        receivers = scene.surfaces or finishes or not all(system.liquid.clear for system in liquids)
+        if liquids and scene.shadows and receivers:
+            shadow = lamp_map(liquids, lamp_axes(scene.lighting.direction))
+        of_liquids = [liquid.finish for liquid in liquids]
+        self._surfaces.draw(
+            scene, casters, [*finishes, *of_liquids], of_lamp and of_lamp[:2], framebuffer, film, mirror, shadow,
+            hiding_particles(liquids),
+        )  # fmt: skip
+        if liquids:
+            if self._liquids is None:
+                self._liquids = LiquidPass(self.size)
+            first = len(scene.surfaces) + len(finishes)
+            self._liquids.draw(liquids, first, casters, self._surfaces, framebuffer, self.sky is not None)
         depths, tiles, view = self._surfaces.depths, self._surfaces.bounds, casters.view
         return SurfaceDepths.of(depths, tiles, 1.0 / view.scale(self.size[1]), view.height is not None)
 

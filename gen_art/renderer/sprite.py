@@ -31,9 +31,10 @@ KINDS = {
     "disc": DISC,
     "streak": STREAK,
     "sphere": SPHERE,
-    "body": SPHERE,  # for shading alone: shapes are drawn as surfaces
+    "body": SPHERE,  # for shading alone: these three are drawn as surfaces
     "thread": SPHERE,
     "cloth": SPHERE,
+    "surface": SPHERE,
     "picture": PICTURE,
 }  # keys: the look's `draw`
 # Channels of a projected particle: position (pixels), footprint (pixels), EDGE, movement (pixels), light times area,

@@ -163,9 +163,9 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool):
     def draw(
         N: F1, Q: F1, owners: I1, M: F2, E: F3, B: F2, rectangles: I2, bin_starts: I1, bin_solids: I1, shadow_starts: I1,
         shadow_solids: I1, D: F2, sky: F2, open_sky: F1, smoke: F1, across: ti.i32, down: ti.i32, framebuffer: F1,
-        stride: ti.i32, depths: F3, bounds: F3, T: F2, levels: I2, G: F2, dome: F3, grid_starts: I1, grid_solids: I1,
-        photons: F2, photon_starts: I1, V: F2, faces: I2, sheet_looks: F2, sheet_grid: F1, sheet_starts: I1, sheet_faces: I1,
-        face_rectangles: I2, face_starts: I1, bin_faces: I1,
+        stride: ti.i32, depths: F3, bounds: F3, T: F2, levels: I2, G: F2, dome: F3, liquid_first: F2, liquid_depths: F3,
+        grid_starts: I1, grid_solids: I1, photons: F2, photon_starts: I1, V: F2, faces: I2, sheet_looks: F2, sheet_grid: F1,
+        sheet_starts: I1, sheet_faces: I1, face_rectangles: I2, face_starts: I1, bin_faces: I1,
     ):  # fmt: skip
         """Draw surfaces into a clear framebuffer, and their distances along the line of sight into `depths`.
 
@@ -177,6 +177,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool):
         depths : (rows, columns, SUBPIXELS), NEVER where nothing is met
         bounds : (down, across, 2) the least and the largest of them in each tile
         T, levels : of the MirrorFilm; G : of blur_points; dome : table of the SkyDome
+        liquid_first, liquid_depths : of the LiquidShadow
         grid_starts, grid_solids : of the SolidGrid; photons, photon_starts : of Photons
         V, faces, sheet_looks, sheet_grid, sheet_starts, sheet_faces : of Sheets
         face_rectangles, face_starts, bin_faces : of its faces, as for solids
@@ -186,9 +187,9 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool):
             scene = arrays(
                 N=N, Q=Q, owners=owners, M=M, E=E, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D,
                 sky=sky, open_sky=open_sky, smoke=smoke, T=T, levels=levels, G=G, dome=dome,
-                grid_starts=grid_starts, grid_solids=grid_solids, photons=photons, photon_starts=photon_starts,
-                with_sheets=with_sheets, V=V, faces=faces, sheet_looks=sheet_looks, sheet_grid=sheet_grid,
-                sheet_starts=sheet_starts, sheet_faces=sheet_faces,
+                liquid_first=liquid_first, liquid_depths=liquid_depths, grid_starts=grid_starts, grid_solids=grid_solids,
+                gathers=True, photons=photons, photon_starts=photon_starts, with_sheets=with_sheets, V=V, faces=faces,
+                sheet_looks=sheet_looks, sheet_grid=sheet_grid, sheet_starts=sheet_starts, sheet_faces=sheet_faces,
             )  # fmt: skip
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE

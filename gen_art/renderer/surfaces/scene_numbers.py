@@ -18,12 +18,12 @@ __all__ = ["NUMBERS", "camera_ray", "first_distance", "lamp_tangent", "scene_num
     CAMERA, RIGHT, UP, FORWARD, SCALE, PARALLEL, NEAR, FAR, WIDTH, ROWS, TIME, TO_LAMP, LAMP_SIDE, LAMP_UP, LAMP_TANGENT,
     LAMP_COLOUR, SHADOWS, SHADOW_REACH, FOG_START, FOG_RATE, FOG_COLOUR, BIN_CORNER, BIN_CELL, BIN_SHAPE, SKY_ORIGIN, SKY_CELL,
     SKY_SHAPE, SMOKE_CORNER, SMOKE_CELL, SMOKE_SHAPE, CLIP, MIRROR, HAS_DOME, FOG_IS_SKY, GRID_CORNER, GRID_CELL, GRID_SHAPE,
-    PHOTON_CELL,
+    PHOTON_CELL, LIQUID_CORNER, LIQUID_CELL, LIQUID_FIRST, LIQUID_BIAS, SKY_LIFT,
 ) = (
     0, 3, 6, 9, 12, 13, 14, 15, 16, 17, 18, 19, 22, 25, 28, 29, 32, 33, 34, 35, 36, 39, 41, 42, 44, 47, 48, 51, 54, 55, 58,
-    62, 63, 64, 65, 68, 71, 74,
+    62, 63, 64, 65, 68, 71, 74, 75, 77, 78, 79, 80,
 )  # fmt: skip
-NUMBERS = 75
+NUMBERS = 81
 _FARTHEST = 1e15  # its square is a float32
 
 
@@ -67,6 +67,7 @@ def lamp_tangent(light: Lighting) -> float:
 
 def scene_numbers(
     view: CameraView, size, time: float, light: Lighting, shadows: bool, bins, sky, smoke, grid=None, clip=None, mirror: int = -1,
+    liquid=None,
 ) -> np.ndarray:  # fmt: skip
     """N, (NUMBERS,) float32.
 
@@ -78,6 +79,7 @@ def scene_numbers(
     grid : the SolidGrid that rays between surfaces walk through, or None
     clip : (point, normal) of the plane before which nothing is drawn, as behind a mirror, or None
     mirror : the material of the mirror, or -1
+    liquid : the LiquidShadow that liquids cast, or None
     """
     n = np.zeros(NUMBERS)
     n[CAMERA : CAMERA + 3] = view.position
@@ -107,6 +109,12 @@ def scene_numbers(
     if clip is not None:
         point, normal = (np.asarray(vector, np.float64) for vector in clip)
         n[CLIP : CLIP + 3], n[CLIP + 3] = normal, (point - view.position) @ normal
+    if liquid is not None:
+        n[LIQUID_CORNER : LIQUID_CORNER + 2], n[LIQUID_CELL], n[LIQUID_FIRST] = (
+            liquid.corner,
+            liquid.cell,
+            liquid.nearest,
+        )
     n[MIRROR], n[HAS_DOME] = mirror, light.dome is not None
     return n.astype(np.float32)
 

@@ -1,5 +1,8 @@
 """Draws the surfaces of a scene: gathers colliders, solids and light for the kernel of draw_surfaces.py."""
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 
 from gen_art.preset.surface import Finish, SurfaceLook
@@ -8,6 +11,7 @@ from gen_art.renderer.surfaces.caustics import caustic_photons
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.draw_surfaces import draw_kernel
 from gen_art.renderer.surfaces.lamp_shadows import lamp_disc
+from gen_art.renderer.surfaces.liquid_shadow import NO_LIQUID, LiquidShadow
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm, blur_points
 from gen_art.renderer.surfaces.photon_cells import NO_PHOTONS
 from gen_art.renderer.surfaces.ray_tree import TRACED_ROUGHNESS
@@ -41,12 +45,37 @@ _THROUGH = 0.85  # of the sky's light, what clear glass lets pass: it reflects s
 _NO_DOME = np.zeros((2, 2, 3), np.float32)
 
 
+class SceneArrays(NamedTuple):
+    """What kernels read to light a place of a surface; the letters of draw_surfaces.py are in the comments."""
+
+    numbers: np.ndarray  # N
+    colliders: np.ndarray  # Q
+    materials: np.ndarray  # M
+    shares: np.ndarray  # E
+    solids: np.ndarray  # B
+    shadow_starts: np.ndarray
+    shadow_solids: np.ndarray
+    disc: np.ndarray  # D
+    sky: np.ndarray
+    open_sky: np.ndarray
+    smoke: np.ndarray
+    film: np.ndarray  # T
+    levels: np.ndarray
+    blur: np.ndarray  # G
+    dome: np.ndarray
+    liquid_first: np.ndarray
+    liquid_depths: np.ndarray
+
+
 class SurfacePass:
     """Draws surfaces into framebuffers of one size. Of the last picture it keeps
 
     depths : (rows, columns, SUBPIXELS) along the line of sight
     bounds : (down, across, 2), the least and the largest of each tile of 8 x 8 pixels
+    arrays : SceneArrays, with which liquids are lit
     """
+
+    arrays: SceneArrays
 
     def __init__(self, size: tuple[int, int]):
         self.size = size
@@ -56,16 +85,18 @@ class SurfacePass:
         self._disc, self._blur = lamp_disc(), blur_points()
 
     def draw(
-        self, scene: Scene, casters: ShadowCasters, finishes: list[Finish], smoke, framebuffer,
-        film: MirrorFilm = NO_MIRROR, clip=None,
+        self, scene: Scene, casters: ShadowCasters, finishes: Sequence[Finish], smoke, framebuffer,
+        film: MirrorFilm = NO_MIRROR, clip=None, liquid: LiquidShadow = NO_LIQUID, hidden_by=None,
     ) -> None:  # fmt: skip
         """Draw the surfaces of a scene, solids and cloth into a clear framebuffer.
 
         casters : the scene's colliders and the rows of all solids and cloth
-        finishes : of the solids' systems, then of the cloths'
+        finishes : of the solids' systems, then of the cloths', then of liquids, which are drawn later
         smoke : (Smoke along the lamp's axes, its optical depths from the lamp) that shadows surfaces, or None
         film : what the scene's mirror shows
         clip : (point, normal) of the plane before which nothing is drawn, or None
+        liquid : the shadow that liquids cast
+        hidden_by : (positions, extinction cross sections, radii) of their particles, which hide the sky, or None
         """
         view, time, rows, light, bins = casters.view, casters.time, casters.rows, casters.light, casters.bins
         if clip is None:
@@ -83,12 +114,16 @@ class SurfacePass:
         if cloth.any:  # a triangle's shadow is half as large as the triangle, as the mean over all directions
             positions, areas = np.concatenate([positions, cloth.centers]), np.concatenate([areas, 0.5 * cloth.areas])
             radii = np.concatenate([radii, np.sqrt(cloth.areas / np.pi)])
+        if hidden_by is not None:
+            positions, areas, radii = (np.concatenate(pair) for pair in zip((positions, areas, radii), hidden_by))
         sky = SkyLight.of(light, positions, areas * scene.shadows, radii)
         grid, depths = smoke if smoke is not None and scene.shadows else (None, np.zeros(1, np.float32))
         mirror = scene.mirror if film is not NO_MIRROR else -1
         follows = bool((table[:, ROUGHNESS] <= TRACED_ROUGHNESS).any() or table[:, TRANSMISSION].any())
         places = SolidGrid.of(rows) if follows else SolidGrid.none()
-        numbers = scene_numbers(view, self.size, time, light, scene.shadows, bins, sky, grid, places, clip, mirror)
+        numbers = scene_numbers(
+            view, self.size, time, light, scene.shadows, bins, sky, grid, places, clip, mirror, liquid
+        )
         rectangles = pixel_rectangles(rows, view, self.size)
         across, down = framebuffer.across, framebuffer.down
         bin_starts, bin_solids = _in_bins(rectangles, (down, across))
@@ -99,13 +134,19 @@ class SurfacePass:
         if scene.shadows and table[:, TRANSMISSION].any():
             photons = caustic_photons(casters, scene.surfaces, table, owners, numbers, depths, places)
             numbers[PHOTON_CELL] = photons.cell
+        self.arrays = SceneArrays(
+            numbers, casters.terms.numbers(), table, shares, filled(rows), bins.starts, filled(bins.solids), self._disc,
+            sky.light, sky.open, depths, film.texels, film.levels, self._blur,
+            light.dome.table if light.dome is not None else _NO_DOME, liquid.first, liquid.depths,
+        )  # fmt: skip
+        a = self.arrays
         draw_kernel(casters.terms, follows, cloth.any)(
-            numbers, casters.terms.numbers(), owners, table, shares, filled(rows), filled(rectangles), bin_starts,
-            filled(bin_solids), bins.starts, filled(bins.solids), self._disc, sky.light, sky.open, depths, across, down,
-            framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, film.texels, film.levels, self._blur,
-            light.dome.table if light.dome is not None else _NO_DOME, places.starts,
-            filled(places.solids), photons.rows, photons.starts, filled(cloth.corners), filled(cloth.faces),
-            filled(cloth.looks), cloth.grid, cloth.starts, filled(cloth.listed), filled(of_faces), face_starts, filled(bin_faces),
+            a.numbers, a.colliders, owners, a.materials, a.shares, a.solids, filled(rectangles), bin_starts,
+            filled(bin_solids), a.shadow_starts, a.shadow_solids, a.disc, a.sky, a.open_sky, a.smoke, across, down,
+            framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, a.film, a.levels, a.blur, a.dome,
+            a.liquid_first, a.liquid_depths, places.starts, filled(places.solids), photons.rows, photons.starts,
+            filled(cloth.corners), filled(cloth.faces), filled(cloth.looks), cloth.grid, cloth.starts, filled(cloth.listed),
+            filled(of_faces), face_starts, filled(bin_faces),
         )  # fmt: skip
 
 

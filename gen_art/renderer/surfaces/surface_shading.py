@@ -6,6 +6,7 @@ The one-letter names in kernels are in docs/glossary.md.
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp
 from gen_art.renderer.sky_table import sky_radiance
+from gen_art.renderer.surfaces.liquid_shadow import liquid_light
 from gen_art.renderer.surfaces.mirror_film import mirrored_light
 from gen_art.renderer.surfaces.photon_cells import photon_light
 from gen_art.renderer.surfaces.reflection import ANGLES, SMOOTH, fresnel_of, microfacets
@@ -18,6 +19,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     HAS_DOME,
     LAMP_COLOUR,
     LAMP_TANGENT,
+    LIQUID_BIAS,
     RIGHT,
     SCALE,
     TO_LAMP,
@@ -26,7 +28,10 @@ from gen_art.renderer.surfaces.scene_numbers import (
 )
 from gen_art.renderer.surfaces.surface_light import lamp_share, sky_at
 
-__all__ = ["MATERIAL_FLOATS", "albedo_at", "background", "mirror_film_at", "row_vector", "surface_light", "air_between"]
+__all__ = [
+    "MATERIAL_FLOATS", "air_between", "albedo_at", "background", "layer_shares", "mirror_film_at", "row_vector",
+    "surface_light",
+]  # fmt: skip
 
 # a material's row: albedo, second albedo, side of the checker's squares or 0, roughness, refractive index, metal, emission,
 # transmission, 1 / attenuation_distance
@@ -91,6 +96,20 @@ def albedo_at(scene: ti.template(), m, x, n, d, pixel):
 
 
 @ti.func
+def layer_shares(M: ti.template(), E: ti.template(), m, nv):
+    """A, B and C of reflection.py (3,): what the layer of a material reflects of light from all sides.
+
+    nv : cosine of the normal with the view
+    """
+    at = nv * (ANGLES - 1.0)
+    e = ti.min(ti.cast(at, ti.i32), ANGLES - 2)
+    result = row_vector_3(E, m, e) + (row_vector_3(E, m, e + 1) - row_vector_3(E, m, e)) * (at - ti.cast(e, ti.f32))
+    if M[m, ROUGHNESS] <= SMOOTH:
+        result[2] = fresnel_of(nv, M[m, IOR])
+    return result
+
+
+@ti.func
 def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, clear, pixel):
     """The light from x towards the viewer, in parts: (own, mirrored, around, entering).
 
@@ -109,11 +128,14 @@ def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, a
     N, M, E = ti.static(scene.N, scene.M, scene.E)
     to_lamp = vector_at(N, TO_LAMP)
     nl, nv = n.dot(to_lamp), ti.min(ti.max(n.dot(view), 1e-4), 1.0)
-    share, lit = 0.0, nl > 0.0
+    share, lit, passed = 0.0, nl > 0.0, ti.Vector([1.0, 1.0, 1.0])
     if ti.static(scene.with_sheets):
         lit = nl > 0.0 or through.max() > 0.0
     if lit:
         share = lamp_share(entries, scene, x + n * ti.select(nl > 0.0, 0.6 * pixel, -0.6 * pixel), pixel)
+        if share > 0.0:
+            place = x + vector_at(N, CAMERA) + n * N[LIQUID_BIAS]
+            passed = liquid_light(N, scene.liquid_first, scene.liquid_depths, scene.D, place, pixel)
     sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * clear)
     shining = through * 0.0  # what comes through from the other side
     if ti.static(scene.with_sheets):  # noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
@@ -122,14 +144,10 @@ def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, a
             for k in ti.static(range(3)):
                 slope = ti.Vector([behind[3 + 3 * k], behind[4 + 3 * k], behind[5 + 3 * k]])
                 of_sky = ti.max(behind[k] - (2.0 / 3.0) * slope.dot(n), 0.0)
-                shining[k] = through[k] * (4.0 * N[LAMP_COLOUR + k] * share * ti.max(-nl, 0.0) + of_sky)
+                shining[k] = through[k] * (4.0 * N[LAMP_COLOUR + k] * share * passed[k] * ti.max(-nl, 0.0) + of_sky)
     metal, rough = M[m, METAL], M[m, ROUGHNESS]
-    at = nv * (ANGLES - 1.0)
-    e = ti.min(ti.cast(at, ti.i32), ANGLES - 2)
-    share_of = row_vector_3(E, m, e) + (row_vector_3(E, m, e + 1) - row_vector_3(E, m, e)) * (at - ti.cast(e, ti.f32))
+    share_of = layer_shares(M, E, m, nv)
     a, b, c = share_of[0], share_of[1], share_of[2]
-    if rough <= SMOOTH:
-        c = fresnel_of(nv, M[m, IOR])
     h = (to_lamp + view).normalized()
     vh, lobe = ti.max(h.dot(view), 0.0), 0.0
     if nl > 0.0:  # the lamp's disc widens the highlight
@@ -144,11 +162,14 @@ def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, a
         even = ti.min(1.5 * rough, 1.0)
         if even < 1.0:
             dome = sky_radiance(scene.dome, towards[0], towards[1], towards[2])
-    gathered = photon_light(scene, x)
+    gathered = emission * 0.0
+    if ti.static(scene.gathers):
+        gathered = photon_light(scene, x)
     own, mirrored, around = emission, emission * 0.0, emission * 0.0
     scattered = 1.0 - M[m, TRANSMISSION]
     for k in ti.static(range(3)):
-        lamp, slope = N[LAMP_COLOUR + k] * share, ti.Vector([sky[3 + 3 * k], sky[4 + 3 * k], sky[5 + 3 * k]])
+        lamp = N[LAMP_COLOUR + k] * share * passed[k]
+        slope = ti.Vector([sky[3 + 3 * k], sky[4 + 3 * k], sky[5 + 3 * k]])
         arriving = 4.0 * lamp * ti.max(nl, 0.0) + ti.max(sky[k] + (2.0 / 3.0) * slope.dot(n), 0.0) + gathered[k]
         open_share = ti.min(sky[k] / ti.max(scene.open_sky[k], 1e-20), 1.0)
         around[k] = even * ti.max(sky[k] + blur * slope.dot(towards), 0.0) + (1.0 - even) * dome[k] * open_share
