@@ -29,6 +29,7 @@ class Lighting:
     lamp : (3,) linear brightness of the lamp; its irradiance is 4 pi times that
     ambient : (3 colours, 4) c0 and the three parts of c1
     dome : the sky, or None
+    of_scene : whether it is the light of the whole scene, not that of one look
     """
 
     key: KeyLight
@@ -37,9 +38,10 @@ class Lighting:
     lamp: np.ndarray
     ambient: np.ndarray
     dome: SkyDome | None = field(default=None, repr=False)
+    of_scene: bool = False
 
     @classmethod
-    def of(cls, light: KeyLight | None, dome: SkyDome | None = None) -> "Lighting":
+    def of(cls, light: KeyLight | None, dome: SkyDome | None = None, of_scene: bool = False) -> "Lighting":
         """The light of a preset; without `light:`, that of the sky, or a lamp's where there is no sky either."""
         key = light or KeyLight()
         named = key.model_fields_set
@@ -56,7 +58,7 @@ class Lighting:
             lamp = np.zeros(3)
         if dome is not None and not named & {"ambient", "ambient_intensity", "ground"}:
             ambient = _mean_and_slope(dome)
-        return cls(key, direction / np.linalg.norm(direction), size, lamp, ambient, dome)
+        return cls(key, direction / np.linalg.norm(direction), size, lamp, ambient, dome, of_scene)
 
     def radiance(self, direction) -> np.ndarray:
         """(3,) light from a unit direction (3,), c0 + c1.w, not below 0."""

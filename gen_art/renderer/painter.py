@@ -16,6 +16,8 @@ from gen_art.preset.look import Look
 from gen_art.preset.sky import Sky
 from gen_art.preset.surface import Ground, ground_of
 from gen_art.renderer.camera import Camera
+from gen_art.renderer.emissive_lighting import EmittedLight
+from gen_art.renderer.emitted_light import emitted_light
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
@@ -228,7 +230,8 @@ class Painter:
                 drawn[name] = system, projected.used
                 if solid:
                     shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
-                    solids.append(SolidSystem(look.finish, projected.used, projected.lit[: projected.count], shapes))
+                    glows = name in self.scene.glow
+                    solids.append(SolidSystem(look.finish, projected.used, projected.lit[: projected.count], shapes, glows))
                 elif light is not None and projected.count:
                     lit[name] = light, projected.used, projected.lit[: projected.count]
         scene = self.scene if mirror is None else self.scene.without_mirror
@@ -237,11 +240,12 @@ class Painter:
             rows = solid_rows(solids, len(scene.surfaces), view)
             casters = ShadowCasters.of(scene, rows, view, sim.time)
         shading = casters if scene.shadows else None
-        smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1]), shading) if lit else {}
+        emitted = self._emitted_light(sim, view, film_time, weight) if lit or casters is not None else None
+        smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1]), shading, emitted) if lit else {}
         sprites.clear()
         if trails is not None:
             if casters is not None:
-                sprites.hidden_by = self._draw_surfaces(scene, casters, solids, smoke, framebuffer, film, mirror)
+                sprites.hidden_by = self._draw_surfaces(scene, casters, solids, smoke, framebuffer, film, mirror, emitted)
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
         sprites.layered = (
@@ -256,6 +260,14 @@ class Painter:
                 self._add_sprites(look, self._projected[name], framebuffer)
         splat(sprites, framebuffer)
 
+    def _emitted_light(self, sim, view, film_time: float, weight: float) -> EmittedLight | None:
+        """What the systems that the scene's light names by `glow` emit, or None."""
+        names = [name for name in self.scene.glow if name in sim.systems and self.looks.get(name, self._default_look)]
+        if not names:
+            return None
+        found = ((sim.systems[n], self._tables_of(n, sim.systems[n])[0], self._acceleration(n, sim.systems[n], sim.time)) for n in names)
+        return emitted_light(found, view, self.size, sim.time, film_time, weight)
+
     def _light_on(self, look: Look) -> Lighting | None:
         """The light that a system of smoke scatters: its own, or the scene's."""
         if look.light is not None:
@@ -267,13 +279,13 @@ class Painter:
         return look.shapes or (self.scene.lit and look.draw == "sphere" and look.blend == "opaque")
 
     def _draw_surfaces(
-        self, scene, casters, solids, smoke: dict, framebuffer, film: MirrorFilm, mirror
+        self, scene, casters, solids, smoke: dict, framebuffer, film: MirrorFilm, mirror, emitted
     ) -> SurfaceDepths:
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
         if self._surfaces is None:
             self._surfaces = SurfacePass(self.size)
         of_lamp = smoke.get(smoke_key(scene.lighting))
-        self._surfaces.draw(scene, casters, solids, of_lamp and of_lamp[:2], framebuffer, film, mirror)
+        self._surfaces.draw(scene, casters, solids, of_lamp and of_lamp[:2], framebuffer, film, mirror, emitted)
         depths, tiles, view = self._surfaces.depths, self._surfaces.bounds, casters.view
         return SurfaceDepths.of(depths, tiles, 1.0 / view.scale(self.size[1]), view.height is not None)
 

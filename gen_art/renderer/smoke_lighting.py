@@ -244,17 +244,22 @@ def scattered_light_of_system(
     return scattered_light([LitParticles(Lighting.of(light), positions, cross_sections, radii)], eye, parallel)[0]
 
 
-def add_scattered_light(lit: dict, drawn: dict, view, scale: float, casters: LampShares | None = None) -> dict:
+def add_scattered_light(
+    lit: dict, drawn: dict, view, scale: float, casters: LampShares | None = None, glow: EmittedLight | None = None
+) -> dict:
     """Add the light that lit systems scatter to their channels, in place. Returns the smoke by lamp, see `scattered_light`.
 
     lit : name -> (Lighting, channels (11, n), (n, 8) columns LIT_... of shading.py)
     drawn : name -> (system, channels) of everything in the picture
     scale : pixels per world unit, or per unit of slope
     casters : what else shadows the lamp
+    glow : what the systems emit that the scene's light names; those that a look's own light names are in `drawn`
     """
     parallel = view.height is not None
     eye = view.axes[2] if parallel else view.position
-    emitted = [_emitted_light(light.key, drawn, parallel, scale) for light, _, _ in lit.values()]
+    emitted = [
+        glow if light.of_scene else _emitted_light(light.key, drawn, parallel, scale) for light, _, _ in lit.values()
+    ]
     systems = [
         LitParticles(light, columns[:, LIT_POSITION], columns[:, LIT_EXTINCTION], columns[:, LIT_RADIUS])
         for light, _, columns in lit.values()

@@ -95,9 +95,10 @@ def set_bits(hidden):
 
 
 @ti.func
-def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, half_pixel, D: ti.template()):
+def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, half_pixel, far, D: ti.template()):
     """The set `hidden` with the lamp's points that solid i hides from x (relative to the camera).
 
+    far : distance of the lamp
     side, up : unit vectors across the direction `to_lamp`
     D : (LAMP_POINTS, 2) of lamp_disc
     """
@@ -107,7 +108,7 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
     ball = B[i, HALF] + B[i, HALF + 1] + B[i, HALF + 2] == 0.0
     if ball and offset.dot(offset) < radius * radius:  # x lies inside
         result = ti.i64(_ALL)
-    if along > 0.0 or (not ball and along > -radius):
+    if (along > 0.0 and along < far) or (not ball and along > -radius and along < far + radius):
         u, v = offset.dot(side), offset.dot(up)
         cone = half_pixel + ti.max(along, 0.0) * tangent
         distance2 = u * u + v * v
@@ -128,7 +129,7 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
                     across = side * D[k, 0] + up * D[k, 1]
                     if (
                         solid_hit(B, i, x + across * half_pixel, (to_lamp + across * tangent).normalized(), True)
-                        < NEVER
+                        < far
                     ):
                         result |= ti.i64(1) << ti.cast(k, ti.i64)
                     else:
@@ -190,6 +191,6 @@ def _reaches_cone(entry: ti.template(), q: ti.template(), o, d, tangent, half_pi
         for _ in range(_DEPTHS):
             at = t + depth
             depth *= 3.0
-            if entry.collider.distance(o + d * at, q, 0) <= -(half_pixel + tangent * at):
+            if at < far and entry.collider.distance(o + d * at, q, 0) <= -(half_pixel + tangent * at):
                 state = 2
     return state, t * 0.99

@@ -26,6 +26,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     TO_LAMP,
     vector_at,
 )
+from gen_art.renderer.surfaces.solids import NEVER
 
 __all__ = ["lamp_share", "sky_at"]
 
@@ -110,7 +111,7 @@ def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel):
             k, end = scene.shadow_starts[cell], scene.shadow_starts[cell + 1]
             while k < end:
                 solid = scene.shadow_solids[k]
-                hidden = solid_shadow(hidden, scene.B, solid, x, to_lamp, side, up, tangent, half_pixel, scene.D)
+                hidden = solid_shadow(hidden, scene.B, solid, x, to_lamp, side, up, tangent, half_pixel, NEVER, scene.D)
                 k = ti.select(hidden == ti.i64(-1), end, k + 1)
         share = 1.0 - ti.cast(set_bits(hidden), ti.f32) * (1.0 / LAMP_POINTS)
         if share > 0.0:

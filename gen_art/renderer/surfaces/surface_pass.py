@@ -4,8 +4,10 @@ import numpy as np
 
 from gen_art.preset.surface import Finish, SurfaceLook
 from gen_art.renderer.colour import linear
+from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.draw_surfaces import BIN, SUBPIXELS, TILE, draw_kernel
+from gen_art.renderer.surfaces.glow_scene import NO_GLOW, GlowScene
 from gen_art.renderer.surfaces.lamp_shadows import lamp_disc
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm, blur_points
 from gen_art.renderer.surfaces.reflection import reflected_share
@@ -48,7 +50,7 @@ class SurfacePass:
 
     def draw(
         self, scene: Scene, casters: ShadowCasters, solids: list[SolidSystem], smoke, framebuffer,
-        film: MirrorFilm = NO_MIRROR, clip=None,
+        film: MirrorFilm = NO_MIRROR, clip=None, emitted: EmittedLight | None = None,
     ) -> None:  # fmt: skip
         """Draw the surfaces of a scene, and solids, into a clear framebuffer.
 
@@ -56,6 +58,7 @@ class SurfacePass:
         smoke : (Smoke along the lamp's axes, its optical depths from the lamp) that shadows surfaces, or None
         film : what the scene's mirror shows
         clip : (point, normal) of the plane before which nothing is drawn, or None
+        emitted : the light of particles on the surfaces, or None
         """
         view, time, rows, light, bins = casters.view, casters.time, casters.rows, casters.light, casters.bins
         if clip is None:
@@ -76,11 +79,12 @@ class SurfacePass:
         first, last = rectangles[:, 2::-2] // BIN, rectangles[:, 3::-2] // BIN
         bin_starts, bin_solids = cell_lists(first, last, (down, across))
         owners = np.array(casters.terms.owners or [0], np.int32)
-        draw_kernel(casters.terms)(
+        glow = None if emitted is None else GlowScene.of(scene, casters, solids, emitted)
+        draw_kernel(casters.terms, glow is not None)(
             numbers, casters.terms.numbers(), owners, table, shares, filled(rows), filled(rectangles), bin_starts,
             filled(bin_solids), bins.starts, filled(bins.solids), self._disc, sky.light, sky.open, depths, across, down,
             framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, film.texels, film.levels, self._blur,
-            light.dome.table if light.dome is not None else _NO_DOME,
+            light.dome.table if light.dome is not None else _NO_DOME, *(NO_GLOW if glow is None else glow).arrays,
         )  # fmt: skip
 
 

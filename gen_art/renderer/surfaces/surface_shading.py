@@ -6,6 +6,7 @@ The one-letter names in kernels are in docs/glossary.md.
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp
 from gen_art.renderer.sky_table import sky_radiance
+from gen_art.renderer.surfaces.glow_light import DULL, glow_at
 from gen_art.renderer.surfaces.mirror_film import mirrored_light
 from gen_art.renderer.surfaces.reflection import ANGLES, SMOOTH, fresnel_of, microfacets
 from gen_art.renderer.surfaces.scene_numbers import (
@@ -133,15 +134,26 @@ def surface_radiance(
         if even < 1.0:
             around = sky_radiance(scene.dome, mirrored[0], mirrored[1], mirrored[2])
     result = emission
+    glow = ti.Vector([0.0] * 12)
+    if ti.static(scene.glowing):
+        dull = ti.select(N[MIRROR] == ti.cast(m, ti.f32), 1.0, rough)  # a mirror shows the particles themselves
+        glow = glow_at(scene, x, n, view, dull, M[m, IOR], pixel)
     for k in ti.static(range(3)):
         lamp, slope = N[LAMP_COLOUR + k] * share, ti.Vector([sky[3 + 3 * k], sky[4 + 3 * k], sky[5 + 3 * k]])
         arriving = 4.0 * lamp * ti.max(nl, 0.0) + ti.max(sky[k] + (2.0 / 3.0) * slope.dot(n), 0.0)
         open_share = ti.min(sky[k] / ti.max(scene.open_sky[k], 1e-20), 1.0)
         reflected = even * ti.max(sky[k] + blur * slope.dot(mirrored), 0.0) + (1.0 - even) * around[k] * open_share
         reflected = film[k] + (1.0 - film[3]) * reflected
+        if ti.static(scene.glowing):
+            arriving += glow[k]
         painted = (1.0 - c) * arriving * albedo[k] + c * reflected + dielectric * lamp
         again = 1.0 + albedo[k] * (1.0 / ti.max(a + b, 1e-3) - 1.0)  # what a rough metal reflects twice
         bare = (albedo[k] * a + b) * reflected + (albedo[k] + (1.0 - albedo[k]) * schlick) * lobe * lamp
+        if ti.static(scene.glowing):
+            painted += glow[6 + k]
+            bare += albedo[k] * glow[3 + k] + (1.0 - albedo[k]) * glow[9 + k]
+            if rough >= DULL:
+                bare += (albedo[k] * a + b) * glow[k]
         result[k] += (1.0 - metal) * painted + metal * bare * again
     if N[FOG_RATE] > 0.0:
         seen = exp(-ti.max(depth - N[FOG_START], 0.0) * N[FOG_RATE])
