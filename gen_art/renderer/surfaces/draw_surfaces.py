@@ -187,7 +187,7 @@ def draw_kernel(terms: ColliderTerms, glowing: bool):
         N: F1, Q: F1, owners: I1, M: F2, E: F3, B: F2, rectangles: I2, bin_starts: I1, bin_solids: I1, shadow_starts: I1,
         shadow_solids: I1, D: F2, sky: F2, open_sky: F1, smoke: F1, across: ti.i32, down: ti.i32, framebuffer: F1,
         stride: ti.i32, depths: F3, bounds: F3, T: F2, levels: I2, G: F2, dome: F3, glow_nodes: F2, glow_links: I2,
-        glow_lights: F2, glow_parts: I2, glow_lamps: F2, near_starts: I1, near_solids: I1,
+        glow_lights: F2, glow_parts: I2, glow_lamps: F2, near_starts: I1, near_solids: I1, near_disc: F2,
     ):  # fmt: skip
         """Draw surfaces into a clear framebuffer, and their distances along the line of sight into `depths`.
 
@@ -199,7 +199,7 @@ def draw_kernel(terms: ColliderTerms, glowing: bool):
         depths : (rows, columns, SUBPIXELS), NEVER where nothing is met
         bounds : (down, across, 2) the least and the largest of them in each tile
         T, levels : of the MirrorFilm; G : of blur_points; dome : table of the SkyDome
-        glow_... : of a LightTree; near_starts, near_solids : of NearBins
+        glow_... : of a LightTree; near_starts, near_solids : of NearBins; near_disc : of lamp_disc
         """
         ti.loop_config(block_dim=1)
         for tile in range(across * down * TILES * TILES):
@@ -207,7 +207,7 @@ def draw_kernel(terms: ColliderTerms, glowing: bool):
                 N=N, Q=Q, owners=owners, M=M, E=E, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D,
                 sky=sky, open_sky=open_sky, smoke=smoke, T=T, levels=levels, G=G, dome=dome, glowing=glowing,
                 near_casters=near_casters, glow_nodes=glow_nodes, glow_links=glow_links, glow_lights=glow_lights,
-                glow_parts=glow_parts, glow_lamps=glow_lamps, near_starts=near_starts, near_solids=near_solids,
+                glow_parts=glow_parts, glow_lamps=glow_lamps, near_starts=near_starts, near_solids=near_solids, near_disc=near_disc,
             )  # fmt: skip
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE

@@ -10,7 +10,7 @@ The one-letter names in kernels are in docs/glossary.md.
 """
 
 from gen_art.backend.runtime import ti
-from gen_art.renderer.surfaces.lamp_shadows import LAMP_POINTS, collider_shadow, set_bits, solid_shadow
+from gen_art.renderer.surfaces.lamp_shadows import collider_shadow, set_bits, solid_shadow
 from gen_art.renderer.surfaces.light_tree import (
     FIRST,
     HIGH,
@@ -27,10 +27,12 @@ from gen_art.renderer.surfaces.near_bins import COLUMNS, ROWS
 from gen_art.renderer.surfaces.reflection import fresnel_of, microfacets
 from gen_art.renderer.surfaces.scene_numbers import CAMERA, SHADOWS, TIME, vector_at
 
-__all__ = ["DULL", "LAMP_FLOATS", "LAMP_RADIUS", "SOFTENING2", "glow_at"]
+__all__ = ["DULL", "GLOW_POINTS", "LAMP_FLOATS", "LAMP_RADIUS", "SOFTENING2", "glow_at"]
 
 # a lamp's row: centre relative to the camera, radius of its disc, square of the softening
 LAMP_RADIUS, SOFTENING2, LAMP_FLOATS = 3, 4, 5
+_FINER = 2.0  # factor on the distance from which a node is used where it makes a highlight: without it, edges show
+GLOW_POINTS = 16  # of a lamp's disc; the lamps together have up to eight times as many
 _STRADDLES = 0.04  # a node through which the surface's plane goes is used where its radius is this part of its distance
 _INVERSE_PI = 0.3183098861837907
 DULL = 0.8  # roughness from which no highlights are computed; a rough metal scatters this light evenly
@@ -94,6 +96,8 @@ def _light_of_part(scene: ti.template(), first, end, softening2, x, n, view, alp
             reach = T[node, USED_FROM]
             if bottom < 0.0:
                 reach = T[node, RADIUS] * (1.0 / _STRADDLES)
+            elif alpha >= 0.0:
+                reach *= _FINER
             if q > reach * reach:
                 inverse = 1.0 / ti.sqrt(q)
                 qi = inverse * inverse
@@ -158,7 +162,7 @@ def _share_of_lamp(scene: ti.template(), lamp, x, pixel):
     tangent, half_pixel = ti.min(H[lamp, LAMP_RADIUS] / distance, 1.0), 0.5 * pixel
     place = x + vector_at(N, CAMERA)
     hidden = collider_shadow(
-        scene.near_casters, scene.Q, place, to_lamp, side, up, tangent, half_pixel, N[TIME], distance, scene.D
+        scene.near_casters, scene.Q, place, to_lamp, side, up, tangent, half_pixel, N[TIME], distance, scene.near_disc, GLOW_POINTS
     )
     reach = ti.max(abs(to_lamp[0]) + abs(to_lamp[2]), 1e-30)
     ratio = -to_lamp[0] / reach  # the direction from the lamp to the place
@@ -169,9 +173,9 @@ def _share_of_lamp(scene: ti.template(), lamp, x, pixel):
     k, end = scene.near_starts[cell], scene.near_starts[cell + 1]
     while k < end:
         solid = scene.near_solids[k]
-        hidden = solid_shadow(hidden, scene.B, solid, x, to_lamp, side, up, tangent, half_pixel, distance, scene.D)
+        hidden = solid_shadow(hidden, scene.B, solid, x, to_lamp, side, up, tangent, half_pixel, distance, scene.near_disc, GLOW_POINTS)
         k = ti.select(hidden == ti.i64(-1), end, k + 1)
-    return 1.0 - ti.cast(set_bits(hidden), ti.f32) * (1.0 / LAMP_POINTS)
+    return ti.max(1.0 - ti.cast(set_bits(hidden), ti.f32) * (1.0 / GLOW_POINTS), 0.0)
 
 
 @ti.func

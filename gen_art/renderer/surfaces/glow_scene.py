@@ -5,13 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen_art.renderer.emissive_lighting import EmittedLight
-from gen_art.renderer.surfaces.glow_light import LAMP_FLOATS, LAMP_RADIUS, SOFTENING2
+from gen_art.renderer.surfaces.glow_light import GLOW_POINTS, LAMP_FLOATS, LAMP_RADIUS, SOFTENING2
+from gen_art.renderer.surfaces.lamp_shadows import lamp_disc
 from gen_art.renderer.surfaces.light_tree import LIGHT_FLOATS, NODE_FLOATS, SECOND, W, LightTree
 from gen_art.renderer.surfaces.near_bins import NearBins
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
 from gen_art.renderer.surfaces.solid_rows import SolidSystem
 from gen_art.renderer.surfaces.solids import BOUND, CENTER, MATERIAL
+
+_DISC = lamp_disc(GLOW_POINTS)
 
 __all__ = ["NO_GLOW", "GlowScene"]
 
@@ -20,7 +23,8 @@ __all__ = ["NO_GLOW", "GlowScene"]
 class GlowScene:
     """What the kernel reads, relative to the camera.
 
-    arrays : nodes, links and lights of the LightTree, (k, 2) parts, (k, LAMP_FLOATS) lamps, then starts and solids of NearBins
+    arrays : nodes, links and lights of the LightTree, (k, 2) parts, (k, LAMP_FLOATS) lamps, then starts and solids of NearBins, and
+        the points of a lamp's disc
     """
 
     arrays: tuple[np.ndarray, ...]
@@ -46,12 +50,13 @@ class GlowScene:
         own = glows[rows[:, MATERIAL].astype(np.int64)] if len(rows) else np.zeros(0, bool)
         centers, radii = rows[:, CENTER : CENTER + 3].astype(np.float64), rows[:, BOUND].astype(np.float64)
         bins = NearBins.of(lamps[:, :3].astype(np.float64), lamps[:, LAMP_RADIUS].astype(np.float64), centers, radii, own)
-        return cls((tree.nodes, tree.links, tree.lights, tree.lamps, lamps, bins.starts, bins.solids))
+        return cls((tree.nodes, tree.links, tree.lights, tree.lamps, lamps, bins.starts, bins.solids, _DISC))
 
 
 NO_GLOW = GlowScene(
     (
         np.zeros((1, NODE_FLOATS), np.float32), np.zeros((1, 3), np.int32), np.zeros((1, LIGHT_FLOATS), np.float32),
         np.zeros((1, 2), np.int32), np.zeros((1, LAMP_FLOATS), np.float32), np.zeros(2, np.int32), np.zeros(1, np.int32),
+        _DISC,
     )
 )  # fmt: skip

@@ -36,10 +36,10 @@ _CONE_STEPS = 100
 _DEPTHS = 4  # places inside a collider at which a ray is tested for a full shadow
 
 
-def lamp_disc() -> np.ndarray:
-    """(LAMP_POINTS, 2) float32: points spread evenly over the unit disc, by the golden angle."""
-    k = np.arange(LAMP_POINTS)
-    radius = np.sqrt((k + 0.5) / LAMP_POINTS)
+def lamp_disc(points: int = LAMP_POINTS) -> np.ndarray:
+    """(points, 2) float32: points spread evenly over the unit disc, by the golden angle."""
+    k = np.arange(points)
+    radius = np.sqrt((k + 0.5) / points)
     return np.stack([radius * cos(k * _GOLDEN), radius * sin(k * _GOLDEN)], axis=1).astype(np.float32)
 
 
@@ -95,12 +95,12 @@ def set_bits(hidden):
 
 
 @ti.func
-def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, half_pixel, far, D: ti.template()):
+def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, half_pixel, far, D: ti.template(), points):
     """The set `hidden` with the lamp's points that solid i hides from x (relative to the camera).
 
     far : distance of the lamp
     side, up : unit vectors across the direction `to_lamp`
-    D : (LAMP_POINTS, 2) of lamp_disc
+    D : (points, 2) of lamp_disc, at most LAMP_POINTS
     """
     result = hidden
     offset, radius = ti.Vector([B[i, 0], B[i, 1], B[i, 2]]) - x, B[i, BOUND]
@@ -118,13 +118,13 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
                 if radius > cone and distance2 <= (radius - cone) * (radius - cone):
                     result = ti.i64(_ALL)
                 else:
-                    for k in range(LAMP_POINTS):
+                    for k in range(points):
                         du, dv = u - cone * D[k, 0], v - cone * D[k, 1]
                         if du * du + dv * dv < radius * radius:
                             result |= ti.i64(1) << ti.cast(k, ti.i64)
             else:
                 # from the rim of the lamp inwards: a convex solid that hides the rim hides all of it
-                k, rim_hidden = LAMP_POINTS - 1, 1
+                k, rim_hidden = points - 1, 1
                 while k >= 0:
                     across = side * D[k, 0] + up * D[k, 1]
                     if (
@@ -135,7 +135,7 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
                     else:
                         rim_hidden = 0
                     k -= 1
-                    if k == LAMP_POINTS - _RIM and rim_hidden == 1:
+                    if k == points - points * _RIM // LAMP_POINTS and rim_hidden == 1:
                         result = ti.i64(_ALL)
                         k = -1
     return result
@@ -143,7 +143,8 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
 
 @ti.func
 def collider_shadow(
-    entries: ti.template(), Q: ti.template(), x, to_lamp, side, up, tangent, half_pixel, time, far, D: ti.template()
+    entries: ti.template(), Q: ti.template(), x, to_lamp, side, up, tangent, half_pixel, time, far, D: ti.template(),
+    points
 ):  # fmt: skip
     """The set of the lamp's points that colliders hide from x."""
     hidden = ti.i64(0)
@@ -156,7 +157,7 @@ def collider_shadow(
                 if reaches == 2:
                     hidden = ti.i64(_ALL)
                 if reaches == 1:
-                    for k in range(LAMP_POINTS):
+                    for k in range(points):
                         across = side * D[k, 0] + up * D[k, 1]
                         towards = (to_lamp + across * tangent).normalized()
                         o_k, d_k = ray_in_start_frame(entry, q, x + across * half_pixel, towards, time)
