@@ -18,6 +18,8 @@ from gen_art.renderer.sky import SkyDome
 
 __all__ = ["Lighting"]
 
+ONCE_MORE = 0.2  # the part of smoke's light that was scattered before, where a look's own light does not say
+
 
 @dataclass(frozen=True, eq=False)
 class Lighting:
@@ -59,6 +61,14 @@ class Lighting:
         if dome is not None and not named & {"ambient", "ambient_intensity", "ground"}:
             ambient = _mean_and_slope(dome)
         return cls(key, direction / np.linalg.norm(direction), size, lamp, ambient, dome, of_scene)
+
+    @property
+    def scatter(self) -> float | None:
+        """The part of smoke's light that was scattered before, or None where light is followed until it leaves the smoke."""
+        chosen = self.key.scatter
+        if chosen is None:
+            return None if self.of_scene else ONCE_MORE
+        return None if chosen == "full" else float(chosen)
 
     def radiance(self, direction) -> np.ndarray:
         """(3,) light from a unit direction (3,), c0 + c1.w, not below 0."""
