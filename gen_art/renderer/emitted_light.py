@@ -1,8 +1,8 @@
 """The light that the systems named by `glow` of a preset's `light:` emit to all sides, wherever the camera looks.
 
-A sprite of radius r and brightness L in its middle is a light of the intensity L A to all sides, A being the area by which the
-picture multiplies its brightness: 2.49 r^2 of a disc or a streak, pi r^2 of a sphere. Points, and sprites measured in pixels, have the
-size that they show at the distance of the camera's target. Of a ribbon only the head counts.
+A sprite of radius r and brightness L in its middle is a light of the intensity L A to all sides, A being the area by which
+the picture multiplies its brightness: 2.49 r^2 of a disc or a streak, pi r^2 of a sphere. Points, and sprites measured in
+pixels, have the size that they show at the distance of the camera's target. Of a ribbon only the head counts.
 """
 
 from collections.abc import Iterable

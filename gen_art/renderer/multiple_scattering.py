@@ -4,14 +4,19 @@ With S = albedo (J + D), D the light that arrives straight from lamps and J all 
 
     J = sum over directions of w * (mean in the cell of the light that travels there),
 
-where light that enters a cell of optical depth t with the radiance I leaves it with S + (I - S) e^-t and has the mean
-S + (I - S) (1 - e^-t) / t in it: so each cell scatters exactly what it takes, and smoke of albedo 1 loses nothing. Light enters at the border
-as the sky sends it. Scattering is isotropic; for a mean cosine g of the phase function, the extinction is (1 - albedo g) times the
-smoke's and less of it is scattered (similarity). The equation is solved on grids of 4, 2 and 1 cells by fixed numbers of Chebyshev's
-iteration, each grid beginning with the coarser one's light; the operator's eigenvalues are real, between the slowest mode of a slab
-of the smoke's depth and 1.
-Source: Chandrasekhar, Radiative Transfer (1950); step characteristics: Lathrop, Spatial differencing of the transport equation (1969);
-van de Hulst, Multiple Light Scattering (1980), for similarity.
+where light that enters a cell of optical depth t with the radiance I has the mean and leaves it with
+
+    S + (I - S) (1 - e^-t) / t,        S + (I - S) e^-t
+
+so that each cell scatters exactly what it takes, and smoke of albedo 1 loses nothing. Light enters at the border as the sky
+sends it. Scattering is isotropic; for a mean cosine g of the phase function, the extinction is (1 - albedo g) times the smoke's,
+and less of it is scattered (similarity). Cells deeper than about 1 let light diffuse a little too far.
+
+The equation is solved on grids of 4, 2 and 1 cells by fixed numbers of Chebyshev's iterations, each grid beginning with the
+light of the coarser one. The operator's eigenvalues are real, between that of the slowest mode in a slab of the smoke's depth
+and 1, so no sums over the grid steer the iteration.
+Source: Chandrasekhar, Radiative Transfer (1950); step characteristics: Lathrop, Spatial differencing of the transport
+equation (1969); van de Hulst, Multiple Light Scattering (1980), for similarity.
 
 The one-letter names in kernels are in docs/glossary.md.
 """
@@ -143,10 +148,10 @@ def light_scattered_many_times(
     padded = smoke.extinction.shape
     grids = [(smoke, _resized(scattered, shape, padded), _resized(direct, shape, padded))]
     for _ in ITERATIONS[1:]:
-        fine, *tables = grids[-1]
-        coarse = fine.coarse(1)
-        grids.append((coarse, *(_every_other(table, fine.extinction.shape) for table in tables)))
-    light = None
+        fine, of_scattered, of_direct = grids[-1]
+        nodes = fine.extinction.shape
+        grids.append((fine.coarse(1), _every_other(of_scattered, nodes), _every_other(of_direct, nodes)))
+    light, previous = None, padded
     for (grid, of_scattered, of_direct), iterations in zip(grids[::-1], ITERATIONS[::-1]):
         if light is None:
             light = np.broadcast_to(np.float32(WEIGHTS) @ border, of_direct.shape).astype(np.float32)
@@ -206,7 +211,12 @@ def albedo_on_nodes(smoke: Smoke, positions, cross_sections, albedos) -> np.ndar
     known = np.isfinite(albedos).all(axis=1) & (cross_sections > 0.0)
     if not known.any():
         return np.ones(3, np.float32)
-    mean = np.array([np.bincount(np.zeros(int(known.sum()), np.int64), (cross_sections[known] * albedos[known, c]))[0] for c in range(3)])
+    mean = np.array(
+        [
+            np.bincount(np.zeros(int(known.sum()), np.int64), (cross_sections[known] * albedos[known, c]))[0]
+            for c in range(3)
+        ]
+    )
     mean = np.clip(mean / np.bincount(np.zeros(int(known.sum()), np.int64), cross_sections[known])[0], 0.0, 1.0)
     if np.ptp(albedos[known], axis=0).max() < 2e-3:
         return mean.astype(np.float32)

@@ -16,9 +16,9 @@ from gen_art.preset.look import Look
 from gen_art.preset.sky import Sky
 from gen_art.preset.surface import Ground, ground_of
 from gen_art.renderer.camera import Camera
+from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
 from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.emitted_light import emitted_light
-from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
 from gen_art.renderer.lighting import Lighting
@@ -231,7 +231,9 @@ class Painter:
                 if solid:
                     shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
                     glows = name in self.scene.glow
-                    solids.append(SolidSystem(look.finish, projected.used, projected.lit[: projected.count], shapes, glows))
+                    solids.append(
+                        SolidSystem(look.finish, projected.used, projected.lit[: projected.count], shapes, glows)
+                    )
                 elif light is not None and projected.count:
                     lit[name] = light, projected.used, projected.lit[: projected.count]
         scene = self.scene if mirror is None else self.scene.without_mirror
@@ -245,7 +247,9 @@ class Painter:
         sprites.clear()
         if trails is not None:
             if casters is not None:
-                sprites.hidden_by = self._draw_surfaces(scene, casters, solids, smoke, framebuffer, film, mirror, emitted)
+                sprites.hidden_by = self._draw_surfaces(
+                    scene, casters, solids, smoke, framebuffer, film, mirror, emitted
+                )
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
         sprites.layered = (
@@ -262,10 +266,13 @@ class Painter:
 
     def _emitted_light(self, sim, view, film_time: float, weight: float) -> EmittedLight | None:
         """What the systems that the scene's light names by `glow` emit, or None."""
-        names = [name for name in self.scene.glow if name in sim.systems and self.looks.get(name, self._default_look)]
-        if not names:
-            return None
-        found = ((sim.systems[n], self._tables_of(n, sim.systems[n])[0], self._acceleration(n, sim.systems[n], sim.time)) for n in names)
+        found = []
+        for name in self.scene.glow:
+            if name not in sim.systems:
+                raise UsageError(f"light.glow names '{name}', and there is no such system")
+            if self.looks.get(name, self._default_look) is not None:
+                system = sim.systems[name]
+                found.append((system, self._tables_of(name, system)[0], self._acceleration(name, system, sim.time)))
         return emitted_light(found, view, self.size, sim.time, film_time, weight)
 
     def _light_on(self, look: Look) -> Lighting | None:

@@ -1,7 +1,8 @@
 """Smoke lit by a lamp, through the smoke itself, and by a sky around it.
 
-By default, in the light of a whole scene, light is followed through the smoke by multiple_scattering.py, and only what a lamp sends to a
-particle itself comes from this file. Otherwise, for each lamp of irradiance 4 pi `intensity`, behind an optical depth t, a particle scatters towards the camera
+By default, in the light of a whole scene, light is followed through the smoke by multiple_scattering.py, and only what a lamp
+sends to a particle itself comes from this file. Otherwise, for each lamp of irradiance 4 pi `intensity`, behind an optical
+depth t, a particle scatters towards the camera
 
     intensity * sum over i < OCTAVES of w_i  4 pi p(cos, g 2^-i)  exp(-t 2^-i),        w_i ~ s^i,  sum of w_i = 1
 
@@ -188,7 +189,9 @@ def _scattered_often(light: Lighting, smoke: Smoke, systems, cross_sections, glo
     """
     positions = np.concatenate([s.positions for s in systems])
     white = [np.ones((len(s.positions), 3)) if s.albedos is None else s.albedos for s in systems]
-    albedo = albedo_on_nodes(smoke, positions, cross_sections.astype(np.float64), np.concatenate(white).astype(np.float64))
+    albedo = albedo_on_nodes(
+        smoke, positions, cross_sections.astype(np.float64), np.concatenate(white).astype(np.float64)
+    )
     g = light.key.phase
     # what is scattered forwards goes on as if it were not scattered: the same part as in the equation of the other light
     depth = smoke.depth((0, 0, 1)).reshape(-1) * np.float32(1.0 - float(albedo.mean()) * g)

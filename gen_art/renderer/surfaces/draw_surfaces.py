@@ -207,7 +207,8 @@ def draw_kernel(terms: ColliderTerms, glowing: bool):
                 N=N, Q=Q, owners=owners, M=M, E=E, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D,
                 sky=sky, open_sky=open_sky, smoke=smoke, T=T, levels=levels, G=G, dome=dome, glowing=glowing,
                 near_casters=near_casters, glow_nodes=glow_nodes, glow_links=glow_links, glow_lights=glow_lights,
-                glow_parts=glow_parts, glow_lamps=glow_lamps, near_starts=near_starts, near_solids=near_solids, near_disc=near_disc,
+                glow_parts=glow_parts, glow_lamps=glow_lamps, near_starts=near_starts, near_solids=near_solids,
+                near_disc=near_disc,
             )  # fmt: skip
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE

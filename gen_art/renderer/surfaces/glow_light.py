@@ -1,8 +1,8 @@
 """The light that emitting particles send to a place of a surface, past solids and colliders.
 
-The tree of light_tree.py is walked for each pixel. A node that is far enough stands for its lights by the expansion of its irradiance
-to second order; of a leaf near by, each light counts by itself. Each part of the tree, a lamp, is shadowed as a disc of the size of
-its cluster. Planes cast no shadows of it.
+The tree of light_tree.py is walked for each pixel. A node that is far enough stands for its lights by the expansion of its
+irradiance to second order; of a leaf near by, each light counts by itself. Each part of the tree, a lamp, is shadowed as a
+disc of the size of its cluster. Planes cast no shadows of it.
 
 A place of a smooth surface also reflects each node and each light, as a highlight that is as wide as it.
 
@@ -120,9 +120,7 @@ def _light_of_part(scene: ti.template(), first, end, softening2, x, n, view, alp
                     mean += 2.0 * g2 * height * r.dot(u)
                     for k in ti.static(range(3)):
                         d = _row3(T, node, FIRST + 3 * k)
-                        total[k] += ti.max(
-                            power[k] * mean + g * n.dot(d) + 2.0 * g1 * height * r.dot(d), 0.0
-                        )
+                        total[k] += ti.max(power[k] * mean + g * n.dot(d) + 2.0 * g1 * height * r.dot(d), 0.0)
                 if alpha >= 0.0:
                     spread = ti.sqrt(ti.max(T[node, SECOND] + T[node, SECOND + 1] + T[node, SECOND + 2], 0.0))
                     _highlight(total, n, r * inverse, view, power * h, 1.4 * spread * inverse, alpha, ior)
@@ -162,7 +160,18 @@ def _share_of_lamp(scene: ti.template(), lamp, x, pixel):
     tangent, half_pixel = ti.min(H[lamp, LAMP_RADIUS] / distance, 1.0), 0.5 * pixel
     place = x + vector_at(N, CAMERA)
     hidden = collider_shadow(
-        scene.near_casters, scene.Q, place, to_lamp, side, up, tangent, half_pixel, N[TIME], distance, scene.near_disc, GLOW_POINTS
+        scene.near_casters,
+        scene.Q,
+        place,
+        to_lamp,
+        side,
+        up,
+        tangent,
+        half_pixel,
+        N[TIME],
+        distance,
+        scene.near_disc,
+        GLOW_POINTS,
     )
     reach = ti.max(abs(to_lamp[0]) + abs(to_lamp[2]), 1e-30)
     ratio = -to_lamp[0] / reach  # the direction from the lamp to the place
@@ -173,7 +182,9 @@ def _share_of_lamp(scene: ti.template(), lamp, x, pixel):
     k, end = scene.near_starts[cell], scene.near_starts[cell + 1]
     while k < end:
         solid = scene.near_solids[k]
-        hidden = solid_shadow(hidden, scene.B, solid, x, to_lamp, side, up, tangent, half_pixel, distance, scene.near_disc, GLOW_POINTS)
+        hidden = solid_shadow(
+            hidden, scene.B, solid, x, to_lamp, side, up, tangent, half_pixel, distance, scene.near_disc, GLOW_POINTS
+        )
         k = ti.select(hidden == ti.i64(-1), end, k + 1)
     return ti.max(1.0 - ti.cast(set_bits(hidden), ti.f32) * (1.0 / GLOW_POINTS), 0.0)
 

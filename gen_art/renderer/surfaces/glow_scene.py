@@ -7,7 +7,7 @@ import numpy as np
 from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.surfaces.glow_light import GLOW_POINTS, LAMP_FLOATS, LAMP_RADIUS, SOFTENING2
 from gen_art.renderer.surfaces.lamp_shadows import lamp_disc
-from gen_art.renderer.surfaces.light_tree import LIGHT_FLOATS, NODE_FLOATS, SECOND, W, LightTree
+from gen_art.renderer.surfaces.light_tree import LIGHT_FLOATS, NODE_FLOATS, SECOND, LightTree, W
 from gen_art.renderer.surfaces.near_bins import NearBins
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
@@ -23,8 +23,8 @@ __all__ = ["NO_GLOW", "GlowScene"]
 class GlowScene:
     """What the kernel reads, relative to the camera.
 
-    arrays : nodes, links and lights of the LightTree, (k, 2) parts, (k, LAMP_FLOATS) lamps, then starts and solids of NearBins, and
-        the points of a lamp's disc
+    arrays : nodes, links and lights of the LightTree, (k, 2) parts, (k, LAMP_FLOATS) lamps, then starts and
+        solids of NearBins, and the points of a lamp's disc
     """
 
     arrays: tuple[np.ndarray, ...]
@@ -49,7 +49,9 @@ class GlowScene:
         glows = np.array([*(False for _ in scene.surfaces), *(system.glows for system in solids)])
         own = glows[rows[:, MATERIAL].astype(np.int64)] if len(rows) else np.zeros(0, bool)
         centers, radii = rows[:, CENTER : CENTER + 3].astype(np.float64), rows[:, BOUND].astype(np.float64)
-        bins = NearBins.of(lamps[:, :3].astype(np.float64), lamps[:, LAMP_RADIUS].astype(np.float64), centers, radii, own)
+        bins = NearBins.of(
+            lamps[:, :3].astype(np.float64), lamps[:, LAMP_RADIUS].astype(np.float64), centers, radii, own
+        )
         return cls((tree.nodes, tree.links, tree.lights, tree.lamps, lamps, bins.starts, bins.solids, _DISC))
 
 

@@ -20,7 +20,7 @@ from gen_art.backend.runtime import ti
 from gen_art.maths.array_functions import cos, sin
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.collider_rays import cast_by, ray_in_start_frame, side_hit
-from gen_art.renderer.surfaces.solids import BOUND, HALF, NEVER, solid_hit
+from gen_art.renderer.surfaces.solids import BOUND, HALF, solid_hit
 
 __all__ = ["LAMP_POINTS", "ShadowBins", "solid_shadow", "collider_shadow", "lamp_disc", "set_bits"]
 
@@ -127,10 +127,7 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
                 k, rim_hidden = points - 1, 1
                 while k >= 0:
                     across = side * D[k, 0] + up * D[k, 1]
-                    if (
-                        solid_hit(B, i, x + across * half_pixel, (to_lamp + across * tangent).normalized(), True)
-                        < far
-                    ):
+                    if solid_hit(B, i, x + across * half_pixel, (to_lamp + across * tangent).normalized(), True) < far:
                         result |= ti.i64(1) << ti.cast(k, ti.i64)
                     else:
                         rim_hidden = 0

@@ -1,15 +1,15 @@
 """Many small lights in an octree, so that a place is lit by a few nodes instead of a million sprites.
 
-A light of power P (its intensity I: radiance times area) and cross section A = pi a^2 gives a place with the unit normal n, at the
-offset r from the place to the light, the irradiance
+A light of power P (its intensity I: radiance times area) and cross section A = pi a^2 gives a place with the unit normal n,
+at the offset r from the place to the light, the irradiance
 
     E = P max(n.r, 0) / |r| * min(1 / (|r|^2 + s^2), w),        w = 1 / (a^2 + s^2)
 
-which is that of a ball of even radiance, and inside the ball that at its surface; s is the softening. A node stands for its lights by
-their sum, their first moment in each colour, their second moments, and w's mean and standard deviation.
+which is that of a ball of even radiance, and inside the ball that at its surface; s is the softening. A node stands for its
+lights by their sum, their first moment in each colour, their second moments, and w's mean and standard deviation.
 
-Nodes lie in preorder: a node's descendants follow it up to its `next` node. A few nodes at the top, the `lamps`, cut the tree into parts
-whose shadows are found one by one.
+Nodes lie in preorder: a node's descendants follow it up to its `next` node. A few nodes at the top, the `lamps`, cut the tree
+into parts whose shadows are found one by one.
 """
 
 from dataclasses import dataclass
@@ -23,9 +23,9 @@ LAMPS = 8  # most parts of the tree with shadows of their own
 _BITS = 20  # levels below the root; lights in one cell of the last are one light
 # a node is used from a distance of its radius divided by this; the lights of a leaf cost no more than the leaf itself
 _OPENING, _OPENING_LEAF = 0.4, 0.14
-# a node's row: the middle of its power, least and largest w, the distance from which it is used, the radius around the middle, power of
-# three colours, their first moments (3 x 3), second moments of the power (xx, yy, zz, xy, xz, yz) relative to it, the corners of the
-# box around its lights (6)
+# a node's row: the middle of its power, two values of w, the distance from which it is used, the radius around the middle, power
+# of three colours, their first moments (3 x 3), second moments of the power relative to it (xx, yy, zz, xy, xz, yz), and the
+# corners of the box around its lights (6)
 MIDDLE, W, USED_FROM, RADIUS, POWER, FIRST, SECOND, LOW, HIGH = 0, 3, 5, 6, 7, 10, 19, 25, 28
 NODE_FLOATS = 31
 LIGHT_POWER, LIGHT_W, LIGHT_FLOATS = 3, 6, 7  # columns of a light's row, after the position
@@ -126,7 +126,11 @@ def _rows(levels, x, power, w) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.n
     z = np.column_stack([y, w])
     for level in range(len(levels) - 1, -1, -1):
         start, end, _ = levels[level]
-        total, low, high = np.zeros((len(start), of_lights.shape[1])), np.zeros((len(start), 4)), np.zeros((len(start), 3))
+        total, low, high = (
+            np.zeros((len(start), of_lights.shape[1])),
+            np.zeros((len(start), 4)),
+            np.zeros((len(start), 3)),
+        )
         size = np.ones(len(start), np.int64)
         leaf = np.flatnonzero(end - start <= LEAF) if level < len(levels) - 1 else np.arange(len(start))
         for k in range(int((end - start)[leaf].max(initial=0))):
@@ -143,7 +147,7 @@ def _rows(levels, x, power, w) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.n
                 total[:, c] += np.bincount(parent, sums[0][:, c], len(start))
             low[owner], high[owner] = np.minimum.reduceat(lows[0], of_parent), np.maximum.reduceat(highs[0], of_parent)
             size += np.bincount(parent, sizes[0], len(start)).astype(np.int64)
-        sums.insert(0, total), lows.insert(0, low), highs.insert(0, high), sizes.insert(0, size)
+        sums, lows, highs, sizes = [total, *sums], [low, *lows], [high, *highs], [size, *sizes]
     places = [np.zeros(1, np.int64)]
     for level in range(1, len(levels)):
         parent = levels[level][2]

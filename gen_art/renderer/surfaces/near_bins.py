@@ -1,8 +1,8 @@
 """Which solids may stand between a near lamp and the places around it.
 
-The directions from each lamp are cut into cells: rows by the height y of the unit direction, columns by the angle around the vertical,
-as the ratio of x and z in each quarter, so that a kernel finds a direction's cell without trigonometry. A solid is listed in the cells
-of the cone, as seen from the lamp, within which it may hide any part of it.
+The directions from each lamp are cut into cells: rows by the height y of the unit direction, columns by the angle around the
+vertical, as the ratio of x and z in each quarter, so that a kernel finds a direction's cell without trigonometry. A solid is
+listed in the cells of the cone, as seen from the lamp, within which it may hide any part of it.
 """
 
 from dataclasses import dataclass
