@@ -20,6 +20,10 @@ __all__ = ["LAMPS", "LEAF", "LIGHT_FLOATS", "NODE_FLOATS", "LightTree"]
 
 LEAF = 8  # most lights of a leaf
 LAMPS = 8  # most parts of the tree with shadows of their own
+# shifts and masks that move the bits of a number three places apart
+_SPREAD = (
+    (32, 0x1F00000000FFFF), (16, 0x1F0000FF0000FF), (8, 0x100F00F00F00F00F), (4, 0x10C30C30C30C30C3), (2, 0x1249249249249249),
+)  # fmt: skip
 _BITS = 20  # levels below the root; lights in one cell of the last are one light
 # a node is used from a distance of its radius divided by this; the lights of a leaf cost no more than the leaf itself
 _OPENING, _OPENING_LEAF = 0.4, 0.14
@@ -72,11 +76,9 @@ def _keys(x: np.ndarray) -> np.ndarray:
     low = x.min(axis=0)
     extent = max(float((x.max(axis=0) - low).max()), 1e-6 * (1.0 + float(np.abs(x).max())))
     cell = np.minimum((x - low) * ((2.0**_BITS - 0.5) / extent), 2.0**_BITS - 1).astype(np.int64)
-    keys = np.zeros(len(x), np.int64)
-    for bit in range(_BITS):
-        for axis in range(3):
-            keys |= ((cell[:, axis] >> bit) & 1) << (3 * bit + axis)
-    return keys
+    for shift, mask in _SPREAD:
+        cell = (cell | (cell << shift)) & mask
+    return cell[:, 0] | (cell[:, 1] << 1) | (cell[:, 2] << 2)
 
 
 def _merged(x, power, w, keys):
