@@ -12,9 +12,10 @@ so that each cell scatters exactly what it takes, and smoke of albedo 1 loses no
 sends it. Scattering is isotropic; for a mean cosine g of the phase function, the extinction is (1 - albedo g) times the smoke's,
 and less of it is scattered (similarity). Cells deeper than about 1 let light diffuse a little too far.
 
-The equation is solved on grids of 4, 2 and 1 cells by fixed numbers of Chebyshev's iterations, each grid beginning with the
-light of the coarser one. The operator's eigenvalues are real, between that of the slowest mode in a slab of the smoke's depth
-and 1, so no sums over the grid steer the iteration.
+The equation, divided by what each cell does not scatter again itself, is solved on grids of 4, 2 and 1 cells by fixed numbers of
+Chebyshev's iterations, each grid beginning with the light of the coarser one. The eigenvalues are real, between that of the
+slowest mode in a slab of the smoke's depth, which the coarsest grid takes care of, and 2: no sums over the grid steer the
+iteration.
 Source: Chandrasekhar, Radiative Transfer (1950); step characteristics: Lathrop, Spatial differencing of the transport
 equation (1969); van de Hulst, Multiple Light Scattering (1980), for similarity.
 
@@ -32,8 +33,9 @@ from gen_art.renderer.smoke_density import DIRECTIONS, WEIGHTS, Smoke
 
 __all__ = ["albedo_on_nodes", "light_scattered_many_times"]
 
-ITERATIONS = (8, 16, 40)  # on the given grid, on one of twice the cell, and so on
-_HIGHEST = 1.05  # above the operator's largest eigenvalue
+ITERATIONS = (12, 16, 40)  # on the given grid, on one of twice the cell, and so on
+_HIGHEST = 2.0  # not below the largest eigenvalue
+_SMOOTH = 0.1  # the least eigenvalue that a grid follows if a coarser one has solved the equation
 _SLOWEST = 0.003  # the least eigenvalue for which the iteration is set: a slab of optical depth 30
 
 F1, F2, F3, I2 = (ti.types.ndarray(d, n) for d, n in ((ti.f32, 1), (ti.f32, 2), (ti.f32, 3), (ti.i32, 2)))
@@ -99,6 +101,8 @@ class _Transport:
         self.passed = exp(-depth).astype(np.float32)
         self.directions, self.weights = DIRECTIONS.astype(np.int32), WEIGHTS.astype(np.float32)
         self.entering = np.zeros((len(WEIGHTS), nodes, 3), np.float32)
+        # the part of a cell's light that it scatters again itself
+        self.own = 1.0 - (WEIGHTS[:6].sum() * self.kept[0] + WEIGHTS[6:].sum() * self.kept[1]).astype(np.float32)
         through = depth[0].reshape(self.shape)
         thickness = min(float(through.sum(axis=axis).max()) for axis in range(3))
         # 1 - the largest eigenvalue of scattering in a slab, whose edges lie 0.71 beyond its sides on each side
@@ -110,18 +114,23 @@ class _Transport:
         _mean_kernel(sources, self.kept, self.weights, len(sources), self.entering, out)
         return out
 
-    def solve(self, guess, albedo, direct, border, iterations: int) -> np.ndarray:
-        """J, (nodes, 3), after some of Chebyshev's iterations for (1 - mean albedo) J = mean(albedo D, border)."""
+    def solve(self, guess, albedo, direct, border, iterations: int, slowest: float) -> np.ndarray:
+        """J, (nodes, 3), after some of Chebyshev's iterations for (1 - mean albedo) J = mean(albedo D, border).
+
+        slowest : the least eigenvalue that they are set for
+        """
         dark = np.zeros_like(border)
         given = self.mean(albedo * direct, border)
-        middle, half = 0.5 * (_HIGHEST + self.slowest), 0.5 * (_HIGHEST - self.slowest)
+        middle, half = 0.5 * (_HIGHEST + slowest), 0.5 * (_HIGHEST - slowest)
         light = guess
-        residual = given - light + self.mean(albedo * light, dark)
+        # divided by what is left of a cell's own light: the light of dense cells converges as fast as that of thin ones
+        scale = 1.0 / np.maximum(1.0 - albedo * self.own[:, None], np.float32(1e-3))
+        residual = scale * (given - light + self.mean(albedo * light, dark))
         rho = half / middle
         step = residual * np.float32(1.0 / middle)
         for _ in range(iterations):
             light = light + step
-            residual = given - light + self.mean(albedo * light, dark)
+            residual = scale * (given - light + self.mean(albedo * light, dark))
             next_rho = 1.0 / (2.0 * middle / half - rho)
             step = step * np.float32(next_rho * rho) + residual * np.float32(2.0 * next_rho / half)
             rho = next_rho
@@ -157,7 +166,9 @@ def light_scattered_many_times(
             light = np.broadcast_to(np.float32(WEIGHTS) @ border, of_direct.shape).astype(np.float32)
         else:
             light = _between(light, previous)
-        light = _Transport(grid, part).solve(light, of_scattered, of_direct, border, iterations)
+        transport = _Transport(grid, part)
+        slowest = transport.slowest if grid is grids[-1][0] else max(transport.slowest, _SMOOTH)
+        light = transport.solve(light, of_scattered, of_direct, border, iterations, slowest)
         previous = grid.extinction.shape
     assert light is not None
     return _resized(light, padded, shape)
