@@ -1,7 +1,7 @@
 """Every shipped preset, made small enough for a test: fewer particles, a short preroll, the same physics."""
 
 SMALL: dict[str, dict] = {
-    "smoke": {"knobs.rate": 3000, "clock.preroll": "1/2"},
+    "smoke": {"knobs.rate": 20000, "clock.preroll": 1},
     "fire": {"knobs.fuel": 4000, "clock.preroll": "1/2"},
     "fireworks": {"clock.preroll": 6},
     "wormhole": {"knobs.rate": 8000, "clock.preroll": 3},

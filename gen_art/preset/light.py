@@ -1,6 +1,6 @@
 """The keys of `light:`: a distant lamp and the sky, which light smoke, balls, colliders and the ground."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -33,10 +33,11 @@ class KeyLight(Model):
     phase: Annotated[float, Within(-1, 1, open_low=True, open_high=True)] = about(
         0.0, "Henyey-Greenstein's g of smoke: -1 is backward scattering, 0 isotropic, 1 forward scattering"
     )
-    scatter: Fraction = about(
-        0.2,
-        "the part of smoke's light that was already scattered once: half the optical depth attenuates it. The same part of "
-        "that light was scattered twice, and so on",
+    scatter: Fraction | Literal["full"] | None = about(
+        None,
+        "`full` follows light through smoke until it leaves it, however often it is scattered; a number is the part of its "
+        "light that was already scattered once, which half the optical depth attenuates. When left out, `full` in the preset's "
+        "light and 0.2 in the light of a look",
     )
     depth: NotNegative = about(1.0, "factor on the optical depth with which smoke shadows light")
     resolution: Annotated[int, Field(ge=8, le=256)] = about(96, "cells along the longest side of smoke's density grid")

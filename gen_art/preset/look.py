@@ -293,8 +293,8 @@ class Look(Model):
             "point",
             "`point` is a dot placed between pixels, `pixel` lights only the pixel that it falls in, `disc` is a soft Gaussian "
             "sprite whose radius is 2.2 standard deviations, `streak` the path of the last `length` seconds, `sphere` an even "
-            "disc with a sharp rim, or a ball where it is opaque in the preset's `light`, `picture` an image, `body` the shapes of "
-            "rigid bodies, `thread` the springs between particles as rods, `cloth` a cloth as a smooth sheet with two sides, "
+            "disc with a sharp rim, or a ball where it is opaque in the preset's `light`, `picture` an image, `body` the shapes "
+            "of rigid bodies, `thread` the springs between particles as rods, `cloth` a cloth as a smooth sheet with two sides, "
             "`surface` the smooth surface of a liquid",
         )
     )
@@ -330,8 +330,8 @@ class Look(Model):
     light: KeyLight | None = about(None, "the light on smoke; the preset's `light` when left out")
     finish: Finish = about(
         Finish.model_validate({}),
-        "how balls, bodies, threads and cloth reflect; balls are `draw: sphere` with `blend: opaque` in the preset's `light`. Of a "
-        "clear liquid, what it leaves out is water's: roughness 0, ior 1.33",
+        "how balls, bodies, threads and cloth reflect; balls are `draw: sphere` with `blend: opaque` in the preset's `light`. Of "
+        "a clear liquid, what it leaves out is water's: roughness 0, ior 1.33",
     )
     back: ColourValue | None = about(
         None, "with `draw: cloth`, the albedo of the side that is not seen with column 0 on the left; both sides have the "

@@ -58,6 +58,17 @@ def references(data: dict) -> Problems:
             yield ("camera", "frame", "of"), f"there is no system '{name}'{_choices(name, systems)}"
         elif isinstance(name, str) and _mapping(systems[name]).get("look") is None:
             yield ("camera", "frame", "of"), f"'{name}' has no look, so it is not seen"
+    lights: list[tuple[tuple, Any]] = [(("light",), data.get("light"))]
+    lights += [
+        (("systems", n, "look", "light"), _mapping(_mapping(s).get("look")).get("light")) for n, s in systems.items()
+    ]
+    for here, light in lights:
+        named = _mapping(light).get("glow")
+        for name in [named] if isinstance(named, str) else named if isinstance(named, list) else []:
+            if isinstance(name, str) and name not in systems:
+                yield (*here, "glow"), f"there is no system '{name}'{_choices(name, systems)}"
+            elif isinstance(name, str) and _mapping(systems[name]).get("look") is None:
+                yield (*here, "glow"), f"'{name}' has no look, so it emits no light"
     labels = data.get("labels")
     for k, label in enumerate(labels if isinstance(labels, list) else []):
         followed = _mapping(label).get("follow")

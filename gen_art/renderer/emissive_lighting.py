@@ -13,7 +13,7 @@ behind the camera are not drawn and illuminate nothing.
 The one-letter names in kernels are in docs/glossary.md.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -38,10 +38,12 @@ class EmittedLight:
 
     positions : (m, 3)
     power : (m, 3) linear radiance times area
+    areas : (m,) cross sections, which surfaces near by need; () elsewhere
     """
 
     positions: np.ndarray
     power: np.ndarray
+    areas: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
 
 def cluster_lights(positions, power) -> np.ndarray:

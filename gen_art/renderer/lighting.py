@@ -18,6 +18,8 @@ from gen_art.renderer.sky import SkyDome
 
 __all__ = ["Lighting"]
 
+ONCE_MORE = 0.2  # the part of smoke's light that was scattered before, where a look's own light does not say
+
 
 @dataclass(frozen=True, eq=False)
 class Lighting:
@@ -29,6 +31,7 @@ class Lighting:
     lamp : (3,) linear brightness of the lamp; its irradiance is 4 pi times that
     ambient : (3 colours, 4) c0 and the three parts of c1
     dome : the sky, or None
+    of_scene : whether it is the light of the whole scene, not that of one look
     """
 
     key: KeyLight
@@ -37,9 +40,10 @@ class Lighting:
     lamp: np.ndarray
     ambient: np.ndarray
     dome: SkyDome | None = field(default=None, repr=False)
+    of_scene: bool = False
 
     @classmethod
-    def of(cls, light: KeyLight | None, dome: SkyDome | None = None) -> "Lighting":
+    def of(cls, light: KeyLight | None, dome: SkyDome | None = None, of_scene: bool = False) -> "Lighting":
         """The light of a preset; without `light:`, that of the sky, or a lamp's where there is no sky either."""
         key = light or KeyLight()
         named = key.model_fields_set
@@ -56,7 +60,15 @@ class Lighting:
             lamp = np.zeros(3)
         if dome is not None and not named & {"ambient", "ambient_intensity", "ground"}:
             ambient = _mean_and_slope(dome)
-        return cls(key, direction / np.linalg.norm(direction), size, lamp, ambient, dome)
+        return cls(key, direction / np.linalg.norm(direction), size, lamp, ambient, dome, of_scene)
+
+    @property
+    def scatter(self) -> float | None:
+        """The part of smoke's light that was scattered before, or None where light is followed until it leaves the smoke."""
+        chosen = self.key.scatter
+        if chosen is None:
+            return None if self.of_scene else ONCE_MORE
+        return None if chosen == "full" else float(chosen)
 
     def radiance(self, direction) -> np.ndarray:
         """(3,) light from a unit direction (3,), c0 + c1.w, not below 0."""

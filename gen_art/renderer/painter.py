@@ -17,6 +17,8 @@ from gen_art.preset.sky import Sky
 from gen_art.preset.surface import Ground, ground_of
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
+from gen_art.renderer.emissive_lighting import EmittedLight
+from gen_art.renderer.emitted_light import emitted_light
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
 from gen_art.renderer.lighting import Lighting
@@ -247,7 +249,8 @@ class Painter:
                     sheets.append(SheetSystem(look, projected.used, columns, positions, faces))
                 elif solid:
                     shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
-                    solids.append(SolidSystem(look.finish, projected.used, columns, shapes))
+                    glows = name in self.scene.glow
+                    solids.append(SolidSystem(look.finish, projected.used, columns, shapes, glows))
                 elif look.is_liquid:
                     liquids.append(LiquidSystem(look.liquid, look.liquid_finish, projected))
                 elif light is not None and projected.count:
@@ -257,13 +260,14 @@ class Painter:
         if trails is not None and (solids or sheets or liquids or scene.surfaces):
             casters = ShadowCasters.of(scene, solids, sheets, view, sim.time)
         shading = casters if scene.shadows else None
-        smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1]), shading) if lit else {}
+        emitted = self._emitted_light(sim, view, film_time, weight) if lit or casters is not None else None
+        smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1]), shading, emitted) if lit else {}
         sprites.clear()
         if trails is not None:
             if casters is not None:
                 finishes = [*(system.finish for system in solids), *(system.look.finish for system in sheets)]
                 sprites.hidden_by = self._draw_surfaces(
-                    scene, casters, finishes, liquids, smoke, framebuffer, film, mirror
+                    scene, casters, finishes, liquids, smoke, framebuffer, film, mirror, emitted
                 )
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
@@ -278,6 +282,17 @@ class Painter:
             elif look.ribbon is None and not self._is_surface(look):
                 self._add_sprites(look, self._projected[name], framebuffer)
         splat(sprites, framebuffer)
+
+    def _emitted_light(self, sim, view, film_time: float, weight: float) -> EmittedLight | None:
+        """What the systems that the scene's light names by `glow` emit, or None."""
+        found = []
+        for name in self.scene.glow:
+            if name not in sim.systems:
+                raise UsageError(f"light.glow names '{name}', and there is no such system")
+            if self.looks.get(name, self._default_look) is not None:
+                system = sim.systems[name]
+                found.append((system, self._tables_of(name, system)[0], self._acceleration(name, system, sim.time)))
+        return emitted_light(found, view, self.size, sim.time, film_time, weight)
 
     def _light_on(self, look: Look) -> Lighting | None:
         """The light that a system of smoke scatters: its own, or the scene's."""
@@ -294,7 +309,7 @@ class Painter:
         return look.is_liquid or self._is_solid(look)
 
     def _draw_surfaces(
-        self, scene, casters, finishes, liquids, smoke: dict, framebuffer, film: MirrorFilm, mirror
+        self, scene, casters, finishes, liquids, smoke: dict, framebuffer, film: MirrorFilm, mirror, emitted
     ) -> SurfaceDepths:
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
         if self._surfaces is None:
@@ -307,7 +322,7 @@ class Painter:
             shadow = lamp_map(liquids, lamp_axes(scene.lighting.direction))
         of_liquids = [liquid.finish for liquid in liquids]
         self._surfaces.draw(
-            scene, casters, [*finishes, *of_liquids], of_lamp and of_lamp[:2], framebuffer, film, mirror, shadow,
+            scene, casters, [*finishes, *of_liquids], of_lamp and of_lamp[:2], framebuffer, film, mirror, emitted, shadow,
             hiding_particles(liquids),
         )  # fmt: skip
         if liquids:

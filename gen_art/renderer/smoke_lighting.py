@@ -1,6 +1,8 @@
 """Smoke lit by a lamp, through the smoke itself, and by a sky around it.
 
-For each lamp of irradiance 4 pi `intensity`, behind an optical depth t, a particle scatters towards the camera
+By default, in the light of a whole scene, light is followed through the smoke by multiple_scattering.py, and only what a lamp
+sends to a particle itself comes from this file. Otherwise, for each lamp of irradiance 4 pi `intensity`, behind an optical
+depth t, a particle scatters towards the camera
 
     intensity * sum over i < OCTAVES of w_i  4 pi p(cos, g 2^-i)  exp(-t 2^-i),        w_i ~ s^i,  sum of w_i = 1
 
@@ -20,14 +22,16 @@ from typing import Protocol
 import numpy as np
 
 from gen_art.backend.runtime import kernel, ti
+from gen_art.maths import array_functions
 from gen_art.maths.elementary import exp
 from gen_art.particles.rows import POSITION
 from gen_art.preset.look import KeyLight
 from gen_art.renderer.emissive_lighting import EmittedLight, scatter_emitted_light
 from gen_art.renderer.lighting import Lighting
+from gen_art.renderer.multiple_scattering import albedo_on_nodes, light_scattered_many_times
 from gen_art.renderer.shading import LIT_ALBEDO, LIT_EXTINCTION, LIT_POSITION, LIT_RADIUS
 from gen_art.renderer.smoke_density import DIRECTIONS, WEIGHTS, Smoke
-from gen_art.renderer.sprite import BLUE, DEPTH, RED
+from gen_art.renderer.sprite import ALPHA, BLUE, DEPTH, RED
 
 __all__ = [
     "OCTAVES", "LitParticles", "add_scattered_light", "lamp_axes", "octaves", "phase_function", "scattered_light",
@@ -57,12 +61,14 @@ class LitParticles:
     positions : (n, 3)
     cross_sections : (n,) extinction, m^2
     radii : (n,) of the sprites
+    albedos : (n, 3), NaN where it is not known; None is white
     """
 
     light: Lighting
     positions: np.ndarray
     cross_sections: np.ndarray
     radii: np.ndarray
+    albedos: np.ndarray | None = None
 
 
 def phase_function(cosine, asymmetry: float):
@@ -75,9 +81,9 @@ def phase_function(cosine, asymmetry: float):
     return (1.0 - g * g) / (4.0 * np.pi * np.maximum(1.0 + g * g - 2.0 * g * np.asarray(cosine), 1e-6) ** 1.5)
 
 
-def octaves(scatter: float) -> np.ndarray:
-    """(OCTAVES,) weights of light that was scattered 0, 1, ... times before; their sum is 1."""
-    weights = float(scatter) ** np.arange(OCTAVES)
+def octaves(scatter: float | None) -> np.ndarray:
+    """(OCTAVES,) weights of light that was scattered 0, 1, ... times before; their sum is 1. None: all of it 0 times."""
+    weights = float(scatter or 0.0) ** np.arange(OCTAVES)
     return weights / weights.sum()
 
 
@@ -166,12 +172,33 @@ def _sky(light: Lighting, smoke: Smoke) -> np.ndarray:
     sky = np.zeros((*smoke.extinction.shape, 3), np.float32)
     if not light.ambient.any():
         return sky
-    weights = octaves(light.key.scatter)
+    weights = octaves(light.scatter)
     for direction, direction_weight in zip(DIRECTIONS, WEIGHTS):
         towards = -(direction / np.linalg.norm(direction)) @ smoke.axes
         transmittance = _transmittance(smoke.depth(direction), weights)
         sky += transmittance[..., None] * np.float32(direction_weight * light.radiance(towards))
     return sky
+
+
+def _scattered_often(light: Lighting, smoke: Smoke, systems, cross_sections, glow, reached) -> np.ndarray:
+    """(a, b, c, 3) the sky's light, and all that smoke has scattered already, at each node of `smoke`.
+
+    cross_sections : (n,) of the particles of all systems
+    glow : (a, b, c, 3) the light of other particles that each node scatters, or None
+    reached : (nodes,) share of the lamp's light that things let through, or a single 1
+    """
+    positions = np.concatenate([s.positions for s in systems])
+    white = [np.ones((len(s.positions), 3)) if s.albedos is None else s.albedos for s in systems]
+    albedo = albedo_on_nodes(
+        smoke, positions, cross_sections.astype(np.float64), np.concatenate(white).astype(np.float64)
+    )
+    g = light.key.phase
+    # what is scattered forwards goes on as if it were not scattered: the same part as in the equation of the other light
+    depth = smoke.depth((0, 0, 1)).reshape(-1) * np.float32(1.0 - float(albedo.mean()) * g)
+    direct = array_functions.exp(-depth.astype(np.float64))[:, None] * reached.reshape(-1, 1) * light.lamp
+    if glow is not None:
+        direct = direct + glow.reshape(-1, 3)
+    return light_scattered_many_times(smoke, albedo, g, direct, light.radiance).reshape(*smoke.extinction.shape, 3)
 
 
 def _kernel_numbers(light: Lighting, eye, parallel: bool) -> np.ndarray:
@@ -180,7 +207,7 @@ def _kernel_numbers(light: Lighting, eye, parallel: bool) -> np.ndarray:
     q[EYE : EYE + 3] = -np.asarray(eye) if parallel else eye
     q[PARALLEL] = parallel
     q[KEY : KEY + 3] = light.lamp
-    q[OCTAVE : OCTAVE + OCTAVES] = octaves(light.key.scatter)
+    q[OCTAVE : OCTAVE + OCTAVES] = octaves(light.scatter)
     q[OCTAVE + OCTAVES :] = light.key.phase * 0.5 ** np.arange(OCTAVES)
     return q
 
@@ -206,7 +233,8 @@ def scattered_light(
     positions, radii = (np.concatenate([getattr(s, n) for s in systems]) for n in ("positions", "radii"))
     cross_sections = np.concatenate([s.cross_sections * np.float32(s.light.key.depth) for s in systems])
     smoke_by_lamp = {} if smoke_by_lamp is None else smoke_by_lamp
-    results = []
+    results: list[np.ndarray] = []
+    followed: dict[int, np.ndarray] = {}
     for index, system in enumerate(systems):
         light = system.light
         key = smoke_key(light)
@@ -220,13 +248,21 @@ def scattered_light(
         q = _kernel_numbers(light, eye, parallel)
         out = np.zeros((len(system.positions), 3), np.float32)
         smoke, depth, coarse = smoke_by_lamp[key]
-        sky = _sky(light, coarse)
         others = emitted[index] if index < len(emitted) else None
+        weights = octaves(light.scatter)
+        glow = None
         if others is not None:
-            weights = octaves(light.key.scatter)
-            sky += scatter_emitted_light(smoke.coarse(2), coarse, others, light.key, weights, eye, parallel)
+            glow = scatter_emitted_light(smoke.coarse(2), coarse, others, light.key, weights, eye, parallel)
         if len(out):
             reached = _ALL_LIT if casters is None else casters.lamp_shares(light, coarse)
+            if light.scatter is not None:
+                sky = _sky(light, coarse)
+            elif id(light) in followed:  # another system in the same light
+                sky = followed[id(light)]
+            else:
+                sky = followed[id(light)] = _scattered_often(light, coarse, systems, cross_sections, glow, reached)
+            if glow is not None:
+                sky = sky + glow
             _scatter_kernel(
                 np.ascontiguousarray(system.positions, np.float32), smoke.to_nodes(system.positions), len(out), depth,
                 smoke.extinction.shape[1], smoke.extinction.shape[2], sky.reshape(-1, 3), sky.shape[1], sky.shape[2],
@@ -244,26 +280,44 @@ def scattered_light_of_system(
     return scattered_light([LitParticles(Lighting.of(light), positions, cross_sections, radii)], eye, parallel)[0]
 
 
-def add_scattered_light(lit: dict, drawn: dict, view, scale: float, casters: LampShares | None = None) -> dict:
+def add_scattered_light(
+    lit: dict, drawn: dict, view, scale: float, casters: LampShares | None = None, glow: EmittedLight | None = None
+) -> dict:
     """Add the light that lit systems scatter to their channels, in place. Returns the smoke by lamp, see `scattered_light`.
 
     lit : name -> (Lighting, channels (11, n), (n, 8) columns LIT_... of shading.py)
     drawn : name -> (system, channels) of everything in the picture
     scale : pixels per world unit, or per unit of slope
     casters : what else shadows the lamp
+    glow : what the systems emit that the scene's light names; those that a look's own light names are in `drawn`
     """
     parallel = view.height is not None
     eye = view.axes[2] if parallel else view.position
-    emitted = [_emitted_light(light.key, drawn, parallel, scale) for light, _, _ in lit.values()]
-    systems = [
-        LitParticles(light, columns[:, LIT_POSITION], columns[:, LIT_EXTINCTION], columns[:, LIT_RADIUS])
-        for light, _, columns in lit.values()
+    emitted = [
+        glow if light.of_scene else _emitted_light(light.key, drawn, parallel, scale) for light, _, _ in lit.values()
     ]
+    systems = [
+        LitParticles(
+            light, columns[:, LIT_POSITION], columns[:, LIT_EXTINCTION], columns[:, LIT_RADIUS],
+            _albedos(channels, columns, view) if light.scatter is None else None,
+        )
+        for light, channels, columns in lit.values()
+    ]  # fmt: skip
     smoke_by_lamp: dict = {}
     found = scattered_light(systems, eye, parallel, emitted, smoke_by_lamp, casters)
     for (_, channels, columns), light in zip(lit.values(), found):
         channels[RED : BLUE + 1] += (columns[:, LIT_ALBEDO] * light).T
     return smoke_by_lamp
+
+
+def _albedos(channels, columns, view) -> np.ndarray:
+    """(n, 3) albedo of particles, NaN of those that the picture does not cover: their columns hold its product with both."""
+    covered = channels[ALPHA].astype(np.float64)
+    if view.fog:
+        start, distance = view.fog[:2]
+        covered = covered * array_functions.exp(-np.maximum(channels[DEPTH].astype(np.float64) - start, 0.0) / distance)
+    known = covered > 1e-12
+    return np.where(known[:, None], columns[:, LIT_ALBEDO] / np.where(known, covered, 1.0)[:, None], np.nan)
 
 
 def _emitted_light(light: KeyLight, drawn: dict, parallel: bool, scale: float) -> EmittedLight | None:

@@ -237,7 +237,7 @@ def test_solids_and_colliders_shadow_smoke(shadows):
             "particle": {"radius": 0.1}, "look": {"draw": "disc", "blend": "alpha", "opacity": 0.01},
         }
     }  # fmt: skip
-    light = {"direction": [0, -1, 0], "intensity": 1.0, **DARK}
+    light = {"direction": [0, -1, 0], "intensity": 1.0, "scatter": 0, **DARK}  # one puff does not light the other
     camera = {"position": [1, 0.5, 5], "target": [1, 0.5, 0], "fov": 40}
     sphere = {"sphere": {"center": [0, 3, 0], "radius": 0.8, "look": matte()}}
     got = picture(systems=puff, colliders=sphere, light=light, camera=camera, shadows=shadows)

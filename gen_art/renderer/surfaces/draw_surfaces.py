@@ -11,6 +11,7 @@ from functools import cache
 
 from gen_art.backend.kernel_views import particle as arrays
 from gen_art.backend.runtime import kernel, ti
+from gen_art.colliders.plane import Plane
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms, first_hit
 from gen_art.renderer.surfaces.draw_sheets import middle_distance, trace_face
 from gen_art.renderer.surfaces.ray_tree import light_along, shows_edges
@@ -152,12 +153,14 @@ def _depth(N: ti.template(), d, t):
 
 
 @cache
-def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool):
+def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing: bool):
     """The kernel that draws surfaces of these colliders, solids, and cloth if there is any.
 
     follows : whether smooth surfaces reflect each other, and light goes through transparent bodies
+    glowing : whether emitting particles light them
     """
     entries, surfaces = terms.entries, len(terms.owners)
+    near_casters = tuple(entry for entry in entries if not isinstance(entry.collider, Plane))
 
     @ti.kernel
     def draw(
@@ -165,7 +168,8 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool):
         shadow_solids: I1, D: F2, sky: F2, open_sky: F1, smoke: F1, across: ti.i32, down: ti.i32, framebuffer: F1,
         stride: ti.i32, depths: F3, bounds: F3, T: F2, levels: I2, G: F2, dome: F3, liquid_first: F2, liquid_depths: F3,
         grid_starts: I1, grid_solids: I1, photons: F2, photon_starts: I1, V: F2, faces: I2, sheet_looks: F2, sheet_grid: F1,
-        sheet_starts: I1, sheet_faces: I1, face_rectangles: I2, face_starts: I1, bin_faces: I1,
+        sheet_starts: I1, sheet_faces: I1, face_rectangles: I2, face_starts: I1, bin_faces: I1, glow_nodes: F2,
+        glow_links: I2, glow_lights: F2, glow_parts: I2, glow_lamps: F2, near_starts: I1, near_solids: I1, near_disc: F2,
     ):  # fmt: skip
         """Draw surfaces into a clear framebuffer, and their distances along the line of sight into `depths`.
 
@@ -181,6 +185,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool):
         grid_starts, grid_solids : of the SolidGrid; photons, photon_starts : of Photons
         V, faces, sheet_looks, sheet_grid, sheet_starts, sheet_faces : of Sheets
         face_rectangles, face_starts, bin_faces : of its faces, as for solids
+        glow_... : of a LightTree; near_starts, near_solids : of NearBins; near_disc : of lamp_disc
         """
         ti.loop_config(block_dim=1)
         for tile in range(across * down * TILES * TILES):
@@ -190,6 +195,9 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool):
                 liquid_first=liquid_first, liquid_depths=liquid_depths, grid_starts=grid_starts, grid_solids=grid_solids,
                 gathers=True, photons=photons, photon_starts=photon_starts, with_sheets=with_sheets, V=V, faces=faces,
                 sheet_looks=sheet_looks, sheet_grid=sheet_grid, sheet_starts=sheet_starts, sheet_faces=sheet_faces,
+                glowing=glowing, near_casters=near_casters, glow_nodes=glow_nodes, glow_links=glow_links,
+                glow_lights=glow_lights, glow_parts=glow_parts, glow_lamps=glow_lamps, near_starts=near_starts,
+                near_solids=near_solids, near_disc=near_disc,
             )  # fmt: skip
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE

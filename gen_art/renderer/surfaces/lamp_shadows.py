@@ -20,7 +20,7 @@ from gen_art.backend.runtime import ti
 from gen_art.maths.array_functions import cos, sin
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.collider_rays import cast_by, ray_in_start_frame, side_hit
-from gen_art.renderer.surfaces.solids import BOUND, HALF, NEVER, solid_hit
+from gen_art.renderer.surfaces.solids import BOUND, HALF, solid_hit
 
 __all__ = ["LAMP_POINTS", "ShadowBins", "solid_shadow", "collider_shadow", "lamp_disc", "set_bits"]
 
@@ -36,10 +36,10 @@ _CONE_STEPS = 100
 _DEPTHS = 4  # places inside a collider at which a ray is tested for a full shadow
 
 
-def lamp_disc() -> np.ndarray:
-    """(LAMP_POINTS, 2) float32: points spread evenly over the unit disc, by the golden angle."""
-    k = np.arange(LAMP_POINTS)
-    radius = np.sqrt((k + 0.5) / LAMP_POINTS)
+def lamp_disc(points: int = LAMP_POINTS) -> np.ndarray:
+    """(points, 2) float32: points spread evenly over the unit disc, by the golden angle."""
+    k = np.arange(points)
+    radius = np.sqrt((k + 0.5) / points)
     return np.stack([radius * cos(k * _GOLDEN), radius * sin(k * _GOLDEN)], axis=1).astype(np.float32)
 
 
@@ -95,11 +95,12 @@ def set_bits(hidden):
 
 
 @ti.func
-def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, half_pixel, D: ti.template()):
+def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, half_pixel, far, D: ti.template(), points):
     """The set `hidden` with the lamp's points that solid i hides from x (relative to the camera).
 
+    far : distance of the lamp
     side, up : unit vectors across the direction `to_lamp`
-    D : (LAMP_POINTS, 2) of lamp_disc
+    D : (points, 2) of lamp_disc, at most LAMP_POINTS
     """
     result = hidden
     offset, radius = ti.Vector([B[i, 0], B[i, 1], B[i, 2]]) - x, B[i, BOUND]
@@ -107,7 +108,7 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
     ball = B[i, HALF] + B[i, HALF + 1] + B[i, HALF + 2] == 0.0
     if ball and offset.dot(offset) < radius * radius:  # x lies inside
         result = ti.i64(_ALL)
-    if along > 0.0 or (not ball and along > -radius):
+    if (along > 0.0 and along < far) or (not ball and along > -radius and along < far + radius):
         u, v = offset.dot(side), offset.dot(up)
         cone = half_pixel + ti.max(along, 0.0) * tangent
         distance2 = u * u + v * v
@@ -117,24 +118,21 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
                 if radius > cone and distance2 <= (radius - cone) * (radius - cone):
                     result = ti.i64(_ALL)
                 else:
-                    for k in range(LAMP_POINTS):
+                    for k in range(points):
                         du, dv = u - cone * D[k, 0], v - cone * D[k, 1]
                         if du * du + dv * dv < radius * radius:
                             result |= ti.i64(1) << ti.cast(k, ti.i64)
             else:
                 # from the rim of the lamp inwards: a convex solid that hides the rim hides all of it
-                k, rim_hidden = LAMP_POINTS - 1, 1
+                k, rim_hidden = points - 1, 1
                 while k >= 0:
                     across = side * D[k, 0] + up * D[k, 1]
-                    if (
-                        solid_hit(B, i, x + across * half_pixel, (to_lamp + across * tangent).normalized(), True)
-                        < NEVER
-                    ):
+                    if solid_hit(B, i, x + across * half_pixel, (to_lamp + across * tangent).normalized(), True) < far:
                         result |= ti.i64(1) << ti.cast(k, ti.i64)
                     else:
                         rim_hidden = 0
                     k -= 1
-                    if k == LAMP_POINTS - _RIM and rim_hidden == 1:
+                    if k == points - points * _RIM // LAMP_POINTS and rim_hidden == 1:
                         result = ti.i64(_ALL)
                         k = -1
     return result
@@ -142,7 +140,8 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
 
 @ti.func
 def collider_shadow(
-    entries: ti.template(), Q: ti.template(), x, to_lamp, side, up, tangent, half_pixel, time, far, D: ti.template()
+    entries: ti.template(), Q: ti.template(), x, to_lamp, side, up, tangent, half_pixel, time, far, D: ti.template(),
+    points
 ):  # fmt: skip
     """The set of the lamp's points that colliders hide from x."""
     hidden = ti.i64(0)
@@ -155,7 +154,7 @@ def collider_shadow(
                 if reaches == 2:
                     hidden = ti.i64(_ALL)
                 if reaches == 1:
-                    for k in range(LAMP_POINTS):
+                    for k in range(points):
                         across = side * D[k, 0] + up * D[k, 1]
                         towards = (to_lamp + across * tangent).normalized()
                         o_k, d_k = ray_in_start_frame(entry, q, x + across * half_pixel, towards, time)
@@ -190,6 +189,6 @@ def _reaches_cone(entry: ti.template(), q: ti.template(), o, d, tangent, half_pi
         for _ in range(_DEPTHS):
             at = t + depth
             depth *= 3.0
-            if entry.collider.distance(o + d * at, q, 0) <= -(half_pixel + tangent * at):
+            if at < far and entry.collider.distance(o + d * at, q, 0) <= -(half_pixel + tangent * at):
                 state = 2
     return state, t * 0.99

@@ -48,7 +48,12 @@ class Scene:
     @cached_property
     def lighting(self) -> Lighting:
         """The light on all surfaces, and on smoke without a light of its own."""
-        return Lighting.of(self.light, self.dome)
+        return Lighting.of(self.light, self.dome, of_scene=True)
+
+    @property
+    def glow(self) -> tuple[str, ...]:
+        """The systems whose light falls on all surfaces, and on smoke without a light of its own."""
+        return self.light.glow if self.light is not None else ()
 
     @cached_property
     def surfaces(self) -> list[tuple[Collider, SurfaceLook]]:

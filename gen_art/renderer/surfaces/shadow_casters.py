@@ -68,6 +68,7 @@ class ShadowCasters:
     bins : the solids in cells across the lamp's rays
     sheets : the cloth
     view, time : the camera, and simulated seconds
+    glowing : materials of the solids whose own light falls on others
     """
 
     light: Lighting
@@ -77,6 +78,7 @@ class ShadowCasters:
     sheets: Sheets
     view: CameraView
     time: float
+    glowing: tuple[int, ...] = ()
 
     @classmethod
     def of(
@@ -90,7 +92,8 @@ class ShadowCasters:
         light = scene.lighting
         axes = lamp_axes(light.direction)
         bins = ShadowBins.of(positions, radii, axes)
-        return cls(light, terms, rows, bins, Sheets.of(sheets, first + len(solids), view, axes), view, time)
+        glowing = tuple(first + k for k, system in enumerate(solids) if system.glows)
+        return cls(light, terms, rows, bins, Sheets.of(sheets, first + len(solids), view, axes), view, time, glowing)
 
     def lamp_shares(self, light: Lighting, smoke: Smoke) -> np.ndarray:
         """(nodes,) float32: the share of a lamp's light that reaches each node of a grid of smoke past them.

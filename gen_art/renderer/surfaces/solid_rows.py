@@ -25,12 +25,14 @@ class SolidSystem:
     channels : (11, n) of ProjectedParticles
     columns : (n, 8) LIT_... of shading.py
     shapes : of bodies or threads; balls if None
+    glows : whether it lights the others
     """
 
     finish: Finish
     channels: np.ndarray
     columns: np.ndarray
     shapes: Shapes | None = None
+    glows: bool = False
 
 
 def shapes_of(name: str, draw: str, interactions, state) -> Shapes:

@@ -27,6 +27,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     vector_at,
 )
 from gen_art.renderer.surfaces.sheet_shadows import sheet_shadow
+from gen_art.renderer.surfaces.solids import NEVER
 
 __all__ = ["lamp_share", "sky_at"]
 
@@ -101,7 +102,18 @@ def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel):
         place, half_pixel, tangent = x + vector_at(N, CAMERA), 0.5 * pixel, N[LAMP_TANGENT]
         to_lamp, side, up = vector_at(N, TO_LAMP), vector_at(N, LAMP_SIDE), vector_at(N, LAMP_UP)
         hidden = collider_shadow(
-            entries, scene.Q, place, to_lamp, side, up, tangent, half_pixel, N[TIME], N[SHADOW_REACH], scene.D
+            entries,
+            scene.Q,
+            place,
+            to_lamp,
+            side,
+            up,
+            tangent,
+            half_pixel,
+            N[TIME],
+            N[SHADOW_REACH],
+            scene.D,
+            LAMP_POINTS,
         )
         i = ti.cast(ti.floor((place.dot(side) - N[BIN_CORNER]) / N[BIN_CELL]), ti.i32)
         j = ti.cast(ti.floor((place.dot(up) - N[BIN_CORNER + 1]) / N[BIN_CELL]), ti.i32)
@@ -111,7 +123,9 @@ def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel):
             k, end = scene.shadow_starts[cell], scene.shadow_starts[cell + 1]
             while k < end:
                 solid = scene.shadow_solids[k]
-                hidden = solid_shadow(hidden, scene.B, solid, x, to_lamp, side, up, tangent, half_pixel, scene.D)
+                hidden = solid_shadow(
+                    hidden, scene.B, solid, x, to_lamp, side, up, tangent, half_pixel, NEVER, scene.D, LAMP_POINTS
+                )
                 k = ti.select(hidden == ti.i64(-1), end, k + 1)
         if ti.static(scene.with_sheets):
             hidden = sheet_shadow(hidden, scene, x, to_lamp, side, up, tangent, half_pixel)

@@ -7,9 +7,11 @@ import numpy as np
 
 from gen_art.preset.surface import Finish, SurfaceLook
 from gen_art.renderer.colour import linear
+from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.surfaces.caustics import caustic_photons
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.draw_surfaces import draw_kernel
+from gen_art.renderer.surfaces.glow_scene import NO_GLOW, GlowScene
 from gen_art.renderer.surfaces.lamp_shadows import lamp_disc
 from gen_art.renderer.surfaces.liquid_shadow import NO_LIQUID, LiquidShadow
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm, blur_points
@@ -86,7 +88,8 @@ class SurfacePass:
 
     def draw(
         self, scene: Scene, casters: ShadowCasters, finishes: Sequence[Finish], smoke, framebuffer,
-        film: MirrorFilm = NO_MIRROR, clip=None, liquid: LiquidShadow = NO_LIQUID, hidden_by=None,
+        film: MirrorFilm = NO_MIRROR, clip=None, emitted: EmittedLight | None = None, liquid: LiquidShadow = NO_LIQUID,
+        hidden_by=None,
     ) -> None:  # fmt: skip
         """Draw the surfaces of a scene, solids and cloth into a clear framebuffer.
 
@@ -95,6 +98,7 @@ class SurfacePass:
         smoke : (Smoke along the lamp's axes, its optical depths from the lamp) that shadows surfaces, or None
         film : what the scene's mirror shows
         clip : (point, normal) of the plane before which nothing is drawn, or None
+        emitted : the light of particles on the surfaces, or None
         liquid : the shadow that liquids cast
         hidden_by : (positions, extinction cross sections, radii) of their particles, which hide the sky, or None
         """
@@ -134,19 +138,20 @@ class SurfacePass:
         if scene.shadows and table[:, TRANSMISSION].any():
             photons = caustic_photons(casters, scene.surfaces, table, owners, numbers, depths, places)
             numbers[PHOTON_CELL] = photons.cell
+        glow = None if emitted is None else GlowScene.of(casters, emitted)
         self.arrays = SceneArrays(
             numbers, casters.terms.numbers(), table, shares, filled(rows), bins.starts, filled(bins.solids), self._disc,
             sky.light, sky.open, depths, film.texels, film.levels, self._blur,
             light.dome.table if light.dome is not None else _NO_DOME, liquid.first, liquid.depths,
         )  # fmt: skip
         a = self.arrays
-        draw_kernel(casters.terms, follows, cloth.any)(
+        draw_kernel(casters.terms, follows, cloth.any, glow is not None)(
             a.numbers, a.colliders, owners, a.materials, a.shares, a.solids, filled(rectangles), bin_starts,
             filled(bin_solids), a.shadow_starts, a.shadow_solids, a.disc, a.sky, a.open_sky, a.smoke, across, down,
             framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, a.film, a.levels, a.blur, a.dome,
             a.liquid_first, a.liquid_depths, places.starts, filled(places.solids), photons.rows, photons.starts,
             filled(cloth.corners), filled(cloth.faces), filled(cloth.looks), cloth.grid, cloth.starts, filled(cloth.listed),
-            filled(of_faces), face_starts, filled(bin_faces),
+            filled(of_faces), face_starts, filled(bin_faces), *(NO_GLOW if glow is None else glow).arrays,
         )  # fmt: skip
 
 

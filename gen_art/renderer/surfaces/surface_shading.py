@@ -6,6 +6,7 @@ The one-letter names in kernels are in docs/glossary.md.
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp
 from gen_art.renderer.sky_table import sky_radiance
+from gen_art.renderer.surfaces.glow_light import DULL, glow_at
 from gen_art.renderer.surfaces.liquid_shadow import liquid_light
 from gen_art.renderer.surfaces.mirror_film import mirrored_light
 from gen_art.renderer.surfaces.photon_cells import photon_light
@@ -20,6 +21,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     LAMP_COLOUR,
     LAMP_TANGENT,
     LIQUID_BIAS,
+    MIRROR,
     RIGHT,
     SCALE,
     TO_LAMP,
@@ -162,9 +164,12 @@ def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, a
         even = ti.min(1.5 * rough, 1.0)
         if even < 1.0:
             dome = sky_radiance(scene.dome, towards[0], towards[1], towards[2])
-    gathered = emission * 0.0
+    gathered, glow = emission * 0.0, ti.Vector([0.0] * 12)
     if ti.static(scene.gathers):
         gathered = photon_light(scene, x)
+    if ti.static(scene.glowing):
+        dull = ti.select(N[MIRROR] == ti.cast(m, ti.f32), 1.0, rough)  # a mirror shows the particles themselves
+        glow = glow_at(scene, x, n, view, dull, M[m, IOR], pixel)
     own, mirrored, around = emission, emission * 0.0, emission * 0.0
     scattered = 1.0 - M[m, TRANSMISSION]
     for k in ti.static(range(3)):
@@ -173,11 +178,18 @@ def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, a
         arriving = 4.0 * lamp * ti.max(nl, 0.0) + ti.max(sky[k] + (2.0 / 3.0) * slope.dot(n), 0.0) + gathered[k]
         open_share = ti.min(sky[k] / ti.max(scene.open_sky[k], 1e-20), 1.0)
         around[k] = even * ti.max(sky[k] + blur * slope.dot(towards), 0.0) + (1.0 - even) * dome[k] * open_share
+        if ti.static(scene.glowing):
+            arriving += glow[k]
         painted = (1.0 - c) * scattered * arriving * albedo[k] + dielectric * lamp
         if ti.static(scene.with_sheets):
             painted += (1.0 - c) * shining[k]
         again = 1.0 + albedo[k] * (1.0 / ti.max(a + b, 1e-3) - 1.0)  # what a rough metal reflects twice
         bare = (albedo[k] + (1.0 - albedo[k]) * schlick) * lobe * lamp
+        if ti.static(scene.glowing):
+            painted += glow[6 + k]
+            bare += albedo[k] * glow[3 + k] + (1.0 - albedo[k]) * glow[9 + k]
+            if rough >= DULL:
+                bare += (albedo[k] * a + b) * glow[k]
         own[k] += (1.0 - metal) * painted + metal * bare * again
         mirrored[k] = (1.0 - metal) * c + metal * (albedo[k] * a + b) * again
     return own, mirrored, around, (1.0 - metal) * (1.0 - c) * M[m, TRANSMISSION]

@@ -1,0 +1,59 @@
+"""The light of emitting particles, gathered for the kernel that draws surfaces: the tree, its lamps, and what may hide them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gen_art.renderer.emissive_lighting import EmittedLight
+from gen_art.renderer.surfaces.glow_light import GLOW_POINTS, LAMP_FLOATS, LAMP_RADIUS, SOFTENING2
+from gen_art.renderer.surfaces.lamp_shadows import lamp_disc
+from gen_art.renderer.surfaces.light_tree import LIGHT_FLOATS, NODE_FLOATS, SECOND, LightTree, W
+from gen_art.renderer.surfaces.near_bins import NearBins
+from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
+from gen_art.renderer.surfaces.solids import BOUND, CENTER, MATERIAL
+
+_DISC = lamp_disc(GLOW_POINTS)
+
+__all__ = ["NO_GLOW", "GlowScene"]
+
+
+@dataclass(frozen=True)
+class GlowScene:
+    """What the kernel reads, relative to the camera.
+
+    arrays : nodes, links and lights of the LightTree, (k, 2) parts, (k, LAMP_FLOATS) lamps, then starts and
+        solids of NearBins, and the points of a lamp's disc
+    """
+
+    arrays: tuple[np.ndarray, ...]
+
+    @classmethod
+    def of(cls, casters: ShadowCasters, emitted: EmittedLight) -> "GlowScene | None":
+        """None if nothing emits any light."""
+        key = casters.light.key
+        power = emitted.power * key.glow_intensity
+        tree = LightTree.of(emitted.positions, power, emitted.areas, key.glow_softness, casters.view.position)
+        if tree is None:
+            return None
+        top = tree.nodes[tree.lamps[:, 0]]
+        lamps = np.zeros((len(top), LAMP_FLOATS), np.float32)
+        lamps[:, :3], lamps[:, SOFTENING2] = top[:, :3], key.glow_softness**2
+        # a disc of radius b has the variance b^2 / 4 along each axis
+        variance = top[:, SECOND : SECOND + 3].sum(axis=1) / 3.0
+        lamps[:, LAMP_RADIUS] = np.sqrt(4.0 * np.maximum(variance, 0.0) + 1.0 / np.maximum(top[:, W + 1], 1e-30))
+        rows = casters.rows
+        own = np.isin(rows[:, MATERIAL], casters.glowing)
+        centers, radii = rows[:, CENTER : CENTER + 3].astype(np.float64), rows[:, BOUND].astype(np.float64)
+        bins = NearBins.of(
+            lamps[:, :3].astype(np.float64), lamps[:, LAMP_RADIUS].astype(np.float64), centers, radii, own
+        )
+        return cls((tree.nodes, tree.links, tree.lights, tree.lamps, lamps, bins.starts, bins.solids, _DISC))
+
+
+NO_GLOW = GlowScene(
+    (
+        np.zeros((1, NODE_FLOATS), np.float32), np.zeros((1, 3), np.int32), np.zeros((1, LIGHT_FLOATS), np.float32),
+        np.zeros((1, 2), np.int32), np.zeros((1, LAMP_FLOATS), np.float32), np.zeros(2, np.int32), np.zeros(1, np.int32),
+        _DISC,
+    )
+)  # fmt: skip
