@@ -43,6 +43,8 @@ def command(
         echo(f"{out}: {len(frames)} frames of {pixel_size[0]}x{pixel_size[1]}, {expected}")
         return
     with reporter(progress) as report:
-        paths = job.render(preset, out, precision=precision, threads=threads, progress=report, plugins=loaded, **output)
+        paths = job.render(
+            preset, out, precision=precision, threads=threads, progress=report, times=report, plugins=loaded, **output
+        )
     for path in paths:
         echo(path)

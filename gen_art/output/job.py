@@ -117,6 +117,12 @@ def _step_of_frame(playback: Playback, k: int) -> int:
     return clock.preroll_steps + k * clock.steps_per_frame
 
 
+def _tell(times: Callable[[dict], None] | None, playback: Playback) -> None:
+    """Say where the time went."""
+    if times is not None:
+        times({"event": "times", "total": playback.stopwatch.total, **playback.stopwatch.seconds})
+
+
 def _write_picture(
     submit, playback: Playback, linear: np.ndarray, exposure: float, k: int, target: Target, path: Path, recipe: dict,
     overwrite: bool,
@@ -129,11 +135,16 @@ def _write_picture(
         from gen_art.output.exr import write_exr
 
         aovs = {name: np.array(values) for name, values in playback.aovs().items()}
-        submit(write_exr, path, np.array(linear), aovs, target.bits, recipe, spec.exposure + exposure, overwrite)
+        with playback.stopwatch.stage("encode"):
+            submit(write_exr, path, np.array(linear), aovs, target.bits, recipe, spec.exposure + exposure, overwrite)
     else:
-        picture = develop(linear, spec, frame=k, transparent=recipe["transparent"], bits=target.bits, exposure=exposure)
-        playback.draw_over(picture)
-        submit(write_still, path, picture, recipe, overwrite)
+        with playback.stopwatch.stage("develop"):
+            picture = develop(
+                linear, spec, frame=k, transparent=recipe["transparent"], bits=target.bits, exposure=exposure
+            )
+            playback.draw_over(picture)
+        with playback.stopwatch.stage("encode"):
+            submit(write_still, path, picture, recipe, overwrite)
 
 
 def _load_plugins(plugins):
@@ -174,7 +185,7 @@ def render(
     scale: float | None = None, fps: float | None = None, quality: str = "final", precision: str = "f32",
     threads: int | None = None, overwrite: bool = False, transparent: bool = False, codec: str | None = None,
     profile: str | None = None, bits: int | None = None, progress: Callable[[dict], None] | None = None,
-    plugins: Sequence[Any] = (), max_rate: int = 0,
+    plugins: Sequence[Any] = (), max_rate: int = 0, times: Callable[[dict], None] | None = None,
 ) -> list[Path]:  # fmt: skip
     """Render a preset to a film (.mp4 .mov .webm .mkv .gif .webp) or a sequence (frame_####.png); returns the paths written.
 
@@ -188,6 +199,8 @@ def render(
     profile : preview, web or master: from fast and small to slow and good
     bits : bits a channel; 8 or 10 where the codec has both, 16 for FFV1, .png and .exr, 32 for .exr
     progress : called with {"event": "frame", "frame", "frames", "particles", "fps", "eta"} after each frame
+    times : called at the end with {"event": "times", "total", "simulate", "draw", "develop", "encode"}, in seconds; "encode" is
+        what the others waited for it
     max_rate : the most bits a second of H.264 and H.265; 0 for no limit beyond the profile
     Frame k is the picture that `still` makes at film time k / fps. Raises the errors of gen_art.errors; when a film fails,
     its finished part is kept as NAME.partial.EXT, and the error's message or note names that file.
@@ -214,7 +227,7 @@ def render(
             spec, plugins=loaded_plugins, kind="film", frames=_first_last_step(numbers), ending=target.extension,
             codec=film.codec.name, profile=film.profile, max_rate=max_rate, **job,
         )  # fmt: skip
-        _render_film(target, size, spec, recipe, precision, threads, numbers, report, overwrite)
+        _render_film(target, size, spec, recipe, precision, threads, numbers, report, overwrite, times)
         return [target.path]
     playback = Playback(spec, size, precision, threads, transparent)
     paths = [target.frame(k) if target.pattern else target.path for k in numbers]
@@ -224,12 +237,14 @@ def render(
         for k, path, recipe, (linear, exposure) in zip(numbers, paths, recipes, pictures):
             _write_picture(submit, playback, linear, exposure, k, target, path, recipe, overwrite)
             report(k, playback.particles)
+    _tell(times, playback)
     return paths
 
 
 def _render_film(
-    target: Target, size, preset, recipe: dict, precision: str, threads, frames, report: Report, overwrite: bool
-) -> None:
+    target: Target, size, preset, recipe: dict, precision: str, threads, frames, report: Report, overwrite: bool,
+    times: Callable[[dict], None] | None,
+) -> None:  # fmt: skip
     from gen_art.output.video import film_writer  # imported here because a still does not need the encoders
 
     film = target.film
@@ -238,13 +253,17 @@ def _render_film(
     try:
         playback = Playback(preset, size, precision, threads, film.transparent)
         for k, (linear, exposure) in zip(frames, playback.pictures([_step_of_frame(playback, k) for k in frames])):
-            picture = develop(
-                linear, preset.develop, frame=k, transparent=film.transparent, bits=film.depth, exposure=exposure
-            )
-            playback.draw_over(picture)
-            writer.add(picture)
+            with playback.stopwatch.stage("develop"):
+                picture = develop(
+                    linear, preset.develop, frame=k, transparent=film.transparent, bits=film.depth, exposure=exposure
+                )
+                playback.draw_over(picture)
+            with playback.stopwatch.stage("encode"):
+                writer.add(picture)
             report(k, playback.particles)
-        writer.close()
+        with playback.stopwatch.stage("encode"):
+            writer.close()
+        _tell(times, playback)
     except BaseException as error:
         kept = writer.abort()
         if kept is None:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from gen_art.errors import AdviceWarning, PresetError
+from gen_art.output.stopwatch import Stopwatch
 from gen_art.particles.rows import POSITION
 from gen_art.renderer.aovs import render_aovs
 from gen_art.renderer.auto_exposure import metered_stops, metering_ages, smoothed_exposure
@@ -62,6 +63,7 @@ class Playback:
             system.look is not None and system.look.goes_by("acceleration") for system in preset.systems.values()
         )
         self._steps_done, self._last_shown = 0, -1
+        self.stopwatch = Stopwatch()
         self._trail_steps, self._trail_interval = self._plan_trails()
         self._subframe_interval, self._subframes = self._plan_subframes()
 
@@ -143,9 +145,11 @@ class Playback:
         for at in painted:
             actions.setdefault(at, []).append(paint)
         for at in sorted(actions):
-            self._advance(at - self._steps_done)
-            for action in actions[at]:
-                action()
+            with self.stopwatch.stage("simulate"):
+                self._advance(at - self._steps_done)
+            with self.stopwatch.stage("draw"):
+                for action in actions[at]:
+                    action()
         self._last_shown = step
         return pictures[0] if len(painted) == 1 else pictures[0] / np.float32(len(painted))
 

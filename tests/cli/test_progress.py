@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+import gen_art as ga
 from gen_art.commands.progress import _clock, reporter
 
 EVENT = {"event": "frame", "frame": 4, "frames": 10, "particles": 12345, "fps": 2.5, "eta": 75.2}
@@ -18,10 +19,38 @@ def test_json_is_one_object_a_line(capsys):
     assert not captured.out
 
 
-@pytest.mark.parametrize("mode", ["none", "auto"])
-def test_nothing_where_nobody_looks(mode):
-    with reporter(mode) as report:
+def test_nothing_where_nobody_looks():
+    with reporter("none") as report:
         assert report is None
+
+
+TIMES = {"event": "times", "total": 12.34, "simulate": 4.1, "draw": 6.0, "develop": 1.2, "encode": 0.9}
+
+
+@pytest.mark.parametrize("mode", ["auto", "rich"])
+def test_the_times_of_the_stages_are_printed_at_the_end(mode, capsys):
+    with reporter(mode) as report:
+        report(EVENT)
+        report(TIMES)
+    captured = capsys.readouterr()
+    assert (
+        "12.3 s: simulated 4.1, drew 6.0, developed 1.2, waited for the encoder 0.9" in captured.err
+        and not captured.out
+    )
+
+
+def test_a_film_says_where_its_time_went(tmp_path):
+    events = []
+    preset = {
+        "version": 1,
+        "clock": {"duration": 0.2, "fps": 10, "step": "1/100"},
+        "systems": {"dots": {"emitters": {"one": {"count": 9}}}},
+    }
+    for name in ("film.mp4", "frame_##.png"):
+        ga.render(preset, tmp_path / name, size=(64, 48), times=events.append)
+        times = events[-1]
+        stages = [times[stage] for stage in ("simulate", "draw", "develop", "encode")]
+        assert times["event"] == "times" and min(stages) > 0 and sum(stages) <= times["total"]
 
 
 def test_the_bar_shows_frame_particles_rate_and_time_left(capsys, monkeypatch):

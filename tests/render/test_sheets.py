@@ -339,7 +339,7 @@ def test_a_cloth_that_moves_shadows_smoke():
             "particle": {"radius": 0.1}, "look": {"draw": "disc", "blend": "alpha", "opacity": 0.01},
         }
     }  # fmt: skip
-    light = {"direction": [0, -1, 0], "intensity": 1.0, **DARK}
+    light = {"direction": [0, -1, 0], "intensity": 1.0, "scatter": 0, **DARK}
     camera = {"position": [2, -1, 8], "target": [2, -1, 0], "fov": 40}
     got = picture(systems=cloth((-1, 0, -1), (2, 0, 0), (0, 0, 2)) | puff, light=light, camera=camera)
     left, right = got[22:27, :32, 0].sum(), got[22:27, 32:, 0].sum()
