@@ -406,7 +406,7 @@ class Look(Model):
             raise UsageError("`draw: picture` and `picture: spark.png` need each other")
         if (self.shapes or self.is_liquid) and self.blend != "add":
             raise UsageError(f"draw: {self.draw} hides what is behind it: leave out `blend`")
-        if "liquid" in self.model_fields_set and not self.is_liquid:
+        if self.liquid != Liquid.model_validate({}) and not self.is_liquid:
             raise UsageError("`liquid` is of a surface: give draw: surface, or leave it out")
         if self.is_liquid and self.liquid.clear and self.finish.metal > 0.0:
             raise UsageError("a metal lets no light through: give liquid: {clear: false}, or leave out `metal`")
@@ -415,9 +415,11 @@ class Look(Model):
         if (self.shapes or self.is_liquid) and (self.trail is not None or self.light is not None):
             raise UsageError(f"draw: {self.draw} has no {'trail' if self.trail else 'light of its own'}: leave it out")
         if self.draw == "cloth":
-            given = self.model_fields_set & {"radius", "width", "pixels", "size", "length", "tail", "taper"}
+            fields = type(self).model_fields
+            sizes = ("length", "pixels", "radius", "size", "tail", "taper", "width")
+            given = [key for key in sizes if getattr(self, key) != fields[key].default]
             if given:
-                raise UsageError(f"draw: cloth is a sheet without thickness: leave out `{min(given)}`")
+                raise UsageError(f"draw: cloth is a sheet without thickness: leave out `{given[0]}`")
             if self.finish.transmission > 0.0:
                 raise UsageError(
                     "draw: cloth has no inside for light to go through: give `translucency` in place of `transmission`"

@@ -202,3 +202,6 @@ def test_looks_survive_being_written_down():
         "emission": {"color": {"by": "age", "clean": ["white", "crimson"], "tail": [[0, "#fff"], [0.5, [1, 0.5, 0]]]}, "strobe": "8..14"},
     })  # fmt: skip
     assert Look.model_validate(look.model_dump(mode="json")) == look
+    for draw in ("cloth", "surface", "body"):
+        look = Look.model_validate({"draw": draw})
+        assert Look.model_validate(look.model_dump(mode="json")) == look
