@@ -2,11 +2,12 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from gen_art.errors import UsageError
 from gen_art.preset.fields import MOST_SIZE, ColourValue, Fraction, Light, NotNegative, Vector, Within, Words
 from gen_art.preset.model import Model, about
+from gen_art.preset.values import number, shown
 
 __all__ = ["KeyLight"]
 
@@ -46,6 +47,16 @@ class KeyLight(Model):
     glow_softness: Annotated[float, Within(0, MOST_SIZE)] = about(
         0.0, "radius over which their light is softened near them, in world units"
     )
+
+    @field_validator("scatter", mode="before")
+    @classmethod
+    def _full_or_number(cls, value):
+        if isinstance(value, str) and value != "full":
+            try:
+                number(value)
+            except UsageError:
+                raise UsageError(f"must be `full` or a number from 0 to 1, not {shown(value)}") from None
+        return value
 
     @model_validator(mode="after")
     def _pointing(self):

@@ -198,3 +198,9 @@ def test_the_albedo_of_nodes_is_that_of_the_particles_around_them():
     assert albedo_on_nodes(smoke, x, section, albedos) == pytest.approx([0.3] * 3)
     albedos[:] = np.nan
     assert albedo_on_nodes(smoke, x, section, albedos).tolist() == [1, 1, 1]
+
+
+def test_a_wrong_scatter_names_what_is_known():
+    with pytest.raises(ValueError, match="must be `full` or a number from 0 to 1, not 'fully'"):
+        KeyLight(scatter="fully")
+    assert KeyLight(scatter="1/4").scatter == 0.25 and KeyLight(scatter="full").scatter == "full"

@@ -3,6 +3,7 @@
 The one-letter names in kernels are in docs/glossary.md.
 """
 
+# ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp
 from gen_art.renderer.sky_table import sky_radiance
@@ -140,7 +141,7 @@ def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, a
             passed = liquid_light(N, scene.liquid_first, scene.liquid_depths, scene.D, place, pixel)
     sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * clear)
     shining = through * 0.0  # what comes through from the other side
-    if ti.static(scene.with_sheets):  # noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
+    if ti.static(scene.with_sheets):
         if through.max() > 0.0:
             behind = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) - n * clear)
             for k in ti.static(range(3)):
