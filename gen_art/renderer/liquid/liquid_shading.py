@@ -160,7 +160,8 @@ def draw_liquid_kernel(terms: ColliderTerms, coloured: bool):
             scene = arrays(
                 N=N, Q=Q, M=M, E=E, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D, sky=sky,
                 open_sky=open_sky, smoke=smoke, T=T, levels=levels, G=G, dome=dome,
-                liquid_first=liquid_first, liquid_depths=liquid_depths, with_sheets=False, gathers=False, glowing=False,
+                liquid_first=liquid_first, liquid_depths=liquid_depths, with_sheets=False,
+                gathers=False, glowing=False, occluded=False,
             )  # fmt: skip
             oy, ox = tile // bounds.shape[1] * TILE, tile % bounds.shape[1] * TILE
             nearest, farthest = NEVER, -NEVER

@@ -23,6 +23,7 @@ from gen_art.renderer.surfaces.scene_numbers import PHOTON_CELL, scene_numbers
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters, filled
 from gen_art.renderer.surfaces.sheet_rows import face_rectangles
 from gen_art.renderer.surfaces.sky_light import SkyLight
+from gen_art.renderer.surfaces.sky_occlusion import sky_occluders
 from gen_art.renderer.surfaces.solid_grid import SolidGrid
 from gen_art.renderer.surfaces.solid_rows import mean_areas, pixel_rectangles
 from gen_art.renderer.surfaces.solids import BOUND, MATERIAL
@@ -152,6 +153,7 @@ class SurfacePass:
             a.liquid_first, a.liquid_depths, places.starts, filled(places.solids), photons.rows, photons.starts,
             filled(cloth.corners), filled(cloth.faces), filled(cloth.looks), cloth.grid, cloth.starts, filled(cloth.listed),
             filled(of_faces), face_starts, filled(bin_faces), *(NO_GLOW if glow is None else glow).arrays,
+            sky_occluders(scene.surfaces, _THROUGH),
         )  # fmt: skip
 
 

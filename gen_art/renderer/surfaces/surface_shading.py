@@ -29,6 +29,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     UP,
     vector_at,
 )
+from gen_art.renderer.surfaces.sky_occlusion import open_sky_share
 from gen_art.renderer.surfaces.surface_light import lamp_share, sky_at
 
 __all__ = [
@@ -140,6 +141,8 @@ def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, a
             place = x + vector_at(N, CAMERA) + n * N[LIQUID_BIAS]
             passed = liquid_light(N, scene.liquid_first, scene.liquid_depths, scene.D, place, pixel)
     sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * clear)
+    if ti.static(scene.occluded):
+        sky *= open_sky_share(entries, scene, x, n)
     shining = through * 0.0  # what comes through from the other side
     if ti.static(scene.with_sheets):
         if through.max() > 0.0:
