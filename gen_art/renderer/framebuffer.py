@@ -7,14 +7,18 @@ import numpy as np
 
 from gen_art.backend.runtime import aligned, kernel, ti
 from gen_art.errors import MemoryRefused
-from gen_art.renderer import tiled_splat
-from gen_art.renderer.sprite import LEVEL
+from gen_art.renderer import disc_splat, tiled_splat
+from gen_art.renderer.coarse_framebuffer import composite
+from gen_art.renderer.sprite import DISC, LEVEL
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES
-from gen_art.renderer.tiled_splat import BIN, CHUNKS, SLICES
+from gen_art.renderer.tiled_splat import BIN, CHUNKS, kind_bits
 
 __all__ = ["FrameBuffer", "splat"]
 
+# Where sprites hide each other, the order of drawing is cut into slices; in each slice the coarse framebuffers are drawn first.
+SLICES = 24
+DISCS = frozenset({DISC})
 PARALLEL_CLEAR = 2**24  # bytes of a framebuffer from which waking threads to clear it pays
 WIDE, CLEAR_PARTS = 16, 64  # floats of a vector; parts that threads clear
 FLOATS = ti.types.ndarray(ti.types.vector(WIDE, ti.f32), 1)
@@ -65,12 +69,24 @@ class FrameBuffer:
     def draw(self, sprites: Sprites, order: np.ndarray, level: int, kinds: frozenset) -> np.ndarray:
         """Draw those of the sprites that belong to this framebuffer's level; returns which bins they touch, (down, across) bool.
 
+        kinds : the kinds of the sprites; larger discs than those of level 0 are the only sprites of the other levels
         Raises MemoryRefused when the sprites touch 2^31 bins or more in all.
         """
-        n, bins = len(order), self.across * self.down
+        all_seen = sprites.hidden_by is NOTHING_HIDES
+        if level or (all_seen and kinds == DISCS):
+            return self._draw(sprites, order, level, DISCS, by_vectors=True)
+        if all_seen and not sprites.layered and DISC in kinds:  # light is added in any order
+            discs = self._draw(sprites, order, level, DISCS, by_vectors=True)
+            return discs | self._draw(sprites, order, level, kinds - DISCS)
+        return self._draw(sprites, order, level, kinds)
+
+    def _draw(
+        self, sprites: Sprites, order: np.ndarray, level: int, kinds: frozenset, by_vectors: bool = False
+    ) -> np.ndarray:
+        n, bins, listed = len(order), self.across * self.down, kind_bits(kinds)
         chunk = -(-n // CHUNKS)
         counts = np.zeros((CHUNKS, bins), np.int32)
-        tiled_splat.count_bin_entries(sprites.headers, order, n, level, chunk, self.across, counts)
+        tiled_splat.count_bin_entries(sprites.headers, order, n, level, listed, chunk, self.across, counts)
         bin_counts = counts.T.reshape(-1)
         ends = np.cumsum(bin_counts, dtype=np.int64)
         total = int(ends[-1])
@@ -85,13 +101,20 @@ class FrameBuffer:
         bounds = np.append(starts[0], total).astype(np.int32)
         if total > len(self._bin_entries):
             self._bin_entries, self._tile_masks = (np.zeros(total * 5 // 4, np.int32) for _ in range(2))
+        entries, tile_masks = self._bin_entries, self._tile_masks
         tiled_splat.list_bin_entries(
-            sprites.headers, order, n, level, chunk, self.across, starts, self._bin_entries, self._tile_masks
+            sprites.headers, order, n, level, listed, chunk, self.across, starts, entries, tile_masks
         )
-        tiled_splat.draw_kernel(kinds, sprites.hidden_by is not NOTHING_HIDES)(
-            sprites.rows, sprites.texels, sprites.headers, self._bin_entries, self._tile_masks, bounds, self.across, bins,
-            self.buffer, self.stride, sprites.depths, sprites.hidden_by.depths,
-        )  # fmt: skip
+        if by_vectors:
+            wide = disc_splat.WIDE
+            disc_splat.draw_discs(
+                sprites.rows, entries, tile_masks, bounds, self.across, bins, self.buffer.reshape(-1, wide), self.stride // wide
+            )  # fmt: skip
+        else:
+            tiled_splat.draw_kernel(kinds, sprites.hidden_by is not NOTHING_HIDES)(
+                sprites.rows, sprites.texels, sprites.headers, entries, tile_masks, bounds, self.across, bins, self.buffer,
+                self.stride, sprites.depths, sprites.hidden_by.depths,
+            )  # fmt: skip
         return touched
 
     def composite(self, coarse: "FrameBuffer", touched: np.ndarray, over: bool) -> np.ndarray:
@@ -108,9 +131,9 @@ class FrameBuffer:
         changed = reached[1:-1, 1:-1].repeat(2, axis=0).repeat(2, axis=1)[: self.down, : self.across]
         changed_bins = np.flatnonzero(changed).astype(np.int32)
         if len(changed_bins):
-            tiled_splat.composite(
-                coarse.buffer, coarse.width, coarse.height, coarse.stride, self.buffer, self.stride, self.across, changed_bins,
-                len(changed_bins), int(over),
+            composite(
+                coarse.buffer.reshape(-1, 4), coarse.width, coarse.height, coarse.stride // 4, self.buffer.reshape(-1, 4),
+                self.stride // 4, self.across, changed_bins, len(changed_bins), int(over),
             )  # fmt: skip
         return changed
 

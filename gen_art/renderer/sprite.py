@@ -55,7 +55,7 @@ HIDDEN, OUTSIDE = -1.0, -1e9  # footprint of a hidden particle, and the x of wha
 FOOTPRINT_PER_RADIUS = 1.5  # a disc's footprint divided by its radius
 MIN_FOOTPRINT = 1.5  # pixels of footprint: a standard deviation of 0.45; a narrower kernel would alias
 MIN_RIM = 0.75  # pixels: smallest half width of an even disc's rim
-LEVEL_FOOTPRINT = 16.0  # pixels of footprint from which a disc is drawn at half the size; from twice that, a quarter
+LEVEL_FOOTPRINT = 8.0  # pixels of footprint from which a disc is drawn at half the size; from twice that, a quarter
 MAX_LEVEL = 3
 KERNEL_VARIANCE = 0.0903  # of the kernel of footprint 1
 MIN_STREAK_FOOTPRINT = 1.15  # MIN_FOOTPRINT for a streak, whose weights are integrals over pixels
@@ -166,7 +166,7 @@ def _choose_level(footprint, random):
     random : in 0..1, the sprite's own. It spreads the size at which sprites change level, so that no edge shows where they grow.
     """
     level = 0
-    limit = LEVEL_FOOTPRINT * (0.75 + 0.75 * random)
+    limit = LEVEL_FOOTPRINT * (0.85 + 0.75 * random)
     while level < MAX_LEVEL and footprint >= limit:
         footprint *= 0.5
         level += 1

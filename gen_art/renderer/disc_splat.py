@@ -1,0 +1,76 @@
+"""Discs drawn into the tiles of the framebuffer by whole vectors of four pixels (RGBA), with the bits of tiled_splat.py.
+
+A tile of 8 x 8 pixels is sixteen vectors, which stay in the processor's registers from its first disc to its last.
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
+
+from gen_art.backend.runtime import kernel, ti
+from gen_art.renderer.sprite import ALPHA, BLUE, FOOTPRINT, GREEN, NORM, RED, X, Y
+from gen_art.renderer.tiled_splat import BIN, TILE, TILES
+
+__all__ = ["WIDE", "draw_discs"]
+
+WIDE = 16  # floats of a vector
+PARTS = 4 * TILE // WIDE  # vectors in a row of a tile
+F2, I1 = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i32, 1)
+FLOATS = ti.types.ndarray(ti.types.vector(WIDE, ti.f32), 1)
+_COLUMNS = [tuple(part * WIDE // 4 + lane // 4 + 0.5 for lane in range(WIDE)) for part in range(PARTS)]
+_ROWS = tuple(lane + 0.5 for lane in range(WIDE))
+
+
+@ti.func
+def _all(x):
+    """A vector with the same float in each lane."""
+    return ti.Vector([ti.cast(x, ti.f32) for _ in ti.static(range(WIDE))])
+
+
+@ti.func
+def _profile(t):
+    """sprite.profile of each lane."""
+    one, s = _all(1.0), t * t
+    s = ti.select(s < one, s, one)
+    a = one - _all(0.3125) * s
+    a2 = a * a
+    a4 = a2 * a2
+    b = one - s
+    return a4 * a4 * (b * b)
+
+
+@ti.kernel
+def _draw_discs(
+    P: F2, entries: I1, tile_masks: I1, bounds: I1, across: ti.i32, bins: ti.i32, framebuffer: FLOATS, stride: ti.i32
+):  # fmt: skip
+    """Draw each bin's discs, entries[bounds[bin]] to entries[bounds[bin + 1] - 1]; stride : vectors in a row of pixels"""
+    ti.loop_config(block_dim=1)
+    for place in range(bins * TILES * TILES):
+        bin, t = place // (TILES * TILES), place % (TILES * TILES)
+        touched = 0
+        for k in range(bounds[bin], bounds[bin + 1]):
+            touched |= tile_masks[k] >> t
+        if touched & 1:
+            x0, y0 = (bin % across) * BIN + (t % TILES) * TILE, (bin // across) * BIN + (t // TILES) * TILE
+            corner = y0 * stride + x0 * 4 // WIDE
+            columns, rows = [ti.Vector(c) for c in ti.static(_COLUMNS)], ti.Vector(_ROWS)
+            tile = [_all(0.0) for _ in ti.static(range(TILE * PARTS))]
+            light, coverage = [_all(0.0) for _ in ti.static(range(PARTS))], [_all(0.0) for _ in ti.static(range(PARTS))]
+            for v in ti.static(range(TILE * PARTS)):
+                tile[v] = framebuffer[corner + v // PARTS * stride + v % PARTS]
+            for k in range(bounds[bin], bounds[bin + 1]):
+                if (tile_masks[k] >> t) & 1:
+                    i = entries[k]
+                    x, inverse, norm = _all(P[i, X] - ti.cast(x0, ti.f32)), _all(1.0 / P[i, FOOTPRINT]), _all(P[i, NORM])
+                    r, g, b, a = P[i, RED], P[i, GREEN], P[i, BLUE], P[i, ALPHA]
+                    colour = ti.Vector([r, g, b, a] * (WIDE // 4))
+                    for part in ti.static(range(PARTS)):
+                        w = _profile((columns[part] - x) * inverse) * norm
+                        light[part], coverage[part] = w * colour, w * _all(a)
+                    down = _profile((rows - _all(P[i, Y] - ti.cast(y0, ti.f32))) * inverse)
+                    for v in ti.static(range(TILE * PARTS)):
+                        w = _all(down[v // PARTS])
+                        tile[v] = tile[v] + w * (light[v % PARTS] - tile[v] * coverage[v % PARTS])
+            for v in ti.static(range(TILE * PARTS)):
+                framebuffer[corner + v // PARTS * stride + v % PARTS] = tile[v]
+
+
+draw_discs = kernel(_draw_discs, vectors=True)
