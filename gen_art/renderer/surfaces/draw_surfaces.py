@@ -78,31 +78,39 @@ def _trace_colliders(
     that shows others sharply.
     """
     N = ti.static(scene.N)
-    middle_t, middle_owner, alike = ti.Vector([NEVER] * _WITH_BORDER), ti.Vector([-1] * _WITH_BORDER), 0
-    for k in range(_WITH_BORDER + _RAYS):  # one loop, so that a collider is compiled once
+    middle_t, middle_owner, differ = ti.Vector([NEVER] * _WITH_BORDER), ti.Vector([-1] * _WITH_BORDER), 0
+    k = 0
+    while k < _WITH_BORDER + _RAYS:  # one loop, so that a collider is compiled once
         r = k - _WITH_BORDER
-        p, s = r // SUBPIXELS, r % SUBPIXELS
+        p = r // SUBPIXELS
         here = (p // TILE + 1) * (TILE + 2) + p % TILE + 1
-        o, d = _middle_ray(N, ox + k % (TILE + 2) - 1, oy + k // (TILE + 2) - 1)
-        if r >= 0:
-            o, d = _subpixel_ray(N, ox + p % TILE, oy + p // TILE, s)
-            if s == 0:
-                alike = 0
-                for beside in range(9):
-                    if middle_owner[here + (beside // 3 - 1) * (TILE + 2) + beside % 3 - 1] == middle_owner[here]:
-                        alike += 1
-                if ti.static(follows):
-                    if shows_edges(surfaces, scene, middle_owner[here] // FACETS) == 1:
-                        alike = 0
-        t, who = NEVER, -1
-        if r < 0 or alike < 9:
-            t, who = _collider_hit(entries, scene, o, d)
-        else:
-            t, who = middle_t[here], middle_owner[here]
+        o, d, again = vector_at(N, CAMERA), vector_at(N, CAMERA), 1
         if r < 0:
-            middle_t[k], middle_owner[k] = t, who
+            o, d = _middle_ray(N, ox + k % (TILE + 2) - 1, oy + k // (TILE + 2) - 1)
         else:
-            distance[r], owner[r] = t, who
+            if r % SUBPIXELS == 0:
+                again = 0
+                if differ == 1:
+                    for beside in range(9):
+                        if middle_owner[here + (beside // 3 - 1) * (TILE + 2) + beside % 3 - 1] != middle_owner[here]:
+                            again = 1
+                if ti.static(follows):
+                    again |= shows_edges(surfaces, scene, middle_owner[here] // FACETS)
+            if again == 1:
+                o, d = _subpixel_ray(N, ox + p % TILE, oy + p // TILE, r % SUBPIXELS)
+        if again == 1:
+            t, who = _collider_hit(entries, scene, o, d)
+            if r < 0:
+                middle_t[k], middle_owner[k] = t, who
+                if who != middle_owner[0]:
+                    differ = 1
+            else:
+                distance[r], owner[r] = t, who
+            k += 1
+        else:
+            for s in range(SUBPIXELS):
+                distance[r + s], owner[r + s] = middle_t[here], middle_owner[here]
+            k += SUBPIXELS
 
 
 @ti.func
@@ -160,6 +168,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
     glowing : whether emitting particles light them
     """
     entries, surfaces = terms.entries, len(terms.owners)
+    has_occluders = surfaces > 1
     near_casters = tuple(entry for entry in entries if not isinstance(entry.collider, Plane))
 
     @ti.kernel
@@ -199,7 +208,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
                 sheet_looks=sheet_looks, sheet_grid=sheet_grid, sheet_starts=sheet_starts, sheet_faces=sheet_faces,
                 glowing=glowing, near_casters=near_casters, glow_nodes=glow_nodes, glow_links=glow_links,
                 glow_lights=glow_lights, glow_parts=glow_parts, glow_lamps=glow_lamps, near_starts=near_starts,
-                near_solids=near_solids, near_disc=near_disc, occluded=len(entries) > 1, occluders=occluders,
+                near_solids=near_solids, near_disc=near_disc, occluded=has_occluders, occluders=occluders,
             )  # fmt: skip
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE

@@ -6,6 +6,8 @@ its facets along the direction in which its normal points in the picture, and by
 The one-letter names in kernels are in docs/glossary.md.
 """
 
+import math
+
 import numpy as np
 
 from gen_art.backend.runtime import kernel, ti
@@ -15,6 +17,7 @@ __all__ = ["LEVELS", "NO_MIRROR", "MirrorFilm", "blur_points", "mirrored_light"]
 
 LEVELS = 7  # of a pyramid of pictures, each of half the size of the one before
 POINTS = 16  # at which a rough mirror reads the pyramid
+FARTHEST = math.sqrt(2.0 * math.log(2 * POINTS))  # radius of the outermost of them, in standard deviations
 _GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 _FINER = 0.6  # standard deviation of the texels that a point reads, relative to the spread of the points
 
@@ -104,8 +107,16 @@ def mirrored_light(T: ti.template(), levels: ti.template(), G: ti.template(), x,
         while spread > 1.0 and level < LEVELS - 1:
             spread *= 0.5
             level += 1
-        for k in range(POINTS):
-            a, b = along * G[k, 0], across * G[k, 1]
-            result += _texel(T, levels, level, x + a * cosine - b * sine, y + a * sine + b * cosine)
-        result *= 1.0 / POINTS
+        # one texel, of a level whose texels hold all of the points: where it is empty, so are they
+        whole, reach = level + 1, ti.max(along, across) * FARTHEST + ti.cast(2 << level, ti.f32)
+        while ti.cast(1 << whole, ti.f32) < 2.0 * reach and whole < LEVELS:
+            whole += 1
+        seen = 1.0
+        if whole < LEVELS:
+            seen = _texel(T, levels, whole, x, y).max()
+        if seen > 0.0:
+            for k in range(POINTS):
+                a, b = along * G[k, 0], across * G[k, 1]
+                result += _texel(T, levels, level, x + a * cosine - b * sine, y + a * sine + b * cosine)
+            result *= 1.0 / POINTS
     return result

@@ -124,7 +124,8 @@ class SurfacePass:
         sky = SkyLight.of(light, positions, areas * scene.shadows, radii)
         grid, depths = smoke if smoke is not None and scene.shadows else (None, np.zeros(1, np.float32))
         mirror = scene.mirror if film is not NO_MIRROR else -1
-        follows = bool((table[:, ROUGHNESS] <= TRACED_ROUGHNESS).any() or table[:, TRANSMISSION].any())
+        smooth = table[:, ROUGHNESS] <= TRACED_ROUGHNESS
+        follows = bool(table[:, TRANSMISSION].any() or (smooth.any() and _more_than_one(scene, len(rows))))
         places = SolidGrid.of(rows) if follows else SolidGrid.none()
         numbers = scene_numbers(
             view, self.size, time, light, scene.shadows, bins, sky, grid, places, clip, mirror, liquid
@@ -155,6 +156,12 @@ class SurfacePass:
             filled(of_faces), face_starts, filled(bin_faces), *(NO_GLOW if glow is None else glow).arrays,
             sky_occluders(scene.surfaces, _THROUGH),
         )  # fmt: skip
+
+
+def _more_than_one(scene: Scene, solids: int) -> bool:
+    """Whether a ray that leaves a surface may meet another, or the same one again."""
+    alone = all(collider.convex and collider.sides == 1 for collider, _ in scene.surfaces)
+    return len(scene.surfaces) + solids > 1 or not alone
 
 
 def _in_bins(rectangles: np.ndarray, shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
