@@ -5,11 +5,23 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
-from gen_art.preset.fields import MOST_SIZE, ColourValue, Fraction, Light, Number, Within
+from gen_art.preset.fields import MOST_SIZE, ColourValue, Fraction, Light, Number, PositiveRange, Whole, Within
+from gen_art.preset.files import ImageFile, PresetFile
 from gen_art.preset.from_script import model_of
 from gen_art.preset.model import Model, about
+from gen_art.preset.values import Range
 
-__all__ = ["Checker", "Finish", "Ground", "SurfaceLook", "ground_of", "surface_look"]
+__all__ = [
+    "Checker",
+    "Finish",
+    "Ground",
+    "Puddles",
+    "SurfaceImage",
+    "SurfaceLook",
+    "Waves",
+    "ground_of",
+    "surface_look",
+]
 
 _FORMS = (Mapping, str, bool, list, tuple)  # what a script may give for a surface
 
@@ -25,6 +37,60 @@ class Checker(Model):
     @classmethod
     def from_short(cls, value: Any) -> Any:
         return value if isinstance(value, (Checker, dict)) else {"size": value}
+
+
+class SurfaceImage(Model):
+    """An image on a surface, repeated. Its colours take the place of the albedo; where it is transparent, the albedo shows.
+
+    It lies along the two axes of the collider that the surface faces least; on a floor its upper side points to -z.
+    A file's name sets the `file`.
+    """
+
+    file: Annotated[PresetFile, ImageFile] = about(..., "image in the preset's folder or below")
+    size: Annotated[float, Within(0, MOST_SIZE, open_low=True)] = about(1.0, "width of the image", unit="m")
+
+    short_form = {"type": "string", "description": "the image's file"}
+
+    @classmethod
+    def from_short(cls, value: Any) -> Any:
+        return value if isinstance(value, (SurfaceImage, dict)) else {"file": value}
+
+
+class Puddles(Model):
+    """Water in the hollows of a floor: smooth, and the floor around it darker. A number sets the `share`."""
+
+    share: Fraction = about(0.3, "the part of the floor under water")
+    size: Annotated[float, Within(0, MOST_SIZE, open_low=True)] = about(1.0, "how far puddles are apart", unit="m")
+    damp: Fraction = about(0.5, "how wet the floor between them is: 1 halves its albedo and its roughness")
+    seed: Whole = about(0, "another number, other puddles")
+
+    short_form = {"type": ["number", "string"]}
+
+    @classmethod
+    def from_short(cls, value: Any) -> Any:
+        return value if isinstance(value, (Puddles, dict)) else {"share": value}
+
+
+class Waves(Model):
+    """Waves on the water of a `plane` or of the `ground`, which travel as on deep water. A number sets the `slope`.
+
+    The surface itself stays flat: waves turn what it reflects, and where they are smaller than a pixel they make it rougher.
+    """
+
+    slope: Annotated[float, Within(0, 0.5)] = about(
+        0.05, "root mean square of the slope: 0.02 is a calm lake, 0.1 a breeze, 0.2 a storm"
+    )
+    length: PositiveRange = about(Range(0.05, 2.0), "lengths of the waves", unit="m")
+    direction: Number = about(0.0, "where they run: 0 to +x, 90 to +z", unit="degrees")
+    spread: Annotated[float, Within(0, 180)] = about(90.0, "largest angle from that direction", unit="degrees")
+    speed: Number = about(1.0, "factor on their speed")
+    seed: Whole = about(0, "another number, other waves")
+
+    short_form = {"type": ["number", "string"]}
+
+    @classmethod
+    def from_short(cls, value: Any) -> Any:
+        return value if isinstance(value, (Waves, dict)) else {"slope": value}
 
 
 class Finish(Model):
@@ -59,6 +125,9 @@ class SurfaceLook(Finish):
 
     albedo: ColourValue = about("#8c8c8c", "the part of the light that is scattered, by colour")
     checker: Checker | None = about(None, "a checker of the albedo and a second colour")
+    image: SurfaceImage | None = about(None, "an image instead of the albedo")
+    puddles: Puddles | None = about(None, "puddles of water: for a `plane` or the `ground`")
+    waves: Waves | None = about(None, "waves on water: for a `plane` or the `ground`")
     mirror: bool = about(
         False,
         "whether it reflects the things of the scene and not the sky alone: for one `plane` or the `ground`; `roughness` "

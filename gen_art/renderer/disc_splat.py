@@ -59,7 +59,11 @@ def _draw_discs(
             for k in range(bounds[bin], bounds[bin + 1]):
                 if (tile_masks[k] >> t) & 1:
                     i = entries[k]
-                    x, inverse, norm = _all(P[i, X] - ti.cast(x0, ti.f32)), _all(1.0 / P[i, FOOTPRINT]), _all(P[i, NORM])
+                    x, inverse, norm = (
+                        _all(P[i, X] - ti.cast(x0, ti.f32)),
+                        _all(1.0 / P[i, FOOTPRINT]),
+                        _all(P[i, NORM]),
+                    )
                     r, g, b, a = P[i, RED], P[i, GREEN], P[i, BLUE], P[i, ALPHA]
                     colour = ti.Vector([r, g, b, a] * (WIDE // 4))
                     for part in ti.static(range(PARTS)):

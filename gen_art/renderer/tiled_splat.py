@@ -93,7 +93,9 @@ def _tiles_of(first, last, place):
 
 
 @ti.kernel
-def _count_bin_entries(headers: H2, order: I1, n: ti.i32, level: ti.i32, kinds: ti.i32, chunk: ti.i32, across: ti.i32, counts: I2):
+def _count_bin_entries(
+    headers: H2, order: I1, n: ti.i32, level: ti.i32, kinds: ti.i32, chunk: ti.i32, across: ti.i32, counts: I2
+):
     ti.loop_config(block_dim=1)
     for c in range(CHUNKS):
         for j in range(c * chunk, ti.min((c + 1) * chunk, n)):

@@ -33,7 +33,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     vector_at,
 )
 from gen_art.renderer.surfaces.solids import NEVER
-from gen_art.renderer.surfaces.surface_shading import IOR, air_between, layer_shares, surface_light
+from gen_art.renderer.surfaces.surface_shading import IOR, ROUGHNESS, air_between, layer_shares, surface_light
 from gen_art.renderer.surfaces.tiles import SUBPIXELS, TILE
 
 __all__ = ["LIQUID_NUMBERS", "draw_liquid_kernel"]
@@ -161,7 +161,7 @@ def draw_liquid_kernel(terms: ColliderTerms, coloured: bool):
                 N=N, Q=Q, M=M, E=E, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D, sky=sky,
                 open_sky=open_sky, smoke=smoke, T=T, levels=levels, G=G, dome=dome,
                 liquid_first=liquid_first, liquid_depths=liquid_depths, with_sheets=False,
-                gathers=False, glowing=False, occluded=False,
+                gathers=False, glowing=False, occluded=False, mapped=False,
             )  # fmt: skip
             oy, ox = tile // bounds.shape[1] * TILE, tile % bounds.shape[1] * TILE
             nearest, farthest = NEVER, -NEVER
@@ -217,8 +217,9 @@ def draw_liquid_kernel(terms: ColliderTerms, coloured: bool):
                                 opacity -= through.sum() * (1.0 / 3.0) * (1.0 - seen[3])
                             pixel = ti.select(N[PARALLEL] > 0.5, 1.0, t) / N[SCALE]
                             clear = N[SKY_CELL] + N[SKY_LIFT]
+                            detail = ti.Vector([0.0, M[m, ROUGHNESS], 0.0])
                             own, mirrored, around, _ = surface_light(
-                                entries, scene, m, x, n, -d, albedo, albedo * 0.0, emission, clear, pixel
+                                entries, scene, m, x, n, -d, albedo, albedo * 0.0, emission, clear, pixel, detail
                             )
                             air = air_between(scene, d, z)
                             light += (own + mirrored * around) * air[3] + ti.Vector([air[0], air[1], air[2]])

@@ -68,7 +68,7 @@ def _photon_kernel(terms: ColliderTerms):
         for block in range((bodies.shape[0] * of_each + 255) // 256):
             scene = arrays(
                 N=N, Q=Q, owners=owners, M=M, B=B, shadow_starts=shadow_starts, shadow_solids=shadow_solids, D=D, smoke=smoke,
-                grid_starts=grid_starts, grid_solids=grid_solids, with_sheets=False,
+                grid_starts=grid_starts, grid_solids=grid_solids, with_sheets=False, mapped=False,
             )  # fmt: skip
             for i in range(block * 256, ti.min((block + 1) * 256, bodies.shape[0] * of_each)):
                 body, k = i // of_each, i % of_each
@@ -92,7 +92,9 @@ def _photon_kernel(terms: ColliderTerms):
                     if who < 0:
                         met = _SURFACES
                     else:
-                        n, x, m, albedo, _, _, _ = surface_point(entries, surfaces, scene, who, o + d * t, d, pixel)
+                        n, x, m, albedo, _, _, _, _, _ = surface_point(
+                            entries, surfaces, scene, who, o + d * t, d, pixel
+                        )
                         if inside >= 0:
                             for c in ti.static(range(3)):
                                 colour[c] *= exp(log(ti.max(albedo[c], 1e-6)) * t * M[m, PER_LENGTH])

@@ -24,6 +24,7 @@ __all__ = [
     "cast_by",
     "collider_distances",
     "first_hit",
+    "in_start_frame",
     "ray_in_start_frame",
     "side_hit",
     "surface_exit",
@@ -84,6 +85,20 @@ def ray_in_start_frame(entry: ti.template(), q: ti.template(), origin, direction
     if ti.static(entry.collider.rotates):
         d = rotated_about(direction, axis, -angle)
     return o, d
+
+
+@ti.func
+def in_start_frame(entries: ti.template(), Q: ti.template(), surface, x, a, b, c, time):
+    """The position x and the directions a, b and c in the frame at time 0 of the collider that has the surface."""
+    place, first, second, third = x, a, b, c
+    for entry in ti.static(entries):
+        if entry.first_surface <= surface and surface < entry.first_surface + entry.collider.sides:
+            q = parameters(Q, entry.collider, entry.offset)
+            place, axis, angle = to_start_frame(entry.collider, q, x, time)
+            if ti.static(entry.collider.rotates):
+                first, second = rotated_about(a, axis, -angle), rotated_about(b, axis, -angle)
+                third = rotated_about(c, axis, -angle)
+    return place, first, second, third
 
 
 @ti.func

@@ -6,7 +6,6 @@ between them costs one shading. The picture is drawn in tiles of 8 x 8 pixels, e
 The one-letter names in kernels are in docs/glossary.md.
 """
 
-# ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from functools import cache
 
 from gen_art.backend.kernel_views import particle as arrays
@@ -161,11 +160,12 @@ def _depth(N: ti.template(), d, t):
 
 
 @cache
-def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing: bool):
+def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing: bool, mapped: bool):
     """The kernel that draws surfaces of these colliders, solids, and cloth if there is any.
 
     follows : whether smooth surfaces reflect each other, and light goes through transparent bodies
     glowing : whether emitting particles light them
+    mapped : whether there are images, puddles or waves on them
     """
     entries, surfaces = terms.entries, len(terms.owners)
     has_occluders = surfaces > 1
@@ -179,7 +179,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
         grid_starts: I1, grid_solids: I1, photons: F2, photon_starts: I1, V: F2, faces: I2, sheet_looks: F2, sheet_grid: F1,
         sheet_starts: I1, sheet_faces: I1, face_rectangles: I2, face_starts: I1, bin_faces: I1, glow_nodes: F2,
         glow_links: I2, glow_lights: F2, glow_parts: I2, glow_lamps: F2, near_starts: I1, near_solids: I1, near_disc: F2,
-        occluders: F2,
+        occluders: F2, images: F2, waves: F2,
     ):  # fmt: skip
         """Draw surfaces into a clear framebuffer, and their distances along the line of sight into `depths`.
 
@@ -196,7 +196,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
         V, faces, sheet_looks, sheet_grid, sheet_starts, sheet_faces : of Sheets
         face_rectangles, face_starts, bin_faces : of its faces, as for solids
         glow_... : of a LightTree; near_starts, near_solids : of NearBins; near_disc : of lamp_disc
-        occluders : of sky_occluders
+        occluders : of sky_occluders; images, waves : of SurfaceMaps
         """
         ti.loop_config(block_dim=1)
         for tile in range(across * down * TILES * TILES):
@@ -209,6 +209,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
                 glowing=glowing, near_casters=near_casters, glow_nodes=glow_nodes, glow_links=glow_links,
                 glow_lights=glow_lights, glow_parts=glow_parts, glow_lamps=glow_lamps, near_starts=near_starts,
                 near_solids=near_solids, near_disc=near_disc, occluded=has_occluders, occluders=occluders,
+                mapped=mapped, images=images, waves=waves,
             )  # fmt: skip
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE

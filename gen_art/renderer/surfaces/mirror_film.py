@@ -6,44 +6,44 @@ its facets along the direction in which its normal points in the picture, and by
 The one-letter names in kernels are in docs/glossary.md.
 """
 
-import math
-
 import numpy as np
 
 from gen_art.backend.runtime import kernel, ti
-from gen_art.maths.array_functions import cos, log, sin
+from gen_art.maths.array_functions import exp
 
 __all__ = ["LEVELS", "NO_MIRROR", "MirrorFilm", "blur_points", "mirrored_light"]
 
 LEVELS = 7  # of a pyramid of pictures, each of half the size of the one before
-POINTS = 16  # at which a rough mirror reads the pyramid
-FARTHEST = math.sqrt(2.0 * math.log(2 * POINTS))  # radius of the outermost of them, in standard deviations
-_GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
-_FINER = 0.6  # standard deviation of the texels that a point reads, relative to the spread of the points
+POINTS = 16  # at which a rough mirror reads the pyramid, along the direction in which it spreads most
+_WEIGHTS = (0.125, 0.375, 0.375, 0.125)
+_TEXEL = 0.65  # standard deviation of what a bilinear texel of the pyramid covers, in its sides
+_FARTHEST = 2.6  # of the outermost of them, in standard deviations
 
 F2, I2 = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i32, 2)
 
 
 def blur_points() -> np.ndarray:
-    """(POINTS, 2) float32: a normal distribution of standard deviation 1 along both axes, by the golden angle."""
-    k = np.arange(POINTS)
-    radius = np.sqrt(-2.0 * log(1.0 - (k + 0.5) / POINTS))
-    return np.stack([radius * cos(k * _GOLDEN), radius * sin(k * _GOLDEN)], axis=1).astype(np.float32)
+    """(POINTS, 2) float32: places along a line, and weights that make of them a normal distribution of deviation 1, sum 1."""
+    place = np.linspace(-_FARTHEST, _FARTHEST, POINTS)
+    weight = exp(-0.5 * place * place)
+    weight /= weight.sum()
+    return np.stack([place / np.sqrt((weight * place * place).sum()), weight], axis=1).astype(np.float32)
 
 
 @ti.kernel
 def _halve(T: F2, levels: I2, level: ti.i32):
-    """Fill a level of the pyramid with the means of 2 x 2 texels of the level before."""
+    """Fill a level of the pyramid from the level before, with the weights 1, 3, 3, 1 along both axes."""
     ti.loop_config(block_dim=1)
     for row in range(levels[level, 2]):
         fine, width, rows = levels[level - 1, 0], levels[level - 1, 1], levels[level - 1, 2]
         for column in range(levels[level, 1]):
             for c in range(4):
                 total = 0.0
-                for k in range(4):
-                    i, j = ti.min(2 * row + k // 2, rows - 1), ti.min(2 * column + k % 2, width - 1)
-                    total += T[fine + i * width + j, c]
-                T[levels[level, 0] + row * levels[level, 1] + column, c] = 0.25 * total
+                for k in ti.static(range(16)):
+                    i = ti.min(ti.max(2 * row + k // 4 - 1, 0), rows - 1)
+                    j = ti.min(ti.max(2 * column + k % 4 - 1, 0), width - 1)
+                    total += _WEIGHTS[k // 4] * _WEIGHTS[k % 4] * T[fine + i * width + j, c]
+                T[levels[level, 0] + row * levels[level, 1] + column, c] = total
 
 
 _halve_kernel = kernel(_halve)
@@ -96,27 +96,24 @@ def _texel(T: ti.template(), levels: ti.template(), level, x, y):
 def mirrored_light(T: ti.template(), levels: ti.template(), G: ti.template(), x, y, along, across, cosine, sine):
     """(4,) light and coverage of the mirrored picture at a place, blurred.
 
-    along, across : standard deviations in pixels, along the direction (cosine, sine) of the picture and across it
+    along, across : standard deviations in pixels, along the direction (cosine, sine) of the picture and, no larger, across it
     G : (POINTS, 2) of blur_points
     """
     result = ti.Vector([0.0, 0.0, 0.0, 0.0])
     if along < 0.3:
         result = _texel(T, levels, 0, x, y)
     else:
-        spread, level = ti.sqrt(ti.max(along * ti.max(across, 0.3), 0.09)) * _FINER, 0
-        while spread > 1.0 and level < LEVELS - 1:
-            spread *= 0.5
+        # the points are no farther apart than what each of them covers
+        texel = ti.min(ti.max(across, 0.3 * along), 0.8 * along)
+        line, side, level = ti.sqrt(along * along - texel * texel), texel / _TEXEL, 0
+        while side >= 2.0 and level < LEVELS - 1:
+            side *= 0.5
             level += 1
-        # one texel, of a level whose texels hold all of the points: where it is empty, so are they
-        whole, reach = level + 1, ti.max(along, across) * FARTHEST + ti.cast(2 << level, ti.f32)
-        while ti.cast(1 << whole, ti.f32) < 2.0 * reach and whole < LEVELS:
-            whole += 1
-        seen = 1.0
-        if whole < LEVELS:
-            seen = _texel(T, levels, whole, x, y).max()
-        if seen > 0.0:
-            for k in range(POINTS):
-                a, b = along * G[k, 0], across * G[k, 1]
-                result += _texel(T, levels, level, x + a * cosine - b * sine, y + a * sine + b * cosine)
-            result *= 1.0 / POINTS
+        coarser = ti.min(ti.max(side - 1.0, 0.0), 1.0)
+        for k in range(POINTS):
+            u, v = x + line * G[k, 0] * cosine, y + line * G[k, 0] * sine
+            light = _texel(T, levels, level, u, v)
+            if coarser > 0.0 and level < LEVELS - 1:
+                light += (_texel(T, levels, level + 1, u, v) - light) * coarser
+            result += G[k, 1] * light
     return result

@@ -7,6 +7,7 @@ Source: Whitted, An improved illumination model for shaded display, CACM 23 (198
 The one-letter names in kernels are in docs/glossary.md.
 """
 
+# ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp, log
 from gen_art.renderer.surfaces.collider_rays import first_hit, surface_exit, surface_normal
@@ -23,10 +24,10 @@ from gen_art.renderer.surfaces.surface_shading import (
     ROUGHNESS,
     TRANSMISSION,
     air_between,
-    albedo_at,
     background,
     mirror_film_at,
     row_vector,
+    surface_detail,
     surface_light,
 )
 
@@ -53,10 +54,11 @@ _NUMBERS = 11  # of a waiting ray: origin, direction, share of the light, length
 
 @ti.func
 def surface_point(entries: ti.template(), surfaces: ti.template(), scene: ti.template(), who, x, d, pixel):
-    """(unit normal, place, material, albedo, through, emission, clear) of what a ray along d meets at the position x.
+    """(unit normal, place, material, albedo, through, emission, clear, flat, detail) of what a ray along d meets at x.
 
     who : a surface, from `surfaces` on a solid, and after them a face of cloth, which is smooth: its place is not quite x
     through, clear : see surface_light
+    flat : the normal without waves; detail : of surface_detail
     """
     N, B = ti.static(scene.N, scene.B)
     n, place, m, albedo, through, emission, clear = d, x, 0, d, d * 0.0, d, N[SKY_CELL]
@@ -72,9 +74,12 @@ def surface_point(entries: ti.template(), surfaces: ti.template(), scene: ti.tem
         if ti.static(surfaces > 0):
             n = surface_normal(entries, scene.Q, who, x + vector_at(N, CAMERA), N[TIME])
             m = scene.owners[who]
-            albedo = albedo_at(scene, m, x, n, d, pixel)
             emission = row_vector(scene.M, m, EMISSION)
-    return n, place, m, albedo, through, emission, clear
+    flat, detail = n, ti.Vector([0.0, scene.M[m, ROUGHNESS], 0.0])
+    if who < surfaces:
+        if ti.static(surfaces > 0):
+            albedo, n, detail = surface_detail(entries, scene, who, m, x, flat, d, pixel)
+    return n, place, m, albedo, through, emission, clear, flat, detail
 
 
 @ti.func
@@ -197,7 +202,7 @@ def light_along(
             length += t
             pixel = ti.select(same_everywhere > 0.5, 1.0, length) * per_length
             room = followed < MOST_RAYS and count < _WAITING - _FACETS
-            n, x, m, albedo, through, emission, clear = surface_point(
+            n, x, m, albedo, through, emission, clear, flat, detail = surface_point(
                 entries, surfaces, scene, who, o + d * t, d, pixel
             )
             if inside >= 0:
@@ -220,15 +225,15 @@ def light_along(
                     result += share * ti.Vector([gas[0], gas[1], gas[2]])
                     share *= gas[3]
                 own, mirrored, around, entering = surface_light(
-                    entries, scene, m, x, n, -d, albedo, through, emission, clear, pixel
+                    entries, scene, m, x, n, -d, albedo, through, emission, clear, pixel, detail
                 )
                 result += share * own
                 mirrored *= share
-                reflects = room and M[m, ROUGHNESS] <= TRACED_ROUGHNESS and mirrored.max() > _LEAST
+                reflects = room and detail[1] <= TRACED_ROUGHNESS and mirrored.max() > _LEAST
                 if N[MIRROR] == ti.cast(m, ti.f32):
                     reflects = False
                     if followed == 1:
-                        film = mirror_film_at(scene, m, n, -d, column, row)
+                        film = mirror_film_at(scene, detail[1], flat, n, -d, column, row)
                         for k in ti.static(range(3)):
                             # the film's light has come through the air already, so what the air adds is in it too
                             result[k] += mirrored[k] / ti.max(air[3], 1e-30) * (film[k] - air[k] * film[3])
@@ -236,12 +241,12 @@ def light_along(
                 if ti.static(follows):
                     if reflects:
                         facets = 1
-                        if followed == 1 and M[m, ROUGHNESS] > _SHARP and mirrored.max() > _STRONG:
+                        if followed == 1 and detail[1] > _SHARP and mirrored.max() > _STRONG:
                             facets = _FACETS
                         for k in range(facets):
                             h = n
-                            if followed == 1 and M[m, ROUGHNESS] > _SHARP:
-                                h = _facet(scene, n, M[m, ROUGHNESS], k, column, row)
+                            if followed == 1 and detail[1] > _SHARP:
+                                h = _facet(scene, n, detail[1], k, column, row)
                             turned = d - h * (2.0 * h.dot(d))
                             if turned.dot(n) <= 0.0:
                                 turned = d - n * (2.0 * n.dot(d))

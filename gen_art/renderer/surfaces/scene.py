@@ -66,6 +66,7 @@ class Scene:
             if look is not None:
                 found.append((collider, look))
         _check_mirrors(found)
+        _check_water(found)
         for collider, look in found:
             if look.transmission > 0.0 and (
                 collider.sides > 1 or collider.values.get("inside") or isinstance(collider, Plane)
@@ -88,6 +89,24 @@ class Scene:
         if self.ground is not None and self.mirror == 0:
             return replace(self, ground=None)
         return replace(self, colliders=tuple(other for other in self.colliders if other is not collider))
+
+
+def _check_water(surfaces) -> None:
+    """Raise UsageError for waves and puddles on what is not level."""
+    for collider, look in surfaces:
+        for key in ("waves", "puddles"):
+            if getattr(look, key) is not None and not _is_level(collider):
+                raise UsageError(
+                    f"`{key}` are for the ground or for a plane that lies level and still, not for this {collider.name}: leave "
+                    "them out"
+                )
+
+
+def _is_level(collider: Collider) -> bool:
+    values = collider.values
+    if not isinstance(collider, Plane) or collider.rotates or any(values["velocity"]):
+        return False
+    return values["normal"][1] > 0.0 and not (values["normal"][0] or values["normal"][2])
 
 
 def _check_mirrors(surfaces) -> None:

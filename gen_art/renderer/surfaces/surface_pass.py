@@ -27,16 +27,21 @@ from gen_art.renderer.surfaces.sky_occlusion import sky_occluders
 from gen_art.renderer.surfaces.solid_grid import SolidGrid
 from gen_art.renderer.surfaces.solid_rows import mean_areas, pixel_rectangles
 from gen_art.renderer.surfaces.solids import BOUND, MATERIAL
+from gen_art.renderer.surfaces.surface_maps import SurfaceMaps
 from gen_art.renderer.surfaces.surface_shading import (
     CHECKER,
+    DAMP,
     EMISSION,
+    IMAGE,
     IOR,
     MATERIAL_FLOATS,
     METAL,
     PER_LENGTH,
+    PUDDLES,
     ROUGHNESS,
     SECOND_ALBEDO,
     TRANSMISSION,
+    WAVES,
 )
 from gen_art.renderer.surfaces.tiles import BIN, SUBPIXELS, TILE
 from gen_art.renderer.surfaces.view_problems import check_camera, check_distances
@@ -111,6 +116,7 @@ class SurfacePass:
                 self._checked = True
         looks = [*(look for _, look in scene.surfaces), *finishes]
         table = np.stack([_material(look) for look in looks])
+        maps = SurfaceMaps.of(looks, table, (IMAGE, PUDDLES, WAVES), time)
         shares = np.stack([reflected_share(look.roughness, look.ior) for look in looks])
         positions, radii = rows[:, :3].astype(np.float64) + view.position, rows[:, BOUND].astype(np.float64)
         opaque = 1.0 - _THROUGH * table[rows[:, MATERIAL].astype(np.int64), TRANSMISSION]
@@ -147,14 +153,14 @@ class SurfacePass:
             light.dome.table if light.dome is not None else _NO_DOME, liquid.first, liquid.depths,
         )  # fmt: skip
         a = self.arrays
-        draw_kernel(casters.terms, follows, cloth.any, glow is not None)(
+        draw_kernel(casters.terms, follows, cloth.any, glow is not None, maps.any)(
             a.numbers, a.colliders, owners, a.materials, a.shares, a.solids, filled(rectangles), bin_starts,
             filled(bin_solids), a.shadow_starts, a.shadow_solids, a.disc, a.sky, a.open_sky, a.smoke, across, down,
             framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, a.film, a.levels, a.blur, a.dome,
             a.liquid_first, a.liquid_depths, places.starts, filled(places.solids), photons.rows, photons.starts,
             filled(cloth.corners), filled(cloth.faces), filled(cloth.looks), cloth.grid, cloth.starts, filled(cloth.listed),
             filled(of_faces), face_starts, filled(bin_faces), *(NO_GLOW if glow is None else glow).arrays,
-            sky_occluders(scene.surfaces, _THROUGH),
+            sky_occluders(scene.surfaces, _THROUGH), maps.texels, maps.waves,
         )  # fmt: skip
 
 
@@ -179,5 +185,6 @@ def _material(look: Finish) -> np.ndarray:
         row[:3] = linear(look.albedo)
         if look.checker is not None:
             row[SECOND_ALBEDO : SECOND_ALBEDO + 3], row[CHECKER] = linear(look.checker.color), look.checker.size
+        row[DAMP] = 0.0 if look.puddles is None else look.puddles.damp
         row[EMISSION : EMISSION + 3] = linear(look.emission) * look.emission_intensity
     return row

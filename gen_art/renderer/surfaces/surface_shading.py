@@ -7,6 +7,7 @@ The one-letter names in kernels are in docs/glossary.md.
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp
 from gen_art.renderer.sky_table import sky_radiance
+from gen_art.renderer.surfaces.collider_rays import in_start_frame
 from gen_art.renderer.surfaces.glow_light import DULL, glow_at
 from gen_art.renderer.surfaces.liquid_shadow import liquid_light
 from gen_art.renderer.surfaces.mirror_film import mirrored_light
@@ -24,23 +25,31 @@ from gen_art.renderer.surfaces.scene_numbers import (
     LIQUID_BIAS,
     MIRROR,
     RIGHT,
+    ROWS,
     SCALE,
+    TIME,
     TO_LAMP,
     UP,
+    WIDTH,
     vector_at,
 )
 from gen_art.renderer.surfaces.sky_occlusion import open_sky_share
 from gen_art.renderer.surfaces.surface_light import lamp_share, sky_at
+from gen_art.renderer.surfaces.surface_maps import MAP_FLOATS, map_at, mean_reflected, wave_slope
 
 __all__ = [
-    "MATERIAL_FLOATS", "air_between", "albedo_at", "background", "layer_shares", "mirror_film_at", "row_vector",
+    "MATERIAL_FLOATS", "air_between", "background", "layer_shares", "mirror_film_at", "row_vector", "surface_detail",
     "surface_light",
 ]  # fmt: skip
 
 # a material's row: albedo, second albedo, side of the checker's squares or 0, roughness, refractive index, metal, emission,
-# transmission, 1 / attenuation_distance
+# transmission, 1 / attenuation_distance, the numbers of its image and its puddles, first row and number of its waves, and how
+# damp it is between puddles
 SECOND_ALBEDO, CHECKER, ROUGHNESS, IOR, METAL, EMISSION, TRANSMISSION, PER_LENGTH = 3, 6, 7, 8, 9, 10, 13, 14
-MATERIAL_FLOATS = 15
+IMAGE, PUDDLES, WAVES, DAMP = 15, 15 + MAP_FLOATS, 15 + 2 * MAP_FLOATS, 17 + 2 * MAP_FLOATS
+MATERIAL_FLOATS = DAMP + 1
+WATER_IOR = 1.33
+_WET_ROUGHNESS = 0.02  # of a puddle
 _FOUR_PI = 12.566370614359172
 
 
@@ -67,36 +76,61 @@ def _checker(position, change_x, change_y, size):
 
 
 @ti.func
-def albedo_at(scene: ti.template(), m, x, n, d, pixel):
-    """A collider's albedo at the position x (relative to the camera), averaged over the pixel.
+def _on_axes(n, v):
+    """(2,) the components of v to the right and down, as someone sees them who looks at a surface with the normal n.
 
-    n : unit normal; d : direction of the ray that meets x; pixel : side of a pixel at x, in world units
+    They lie along the two axes along which the surface extends most; of a level one, right is x and down is z.
+    """
+    result = ti.Vector([v[0], v[2]])
+    if abs(n[0]) > abs(n[1]) and abs(n[0]) >= abs(n[2]):
+        result = ti.Vector([ti.select(n[0] > 0.0, -v[2], v[2]), -v[1]])
+    elif abs(n[2]) > abs(n[1]) and abs(n[2]) > abs(n[0]):
+        result = ti.Vector([ti.select(n[2] > 0.0, v[0], -v[0]), -v[1]])
+    return result
+
+
+@ti.func
+def surface_detail(entries: ti.template(), scene: ti.template(), who, m, x, n, d, pixel):
+    """What varies over a collider, as means over a pixel: (albedo, normal, detail).
+
+    who : the surface; x : position relative to the camera; n : unit normal
+    d : direction of the ray that meets x; pixel : side of a pixel at x, in world units
+    normal : unit normal of the waves
+    detail : (3,) the wet part, the roughness, and the mean square slope of waves that are shorter than a pixel
     """
     N, M = ti.static(scene.N, scene.M)
-    albedo = row_vector(M, m, 0)
-    if M[m, CHECKER] > 0.0:
+    albedo, normal, detail = row_vector(M, m, 0), n, ti.Vector([0.0, M[m, ROUGHNESS], 0.0])
+    patterned = M[m, CHECKER] > 0.0
+    if ti.static(scene.mapped):
+        patterned = patterned or M[m, IMAGE + 1] > 0.0 or M[m, PUDDLES + 1] > 0.0 or M[m, WAVES + 1] > 0.0
+    if patterned:
         # from one pixel to the next: across the view, then along the ray back to the plane that touches the surface
-        slope, moves = d.dot(n), ti.Matrix([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+        slope = d.dot(n)
         slope = ti.select(abs(slope) < 1e-4, -1e-4, slope)
-        for k in ti.static(range(2)):
-            side = vector_at(N, RIGHT if k == 0 else UP) * pixel
-            for c in ti.static(range(3)):
-                moves[k, c] = side[c] - d[c] * (side.dot(n) / slope)
-        world = x + vector_at(N, CAMERA)
-        a, b = 0, 2  # the two axes of the world along which the surface extends most
-        if abs(n[0]) > abs(n[1]) and abs(n[0]) >= abs(n[2]):
-            a, b = 1, 2
-        elif abs(n[2]) > abs(n[1]) and abs(n[2]) > abs(n[0]):
-            a, b = 0, 1
-        place, east, south = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
-        for c in ti.static(range(3)):
-            if c == a:
-                place[0], east[0], south[0] = world[c], moves[0, c], moves[1, c]
-            if c == b:
-                place[1], east[1], south[1] = world[c], moves[0, c], moves[1, c]
-        share = _checker(place, east, south, M[m, CHECKER])
-        albedo += (row_vector(M, m, SECOND_ALBEDO) - albedo) * share
-    return albedo
+        side, up = vector_at(N, RIGHT) * pixel, vector_at(N, UP) * pixel
+        east, south = side - d * (side.dot(n) / slope), up - d * (up.dot(n) / slope)
+        place, facing = x + vector_at(N, CAMERA), n
+        place, facing, east, south = in_start_frame(entries, scene.Q, who, place, facing, east, south, N[TIME])
+        at, right, down = _on_axes(facing, place), _on_axes(facing, east), _on_axes(facing, south)
+        if M[m, CHECKER] > 0.0:
+            share = _checker(at, right, down, M[m, CHECKER])
+            albedo += (row_vector(M, m, SECOND_ALBEDO) - albedo) * share
+        if ti.static(scene.mapped):
+            image = map_at(scene.images, M, m, IMAGE, at, right, down)
+            albedo = albedo * (1.0 - image[3]) + ti.Vector([image[0], image[1], image[2]])
+            if M[m, PUDDLES + 1] > 0.0:
+                wet = map_at(scene.images, M, m, PUDDLES, at, right, down)[3]
+                damp = M[m, DAMP] * (1.0 - wet) + wet
+                albedo *= 1.0 - 0.5 * damp  # water in its pores darkens what is rough (Lekner and Dorf, 1988)
+                detail[0] = wet
+                detail[1] = detail[1] * (1.0 - 0.5 * M[m, DAMP]) * (1.0 - wet) + _WET_ROUGHNESS * wet
+            if M[m, WAVES + 1] > 0.0:
+                waves = wave_slope(scene.waves, M, m, WAVES, at, right, down)
+                # `right` is x and `down` is z on a level surface; waves are for those
+                normal = (n - ti.Vector([waves[0], 0.0, waves[1]])).normalized()
+                detail[1] = ti.sqrt(ti.sqrt(detail[1] ** 4 + waves[2]))
+                detail[2] = waves[2]
+    return albedo, normal, detail
 
 
 @ti.func
@@ -114,7 +148,9 @@ def layer_shares(M: ti.template(), E: ti.template(), m, nv):
 
 
 @ti.func
-def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, clear, pixel):
+def surface_light(
+    entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, clear, pixel, detail
+):  # fmt: skip
     """The light from x towards the viewer, in parts: (own, mirrored, around, entering).
 
     own : (3,) radiance of what is scattered and emitted, and of the lamp's highlight
@@ -128,6 +164,7 @@ def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, a
         through
     clear : how far from x the sky's light is taken, so that what lies at x does not hide it
     pixel : side of a pixel at x, in world units
+    detail : of surface_detail
     """
     N, M, E = ti.static(scene.N, scene.M, scene.E)
     to_lamp = vector_at(N, TO_LAMP)
@@ -151,16 +188,24 @@ def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, a
                 slope = ti.Vector([behind[3 + 3 * k], behind[4 + 3 * k], behind[5 + 3 * k]])
                 of_sky = ti.max(behind[k] - (2.0 / 3.0) * slope.dot(n), 0.0)
                 shining[k] = through[k] * (4.0 * N[LAMP_COLOUR + k] * share * passed[k] * ti.max(-nl, 0.0) + of_sky)
-    metal, rough = M[m, METAL], M[m, ROUGHNESS]
+    metal, rough, ior = M[m, METAL], detail[1], M[m, IOR]
     share_of = layer_shares(M, E, m, nv)
     a, b, c = share_of[0], share_of[1], share_of[2]
+    if ti.static(scene.mapped):
+        ior += (WATER_IOR - ior) * detail[0]
+        c += (fresnel_of(nv, WATER_IOR) - c) * detail[0]
+        if detail[2] > 0.0:
+            c = mean_reflected(c, nv, ior, 0.5 * detail[2])
     h = (to_lamp + view).normalized()
     vh, lobe = ti.max(h.dot(view), 0.0), 0.0
     if nl > 0.0:  # the lamp's disc widens the highlight
         alpha = ti.max(rough * rough, 0.5 * N[LAMP_TANGENT] + 1e-3)
         lobe = microfacets(nl, nv, ti.max(n.dot(h), 0.0), alpha) * nl * _FOUR_PI
     towards = n * (2.0 * n.dot(view)) - view
-    schlick, dielectric = (1.0 - vh) ** 5, fresnel_of(vh, M[m, IOR]) * lobe
+    if ti.static(scene.mapped):
+        if M[m, WAVES + 1] > 0.0:
+            towards[1] = ti.abs(towards[1])  # a ray that goes down meets another wave
+    schlick, dielectric = (1.0 - vh) ** 5, fresnel_of(vh, ior) * lobe
     blur = 1.0 - rough * (1.0 / 3.0)
     # the sky as a smooth surface reflects it, dimmed as the sky's mean is here; a rough one reflects its even part
     dome, even = ti.Vector([0.0, 0.0, 0.0]), 1.0
@@ -173,7 +218,7 @@ def surface_light(entries: ti.template(), scene: ti.template(), m, x, n, view, a
         gathered = photon_light(scene, x)
     if ti.static(scene.glowing):
         dull = ti.select(N[MIRROR] == ti.cast(m, ti.f32), 1.0, rough)  # a mirror shows the particles themselves
-        glow = glow_at(scene, x, n, view, dull, M[m, IOR], pixel)
+        glow = glow_at(scene, x, n, view, dull, ior, pixel)
     own, mirrored, around = emission, emission * 0.0, emission * 0.0
     scattered = 1.0 - M[m, TRANSMISSION]
     for k in ti.static(range(3)):
@@ -231,19 +276,34 @@ def background(scene: ti.template(), direction):
 
 
 @ti.func
-def mirror_film_at(scene: ti.template(), m, n, view, column, row):
-    """(4,) light and coverage that the mirror shows in a pixel."""
+def mirror_film_at(scene: ti.template(), rough, flat, n, view, column, row):
+    """(4,) light and coverage that the mirror shows in a pixel.
+
+    flat : the mirror's unit normal; n : that of its waves
+    """
     N = ti.static(scene.N)
-    rough, nv = scene.M[m, ROUGHNESS], ti.min(ti.max(n.dot(view), 1e-4), 1.0)
+    nv = ti.min(ti.max(flat.dot(view), 1e-4), 1.0)
     # the slopes of facets have the standard deviation alpha / sqrt(2); a reflected ray turns by twice the angle
     spread = 1.4142135 * rough * rough * N[SCALE]
-    up = ti.Vector([n.dot(vector_at(N, RIGHT)), -n.dot(vector_at(N, UP))])
+    up = ti.Vector([flat.dot(vector_at(N, RIGHT)), -flat.dot(vector_at(N, UP))])
     length = up.norm()
     cosine, sine = 0.0, 1.0
     if length > 1e-6:
         cosine, sine = up[0] / length, up[1] / length
-    x, y = ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5
-    return mirrored_light(scene.T, scene.levels, scene.G, x, y, spread, spread * nv, cosine, sine)
+    x, y, inside = ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5, 1.0
+    if ti.static(scene.mapped):
+        # a slope towards the viewer turns the ray in the plane of the view, one across it out of that plane by nv
+        towards = view - flat * flat.dot(view)
+        towards /= ti.max(towards.norm(), 1e-6)
+        leaning = (n - flat * n.dot(flat)) / ti.max(n.dot(flat), 1e-3)
+        across = flat.cross(towards)
+        height = ti.abs(nv + 2.0 * leaning.dot(towards))  # of the mirrored ray; one that goes down meets another wave
+        along, aside = N[SCALE] * (nv - height), 2.0 * N[SCALE] * nv * leaning.dot(across)
+        x, y = x + along * cosine - aside * sine, y + along * sine + aside * cosine
+        # beyond the film the sky alone is mirrored
+        beside = ti.min(ti.min(x, N[WIDTH] - x), ti.min(y, N[ROWS] - y))
+        inside = ti.min(ti.max(1.0 + beside / (0.05 * N[ROWS]), 0.0), 1.0)
+    return inside * mirrored_light(scene.T, scene.levels, scene.G, x, y, spread, spread * nv, cosine, sine)
 
 
 @ti.func

@@ -1,0 +1,259 @@
+"""What varies over the surface of a collider: an image, puddles, and the waves of water.
+
+Images and puddles are squares of texels with all their smaller versions (a mipmap), repeated along two axes of the collider. A
+pixel's footprint is covered by a few samples along its longer side, each as wide as its shorter side.
+
+Waves are a sum of sines that travel as gravity and capillary waves on deep water: w^2 = g k + (s / rho) k^3, w their angular
+frequency, k the wave number, s the surface tension and rho the density of water. What is shorter than a pixel makes the
+surface rougher instead; the mean that a rough sea reflects follows Bruneton, Neyret and Holzschuch, Real-time realistic ocean
+lighting using seamless transitions from geometry to BRDF (2010).
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from gen_art.backend.runtime import ti
+from gen_art.maths.array_functions import cos as cosines
+from gen_art.maths.array_functions import exp as exponentials
+from gen_art.maths.array_functions import log as logarithms
+from gen_art.maths.array_functions import sin as sines
+from gen_art.maths.elementary import cos, exp, log
+from gen_art.maths.random import derive, uniform
+from gen_art.pictures import read_picture
+from gen_art.preset.surface import Puddles, SurfaceLook, Waves
+from gen_art.renderer.colour import to_linear
+
+__all__ = ["NO_MAPS", "SurfaceMaps", "map_at", "mean_reflected", "puddle_texels", "wave_slope"]
+
+SIDE = 1024  # texels along a side of the largest version of an image
+_PUDDLE_SIDE, _PUDDLE_PERIOD = 512, 16  # texels along a side of puddles, and the sizes of a puddle that it spans
+_EDGE = 0.08  # the part of the range of heights over which a puddle's edge becomes dry
+_MOST_SAMPLES = 16  # along the longer side of a footprint
+_WAVES = 32  # sines that make up a sea
+_WORD = 2**64 - 1
+_GRAVITY, _TENSION = 9.81, 7.28e-5  # m/s^2; surface tension over density of water, m^3/s^2
+_DIRECTION, _LENGTH, _PHASE = range(3)  # channels of the random numbers
+# numbers of a map in a material's row: first texel, side, and 1 / the lengths of the repeated square, 0 for none
+FIRST, MAP_SIDE, PER_WIDTH, PER_HEIGHT = range(4)
+MAP_FLOATS = 4
+
+F2 = ti.types.ndarray(ti.f32, 2)
+
+
+class SurfaceMaps(NamedTuple):
+    """The maps of the surfaces of a scene.
+
+    texels : (n, 4) float32, linear premultiplied light of images, and the wet part in the fourth number of puddles
+    waves : (m, 4) float32: the two wave numbers (1/m), the slope's amplitude, the phase at the picture's time
+    """
+
+    texels: np.ndarray
+    waves: np.ndarray
+
+    @classmethod
+    def of(cls, looks, table: np.ndarray, columns: tuple[int, int, int], time: float) -> "SurfaceMaps":
+        """The maps of the looks of a scene; `table` gets where those of each material are.
+
+        columns : of the image's numbers, the puddles' and the waves' (their first row and their number)
+        """
+        chains: list[np.ndarray] = []
+        waves: list[np.ndarray] = []
+        for row, look in zip(table, looks):
+            if not isinstance(look, SurfaceLook):
+                continue
+            if look.image is not None:
+                chain, ratio = image_texels(look.image.file.place)
+                _note(row, columns[0], chains, chain, look.image.size, look.image.size * ratio)
+            if look.puddles is not None:
+                side = look.puddles.size * _PUDDLE_PERIOD
+                _note(row, columns[1], chains, puddle_texels(look.puddles), side, side)
+            if look.waves is not None:
+                row[columns[2]], row[columns[2] + 1] = sum(map(len, waves)), _WAVES
+                waves.append(wave_rows(look.waves, time))
+        return cls(
+            np.concatenate(chains) if chains else NO_MAPS.texels, np.concatenate(waves) if waves else NO_MAPS.waves
+        )
+
+    @property
+    def any(self) -> bool:
+        return self is not NO_MAPS and (len(self.texels) > 1 or len(self.waves) > 1)
+
+
+NO_MAPS = SurfaceMaps(np.zeros((1, 4), np.float32), np.zeros((1, 4), np.float32))
+
+
+def _note(row: np.ndarray, column: int, chains: list, chain: np.ndarray, width: float, height: float) -> None:
+    side = round(math.sqrt((3 * len(chain) + 1) / 4))
+    row[column : column + MAP_FLOATS] = sum(map(len, chains)), side, 1.0 / width, 1.0 / height
+    chains.append(chain)
+
+
+def _chain(level: np.ndarray) -> np.ndarray:
+    """A square of texels with a side that is a power of two, and all its halves, (n, 4) float32."""
+    levels = [level]
+    while len(levels[-1]) > 1:
+        half = len(levels[-1]) // 2
+        levels.append(levels[-1].reshape(half, 2, half, 2, 4).mean(axis=(1, 3)))
+    return np.concatenate([each.reshape(-1, 4) for each in levels]).astype(np.float32)
+
+
+@lru_cache(8)
+def image_texels(place) -> tuple[np.ndarray, float]:
+    """The chain of an image file, (n, 4), and its height over its width."""
+    from PIL import Image
+
+    pixels = read_picture(place, str(place), "RGBA")
+    height, width = pixels.shape[:2]
+    side = min(1 << max(round(math.log2(max(width, height))), 0), SIDE)
+    light = np.concatenate([to_linear(pixels[..., :3] / 255.0), pixels[..., 3:] / 255.0], axis=2)
+    light[..., :3] *= light[..., 3:]
+    resized = [
+        np.asarray(Image.fromarray(light[..., c].astype(np.float32)).resize((side, side), Image.Resampling.BOX))
+        for c in range(4)
+    ]
+    return _chain(np.stack(resized, axis=2).astype(np.float64)), height / width
+
+
+@lru_cache(8)
+def puddle_texels(puddles: Puddles) -> np.ndarray:
+    """The chain of a repeated pattern of puddles, (n, 4): its fourth number is the wet part, as a mean `puddles.share`.
+
+    The ground's height is a sum of bumps of half the size each time; water stands below the height that makes the share right.
+    """
+    height, bumps, amplitude = np.zeros((_PUDDLE_SIDE, _PUDDLE_SIDE)), _PUDDLE_PERIOD, 1.0
+    while bumps <= _PUDDLE_SIDE // 4:
+        key = derive(derive(np.uint64(puddles.seed & _WORD), bumps), np.arange(bumps * bumps))
+        height += amplitude * _smooth_bumps(uniform(key, 0).reshape(bumps, bumps) - 0.5)
+        bumps, amplitude = 2 * bumps, 0.45 * amplitude
+    edge = _EDGE * float(np.ptp(height))
+    low, high = float(height.min()) - edge, float(height.max()) + edge
+    for _ in range(50):  # the level of the water by bisection
+        level = 0.5 * (low + high)
+        depth = np.clip((level - height) / edge + 0.5, 0.0, 1.0)
+        wet = depth * depth * (3.0 - 2.0 * depth)
+        low, high = (level, high) if wet.mean() < puddles.share else (low, level)
+    texels = np.zeros((_PUDDLE_SIDE, _PUDDLE_SIDE, 4))
+    texels[..., 3] = wet
+    return _chain(texels)
+
+
+def _smooth_bumps(values: np.ndarray) -> np.ndarray:
+    """A repeated smooth surface through a square of values: bicubic (B-spline) at _PUDDLE_SIDE places a side."""
+    n = len(values)
+    at = (np.arange(_PUDDLE_SIDE) + 0.5) * n / _PUDDLE_SIDE
+    first, t = np.floor(at).astype(int), at - np.floor(at)
+    weights = ((1 - t) ** 3 / 6, (4 - 6 * t**2 + 3 * t**3) / 6, (1 + 3 * t + 3 * t**2 - 3 * t**3) / 6, t**3 / 6)
+    matrix = np.zeros((_PUDDLE_SIDE, n))
+    for k, weight in enumerate(weights):
+        np.add.at(matrix, (np.arange(_PUDDLE_SIDE), (first + k - 1) % n), weight)
+    rows = sum(
+        matrix[:, k : k + 1] * values[k] for k in range(n)
+    )  # no BLAS: its sums differ from processor to processor
+    return sum(rows[:, k : k + 1] * matrix[:, k] for k in range(n))
+
+
+def wave_rows(waves: Waves, time: float) -> np.ndarray:
+    """(_WAVES, 4) float32 of SurfaceMaps.waves: lengths even in their logarithm, each with the same mean square slope."""
+    keys = derive(np.uint64(waves.seed & _WORD), np.arange(_WAVES))
+    share = (np.arange(_WAVES) + uniform(keys, _LENGTH)) / _WAVES
+    low, high = waves.length.lo, max(waves.length.hi, waves.length.lo)
+    k = 2.0 * math.pi / exponentials(logarithms(np.float64(low)) + share * (math.log(high) - math.log(low)))
+    # directions by the inverse of a linear density that falls to 0 at `spread` on both sides
+    u = 2.0 * uniform(keys, _DIRECTION) - 1.0
+    turn = np.sign(u) * (1.0 - np.sqrt(1.0 - np.abs(u))) * math.radians(waves.spread)
+    heading = math.radians(waves.direction) + turn
+    frequency = np.sqrt(_GRAVITY * k + _TENSION * k**3)
+    phase = 2.0 * math.pi * uniform(keys, _PHASE) - frequency * time * waves.speed
+    slope = waves.slope * math.sqrt(2.0 / _WAVES)
+    rows = [k * cosines(heading), k * sines(heading), np.full(_WAVES, slope), np.mod(phase, 2.0 * math.pi)]
+    return np.stack(rows, axis=1).astype(np.float32)
+
+
+@ti.func
+def _texel(T: ti.template(), first, side, u, v):
+    """(4,) of a square of texels at (u, v), in its sides, repeated; bilinear."""
+    x, y = u * ti.cast(side, ti.f32) - 0.5, v * ti.cast(side, ti.f32) - 0.5
+    i, j = ti.cast(ti.floor(x), ti.i32), ti.cast(ti.floor(y), ti.i32)
+    fx, fy = x - ti.cast(i, ti.f32), y - ti.cast(j, ti.f32)
+    result = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for k in range(4):
+        a, b = (i + k % 2) & (side - 1), (j + k // 2) & (side - 1)  # a power of two
+        weight = ti.select(k % 2 == 1, fx, 1.0 - fx) * ti.select(k // 2 == 1, fy, 1.0 - fy)
+        for c in ti.static(range(4)):
+            result[c] += weight * T[first + b * side + a, c]
+    return result
+
+
+@ti.func
+def map_at(T: ti.template(), M: ti.template(), m, column, place, east, south):
+    """(4,) the mean of a material's map over a pixel; zeros where it has none.
+
+    column : of the map's numbers in M; place : (2,) m, to the right and down; east, south : (2,) from one pixel to the next
+    """
+    result = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    if M[m, column + PER_WIDTH] > 0.0:
+        scale = ti.Vector([M[m, column + PER_WIDTH], M[m, column + PER_HEIGHT]])
+        at, along, across = place * scale, east * scale, south * scale
+        if along.norm() < across.norm():
+            along, across = across, along
+        length = ti.max(along.norm(), 1e-9)
+        width = abs(along[0] * across[1] - along[1] * across[0]) / length
+        samples = ti.min(ti.max(ti.cast(ti.ceil(length / ti.max(width, 1e-9) - 0.5), ti.i32), 1), _MOST_SAMPLES)
+        first, side = ti.cast(M[m, column + FIRST], ti.i32), ti.cast(M[m, column + MAP_SIDE], ti.i32)
+        texels = ti.max(width, length / ti.cast(samples, ti.f32)) * ti.cast(side, ti.f32)
+        while side > 1 and texels >= 2.0:
+            first, side, texels = first + side * side, side // 2, 0.5 * texels
+        finer = ti.min(ti.max(2.0 - texels, 0.0), 1.0)  # how much of the larger of two versions
+        for k in range(samples):
+            # whole repeats are taken off first, so that the texel is found exactly far away
+            there = at + along * ((ti.cast(k, ti.f32) + 0.5) / ti.cast(samples, ti.f32) - 0.5)
+            there -= ti.floor(there)
+            sample = _texel(T, first, side, there[0], there[1])
+            if side > 1 and finer < 1.0:
+                coarse = _texel(T, first + side * side, side // 2, there[0], there[1])
+                sample = sample * finer + coarse * (1.0 - finer)
+            result += sample
+        result /= ti.cast(samples, ti.f32)
+    return result
+
+
+@ti.func
+def wave_slope(W: ti.template(), M: ti.template(), m, column, place, east, south):
+    """(3,) the slopes of waves along the two axes as the mean over a pixel, and the mean square slope of what is shorter."""
+    result = ti.Vector([0.0, 0.0, 0.0])
+    first = ti.cast(M[m, column], ti.i32)
+    for k in range(first, first + ti.cast(M[m, column + 1], ti.i32)):
+        number = ti.Vector([W[k, 0], W[k, 1]])
+        # the pixel as a Gaussian with the variance of its square
+        a, b = number.dot(east), number.dot(south)
+        kept = exp(-(a * a + b * b) * (1.0 / 24.0))
+        slope = W[k, 2] * kept * cos(number.dot(place) + W[k, 3]) / ti.max(number.norm(), 1e-9)
+        result[0] += slope * number[0]
+        result[1] += slope * number[1]
+        result[2] += 0.5 * W[k, 2] * W[k, 2] * (1.0 - kept * kept)
+    return result
+
+
+@ti.func
+def _rough_sea(nv, base, square):
+    deviation = ti.sqrt(square)
+    power = 5.0 * exp(-2.69 * deviation)
+    return base + (1.0 - base) * exp(power * log(ti.max(1.0 - nv, 1e-6))) / (
+        1.0 + 22.7 * deviation * ti.sqrt(deviation)
+    )
+
+
+@ti.func
+def mean_reflected(reflected, nv, ior, square):
+    """What water reflects of light from above, as the mean over waves with this mean square slope along the view.
+
+    reflected : what it reflects where it is flat
+    """
+    at_once = (ior - 1.0) / (ior + 1.0)
+    base = at_once * at_once
+    return reflected * _rough_sea(nv, base, square) / _rough_sea(nv, base, 0.0)
