@@ -151,7 +151,10 @@ class Painter:
         if self.sky is not None:
             # without the sun's disc: the lamp's own highlight stands for its reflection
             draw_sky(replace(self.sky, disc=np.zeros_like(self.sky.disc)), behind, self.framebuffer)
-        self._film.take(self.framebuffer.pixels, look.roughness > 0.0)
+        depths = None
+        if look.waves is not None and self._surfaces is not None:
+            depths = self._surfaces.depths[:, :, 0]
+        self._film.take(self.framebuffer.pixels, look.roughness > 0.0 or look.waves is not None, depths)
         return self._film
 
     def draw(self, sim, film_time: float, framebuffer: FrameBuffer, recolour=None) -> None:

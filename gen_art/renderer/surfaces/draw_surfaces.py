@@ -179,7 +179,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
         grid_starts: I1, grid_solids: I1, photons: F2, photon_starts: I1, V: F2, faces: I2, sheet_looks: F2, sheet_grid: F1,
         sheet_starts: I1, sheet_faces: I1, face_rectangles: I2, face_starts: I1, bin_faces: I1, glow_nodes: F2,
         glow_links: I2, glow_lights: F2, glow_parts: I2, glow_lamps: F2, near_starts: I1, near_solids: I1, near_disc: F2,
-        occluders: F2, images: F2, waves: F2,
+        occluders: F2, images: F2, waves: F2, film_depths: F2,
     ):  # fmt: skip
         """Draw surfaces into a clear framebuffer, and their distances along the line of sight into `depths`.
 
@@ -196,7 +196,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
         V, faces, sheet_looks, sheet_grid, sheet_starts, sheet_faces : of Sheets
         face_rectangles, face_starts, bin_faces : of its faces, as for solids
         glow_... : of a LightTree; near_starts, near_solids : of NearBins; near_disc : of lamp_disc
-        occluders : of sky_occluders; images, waves : of SurfaceMaps
+        occluders : of sky_occluders; images, waves : of SurfaceMaps; film_depths : of the MirrorFilm
         """
         ti.loop_config(block_dim=1)
         for tile in range(across * down * TILES * TILES):
@@ -209,7 +209,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
                 glowing=glowing, near_casters=near_casters, glow_nodes=glow_nodes, glow_links=glow_links,
                 glow_lights=glow_lights, glow_parts=glow_parts, glow_lamps=glow_lamps, near_starts=near_starts,
                 near_solids=near_solids, near_disc=near_disc, occluded=has_occluders, occluders=occluders,
-                mapped=mapped, images=images, waves=waves,
+                mapped=mapped, images=images, waves=waves, film_depths=film_depths,
             )  # fmt: skip
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE

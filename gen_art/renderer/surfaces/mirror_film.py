@@ -10,6 +10,7 @@ import numpy as np
 
 from gen_art.backend.runtime import kernel, ti
 from gen_art.maths.array_functions import exp
+from gen_art.renderer.surfaces.solids import NEVER
 
 __all__ = ["LEVELS", "NO_MIRROR", "MirrorFilm", "blur_points", "mirrored_light"]
 
@@ -54,6 +55,7 @@ class MirrorFilm:
 
     texels : (n, 4) float32
     levels : (LEVELS, 3) int32, first texel, width and rows of each level
+    depths : (rows, columns) float32 of the surfaces in it, where waves need them
     """
 
     def __init__(self, size: tuple[int, int]):
@@ -61,9 +63,12 @@ class MirrorFilm:
         starts = np.cumsum([0] + [w * h for w, h in sizes])
         self.levels = np.array([(s, w, h) for s, (w, h) in zip(starts, sizes)], np.int32)
         self.texels = np.zeros((int(starts[-1]), 4), np.float32)
+        self.depths = np.full((1, 1), NEVER, np.float32)
 
-    def take(self, pixels: np.ndarray, blurred: bool) -> None:
-        """Take over a picture, (rows, columns, 4); the pyramid only if the mirror blurs."""
+    def take(self, pixels: np.ndarray, blurred: bool, depths: np.ndarray | None = None) -> None:
+        """Take over a picture, (rows, columns, 4), and its depths; the pyramid only if the mirror blurs."""
+        if depths is not None:
+            self.depths = depths.copy()
         rows, columns = pixels.shape[:2]
         self.texels[: rows * columns].reshape(rows, columns, 4)[:] = pixels
         if blurred:

@@ -233,7 +233,7 @@ def light_along(
                 if N[MIRROR] == ti.cast(m, ti.f32):
                     reflects = False
                     if followed == 1:
-                        film = mirror_film_at(scene, detail[1], flat, n, -d, column, row)
+                        film = mirror_film_at(scene, detail[1], flat, n, -d, column, row, depth)
                         for k in ti.static(range(3)):
                             # the film's light has come through the air already, so what the air adds is in it too
                             result[k] += mirrored[k] / ti.max(air[3], 1e-30) * (film[k] - air[k] * film[3])

@@ -160,7 +160,7 @@ class SurfacePass:
             a.liquid_first, a.liquid_depths, places.starts, filled(places.solids), photons.rows, photons.starts,
             filled(cloth.corners), filled(cloth.faces), filled(cloth.looks), cloth.grid, cloth.starts, filled(cloth.listed),
             filled(of_faces), face_starts, filled(bin_faces), *(NO_GLOW if glow is None else glow).arrays,
-            sky_occluders(scene.surfaces, _THROUGH), maps.texels, maps.waves,
+            sky_occluders(scene.surfaces, _THROUGH), maps.texels, maps.waves, film.depths,
         )  # fmt: skip
 
 

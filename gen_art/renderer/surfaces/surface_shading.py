@@ -276,10 +276,18 @@ def background(scene: ti.template(), direction):
 
 
 @ti.func
-def mirror_film_at(scene: ti.template(), rough, flat, n, view, column, row):
+def _way_beyond(scene: ti.template(), x, y, depth):
+    """The part of the way to what the mirror shows at a place of the film that lies behind the mirror: 1 for the sky."""
+    i = ti.min(ti.max(ti.cast(y, ti.i32), 0), scene.film_depths.shape[0] - 1)
+    j = ti.min(ti.max(ti.cast(x, ti.i32), 0), scene.film_depths.shape[1] - 1)
+    return ti.min(ti.max(1.0 - depth / ti.max(scene.film_depths[i, j], 1e-30), 0.0), 1.0)
+
+
+@ti.func
+def mirror_film_at(scene: ti.template(), rough, flat, n, view, column, row, depth):
     """(4,) light and coverage that the mirror shows in a pixel.
 
-    flat : the mirror's unit normal; n : that of its waves
+    flat : the mirror's unit normal; n : that of its waves; depth : of the mirror along the line of sight
     """
     N = ti.static(scene.N)
     nv = ti.min(ti.max(flat.dot(view), 1e-4), 1.0)
@@ -296,11 +304,14 @@ def mirror_film_at(scene: ti.template(), rough, flat, n, view, column, row):
         towards = view - flat * flat.dot(view)
         towards /= ti.max(towards.norm(), 1e-6)
         leaning = (n - flat * n.dot(flat)) / ti.max(n.dot(flat), 1e-3)
-        across = flat.cross(towards)
         height = ti.abs(nv + 2.0 * leaning.dot(towards))  # of the mirrored ray; one that goes down meets another wave
-        along, aside = N[SCALE] * (nv - height), 2.0 * N[SCALE] * nv * leaning.dot(across)
-        x, y = x + along * cosine - aside * sine, y + along * sine + aside * cosine
-        # beyond the film the sky alone is mirrored
+        along, aside = N[SCALE] * (nv - height), 2.0 * N[SCALE] * nv * leaning.dot(flat.cross(towards))
+        move = ti.Vector([along * cosine - aside * sine, along * sine + aside * cosine])
+        # the ray turns at the mirror: what stands close behind it moves less
+        beyond = _way_beyond(scene, x, y, depth)
+        beyond = _way_beyond(scene, x + beyond * move[0], y + beyond * move[1], depth)
+        x, y, spread = x + beyond * move[0], y + beyond * move[1], spread * beyond
+        # past the film's border the sky alone is mirrored
         beside = ti.min(ti.min(x, N[WIDTH] - x), ti.min(y, N[ROWS] - y))
         inside = ti.min(ti.max(1.0 + beside / (0.05 * N[ROWS]), 0.0), 1.0)
     return inside * mirrored_light(scene.T, scene.levels, scene.G, x, y, spread, spread * nv, cosine, sine)
