@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,6 +41,7 @@ from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
 from gen_art.renderer.surfaces.sheet_rows import SheetSystem, sheet_of
 from gen_art.renderer.surfaces.solid_rows import SolidSystem, shapes_of
+from gen_art.renderer.surfaces.surface_layers import SurfaceLayers
 from gen_art.renderer.surfaces.surface_pass import SurfacePass
 
 if TYPE_CHECKING:
@@ -72,6 +73,15 @@ def living(system, time: float) -> np.ndarray:
     n = int(system.count)
     birth, life = system.birth[:n], np.asarray(system.floats[LIFETIME, :n], dtype=np.float64)
     return np.flatnonzero((birth <= time) & (birth + life > time))
+
+
+@dataclass(frozen=True)
+class _Shaded:
+    """Systems whose particles are shaded: looks, (system, channels) of each, and what hides their sprites."""
+
+    looks: dict[str, Look]
+    drawn: dict[str, tuple]
+    hidden_by: SurfaceDepths
 
 
 class Painter:
@@ -154,13 +164,41 @@ class Painter:
         self._film.take(self.framebuffer.pixels, look.roughness > 0.0)
         return self._film
 
-    def draw(self, sim, film_time: float, framebuffer: FrameBuffer, recolour=None) -> None:
-        """Draw all systems into a framebuffer of this painter's size.
+    @property
+    def shows_surfaces(self) -> bool:
+        """Whether anything but sprites may be in the pictures: colliders, balls, bodies, cloth or liquids."""
+        looks = [look for look in self.looks.values() if look is not None]
+        return bool(self.scene.surfaces) or any(self._is_surface(look) for look in looks)
 
-        recolour : function (system, channels) that may change what the particles show
+    def draw_passes(self, sim, film_time: float, passes, layers: SurfaceLayers | None = None) -> list[np.ndarray]:
+        """Draw the sprites of one moment several times over its surfaces, each time with other numbers for light.
+
+        passes : functions (system, channels) -> None and (pixels) -> None that change what particles and surfaces show
+        layers : of the surfaces, which are filled first, or None if there are none
+        Returns (height, width, 4) float32 for each pass. Neither trails nor ribbons are in them.
         """
-        view = self.view(sim, film_time)
-        self._draw(sim, list(sim.systems), view, film_time, self.shutter, 1.0, framebuffer, recolour)
+        view, framebuffer = self.view(sim, film_time), FrameBuffer(self.size)
+        names = [name for name in sim.systems if not self._has_ribbon(name)]
+        shaded = self._draw_surroundings(
+            sim, names, view, film_time, self.shutter, 1.0, framebuffer, trails={}, layers=layers
+        )
+        surfaces = framebuffer.buffer.copy()
+        shown = {name: channels.copy() for name, (_, channels) in shaded.drawn.items()}
+        results = []
+        for recolour, background in passes:
+            framebuffer.buffer[:] = surfaces
+            background(framebuffer.pixels)
+            for name, (system, channels) in shaded.drawn.items():
+                channels[:] = shown[name]
+                recolour(system, channels)
+            self._draw_sprites(sim, shaded, view, film_time, 1.0, framebuffer)
+            pixels = framebuffer.pixels
+            results.append(pixels.copy() if self.supersample == 1 else box_averaged(framebuffer, self.supersample))
+        return results
+
+    def _has_ribbon(self, name: str) -> bool:
+        look = self.looks.get(name)
+        return look is not None and look.ribbon is not None
 
     def view(self, sim, film_time: float):
         """The camera's view at a film time."""
@@ -204,21 +242,28 @@ class Painter:
             found.append(legend_of(tables.look, tables, totals, unit, system.attributes))
         return [legend for legend in found if legend is not None]
 
-    def _draw(
-        self, sim, names, view, film_time, shutter, weight, framebuffer: FrameBuffer, recolour=None,
+    def _draw(self, sim, names, view, film_time, shutter, weight, framebuffer: FrameBuffer, **more) -> None:
+        """Draw systems over what the framebuffer holds; `more` as for _draw_surroundings."""
+        shaded = self._draw_surroundings(sim, names, view, film_time, shutter, weight, framebuffer, **more)
+        self._draw_sprites(sim, shaded, view, film_time, weight, framebuffer)
+
+    def _draw_surroundings(
+        self, sim, names, view, film_time, shutter, weight, framebuffer: FrameBuffer,
         trails: dict[str, FrameBuffer] | None = None, film: MirrorFilm = NO_MIRROR, mirror=None,
-    ) -> None:  # fmt: skip
-        """Draw systems over what the framebuffer holds; where `trails` are given, first the surfaces and then these trails.
+        layers: SurfaceLayers | None = None,
+    ) -> "_Shaded":  # fmt: skip
+        """Shade the particles of systems; where `trails` are given, draw first the surfaces and then these trails.
 
         film : what the scene's mirror shows
         mirror : (point, normal) of the plane behind which the view lies as its mirror image, or None
+        layers : of the surfaces, which are filled, or None
         """
         drawn: dict[str, tuple] = {}
         lit: dict[str, tuple] = {}
         solids: list[SolidSystem] = []
         sheets: list[SheetSystem] = []
         liquids: list[LiquidSystem] = []
-        sprites, looks = self._sprites, {}
+        looks, hidden_by = {}, NOTHING_HIDES
         for name in names:
             if self.looks.get(name, self._default_look) is not None:
                 system, projected = sim.systems[name], self._projected.setdefault(name, ProjectedParticles())
@@ -243,16 +288,17 @@ class Painter:
                     _hide_below(projected, system, *mirror)
                 drawn[name] = system, projected.used
                 columns = projected.lit[: projected.count]
+                velocities = system.floats[VELOCITY, : projected.count]
                 if look.draw == "cloth":
                     faces = sheet_of(name, sim.members[name].interactions, system)
                     positions = system.floats[POSITION, : projected.count]
-                    sheets.append(SheetSystem(look, projected.used, columns, positions, faces))
+                    sheets.append(SheetSystem(look, projected.used, columns, positions, faces, velocities))
                 elif solid:
                     shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
                     glows = name in self.scene.glow
-                    solids.append(SolidSystem(look.finish, projected.used, columns, shapes, glows))
+                    solids.append(SolidSystem(look.finish, projected.used, columns, velocities, shapes, glows))
                 elif look.is_liquid:
-                    liquids.append(LiquidSystem(look.liquid, look.liquid_finish, projected))
+                    liquids.append(LiquidSystem(look.liquid, look.liquid_finish, projected, velocities))
                 elif light is not None and projected.count:
                     lit[name] = light, projected.used, columns
         scene = self.scene if mirror is None else self.scene.without_mirror
@@ -262,24 +308,28 @@ class Painter:
         shading = casters if scene.shadows else None
         emitted = self._emitted_light(sim, view, film_time, weight) if lit or casters is not None else None
         smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1]), shading, emitted) if lit else {}
-        sprites.clear()
         if trails is not None:
             if casters is not None:
+                if layers is not None:
+                    layers.take_motion(solids, sheets)
                 finishes = [*(system.finish for system in solids), *(system.look.finish for system in sheets)]
-                sprites.hidden_by = self._draw_surfaces(
-                    scene, casters, finishes, liquids, smoke, framebuffer, film, mirror, emitted
+                hidden_by = self._draw_surfaces(
+                    scene, casters, finishes, liquids, smoke, framebuffer, film, mirror, emitted, layers
                 )
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
-        sprites.layered = (
-            any(look.blend != "add" and not self._is_surface(look) for look in looks.values()) and recolour is None
-        )
+        return _Shaded(looks, drawn, hidden_by)
+
+    def _draw_sprites(self, sim, shaded: "_Shaded", view, film_time, weight, framebuffer: FrameBuffer) -> None:
+        """Draw the sprites and ribbons of systems that were shaded, over what the framebuffer holds."""
+        sprites, looks = self._sprites, shaded.looks
+        sprites.clear()
+        sprites.hidden_by = shaded.hidden_by
+        sprites.layered = any(look.blend != "add" and not self._is_surface(look) for look in looks.values())
         for name, look in looks.items():
-            if recolour is not None and name in drawn:
-                recolour(*drawn[name])
-            if look.ribbon is not None and recolour is None:
+            if look.ribbon is not None:
                 self._add_ribbons(sim, name, view, film_time, weight, framebuffer)
-            elif look.ribbon is None and not self._is_surface(look):
+            elif not self._is_surface(look):
                 self._add_sprites(look, self._projected[name], framebuffer)
         splat(sprites, framebuffer)
 
@@ -309,7 +359,7 @@ class Painter:
         return look.is_liquid or self._is_solid(look)
 
     def _draw_surfaces(
-        self, scene, casters, finishes, liquids, smoke: dict, framebuffer, film: MirrorFilm, mirror, emitted
+        self, scene, casters, finishes, liquids, smoke: dict, framebuffer, film: MirrorFilm, mirror, emitted, layers
     ) -> SurfaceDepths:
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
         if self._surfaces is None:
@@ -323,13 +373,13 @@ class Painter:
         of_liquids = [liquid.finish for liquid in liquids]
         self._surfaces.draw(
             scene, casters, [*finishes, *of_liquids], of_lamp and of_lamp[:2], framebuffer, film, mirror, emitted, shadow,
-            hiding_particles(liquids),
+            hiding_particles(liquids), layers,
         )  # fmt: skip
         if liquids:
             if self._liquids is None:
                 self._liquids = LiquidPass(self.size)
             first = len(scene.surfaces) + len(finishes)
-            self._liquids.draw(liquids, first, casters, self._surfaces, framebuffer, self.sky is not None)
+            self._liquids.draw(liquids, first, casters, self._surfaces, framebuffer, self.sky is not None, layers)
         depths, tiles, view = self._surfaces.depths, self._surfaces.bounds, casters.view
         return SurfaceDepths.of(depths, tiles, 1.0 / view.scale(self.size[1]), view.height is not None)
 

@@ -27,6 +27,7 @@ from gen_art.renderer.surfaces.sky_occlusion import sky_occluders
 from gen_art.renderer.surfaces.solid_grid import SolidGrid
 from gen_art.renderer.surfaces.solid_rows import mean_areas, pixel_rectangles
 from gen_art.renderer.surfaces.solids import BOUND, MATERIAL
+from gen_art.renderer.surfaces.surface_layers import NO_LAYERS, SurfaceLayers
 from gen_art.renderer.surfaces.surface_shading import (
     CHECKER,
     EMISSION,
@@ -90,7 +91,7 @@ class SurfacePass:
     def draw(
         self, scene: Scene, casters: ShadowCasters, finishes: Sequence[Finish], smoke, framebuffer,
         film: MirrorFilm = NO_MIRROR, clip=None, emitted: EmittedLight | None = None, liquid: LiquidShadow = NO_LIQUID,
-        hidden_by=None,
+        hidden_by=None, layers: SurfaceLayers | None = None,
     ) -> None:  # fmt: skip
         """Draw the surfaces of a scene, solids and cloth into a clear framebuffer.
 
@@ -102,6 +103,7 @@ class SurfacePass:
         emitted : the light of particles on the surfaces, or None
         liquid : the shadow that liquids cast
         hidden_by : (positions, extinction cross sections, radii) of their particles, which hide the sky, or None
+        layers : which are filled, or None
         """
         view, time, rows, light, bins = casters.view, casters.time, casters.rows, casters.light, casters.bins
         if clip is None:
@@ -145,15 +147,15 @@ class SurfacePass:
             sky.light, sky.open, depths, film.texels, film.levels, self._blur,
             light.dome.table if light.dome is not None else _NO_DOME, liquid.first, liquid.depths,
         )  # fmt: skip
-        a = self.arrays
-        draw_kernel(casters.terms, follows, cloth.any, glow is not None)(
+        a, wanted = self.arrays, layers or NO_LAYERS
+        draw_kernel(casters.terms, follows, cloth.any, glow is not None, layers is not None)(
             a.numbers, a.colliders, owners, a.materials, a.shares, a.solids, filled(rectangles), bin_starts,
             filled(bin_solids), a.shadow_starts, a.shadow_solids, a.disc, a.sky, a.open_sky, a.smoke, across, down,
             framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, a.film, a.levels, a.blur, a.dome,
             a.liquid_first, a.liquid_depths, places.starts, filled(places.solids), photons.rows, photons.starts,
             filled(cloth.corners), filled(cloth.faces), filled(cloth.looks), cloth.grid, cloth.starts, filled(cloth.listed),
             filled(of_faces), face_starts, filled(bin_faces), *(NO_GLOW if glow is None else glow).arrays,
-            sky_occluders(scene.surfaces, _THROUGH),
+            sky_occluders(scene.surfaces, _THROUGH), wanted.values, wanted.earlier, wanted.solids, wanted.corners,
         )  # fmt: skip
 
 
