@@ -211,6 +211,8 @@ class Painter:
         The light of one exposure is weighted so that a particle at rest builds up to its own brightness, whatever fps and
         substeps are.
         """
+        view = self.view(sim, film_time)
+        hidden_by = self._surface_depths(sim, view, film_time) if self.trails and self.shows_surfaces else NOTHING_HIDES
         for name, look in self.trails.items():
             trail = self._trails.get(name)
             if trail is None:
@@ -219,7 +221,17 @@ class Painter:
             fade = 0.5 ** (exposure / look.trail.half_life)
             trail.buffer *= np.float32(fade)
             strength = (1.0 - fade) * look.trail.strength
-            self._draw(sim, [name], self.view(sim, film_time), film_time, shutter, strength, trail)
+            shaded = self._draw_surroundings(sim, [name], view, film_time, shutter, strength, trail)
+            self._draw_sprites(sim, replace(shaded, hidden_by=hidden_by), view, film_time, strength, trail)
+
+    def _surface_depths(self, sim, view, film_time: float) -> SurfaceDepths:
+        """What the surfaces of this moment hide; their light is not drawn."""
+        looks = {name: self.looks.get(name, self._default_look) for name in sim.systems}
+        names = [name for name, look in looks.items() if look is not None and self._is_surface(look)]
+        framebuffer, trails = self.framebuffer, {}  # which is not written to
+        return self._draw_surroundings(
+            sim, names, view, film_time, 0.0, 1.0, framebuffer, trails=trails, depths_only=True
+        ).hidden_by
 
     def _framing(self, sim) -> Camera:
         points = [s.floats[POSITION, living(s, sim.time)].T for s in sim.systems.values()]
@@ -250,13 +262,14 @@ class Painter:
     def _draw_surroundings(
         self, sim, names, view, film_time, shutter, weight, framebuffer: FrameBuffer,
         trails: dict[str, FrameBuffer] | None = None, film: MirrorFilm = NO_MIRROR, mirror=None,
-        layers: SurfaceLayers | None = None,
+        layers: SurfaceLayers | None = None, depths_only: bool = False,
     ) -> "_Shaded":  # fmt: skip
         """Shade the particles of systems; where `trails` are given, draw first the surfaces and then these trails.
 
         film : what the scene's mirror shows
         mirror : (point, normal) of the plane behind which the view lies as its mirror image, or None
         layers : of the surfaces, which are filled, or None
+        depths_only : what the surfaces hide is found, and they are not drawn
         """
         drawn: dict[str, tuple] = {}
         lit: dict[str, tuple] = {}
@@ -306,7 +319,8 @@ class Painter:
         if trails is not None and (solids or sheets or liquids or scene.surfaces):
             casters = ShadowCasters.of(scene, solids, sheets, view, sim.time)
         shading = casters if scene.shadows else None
-        emitted = self._emitted_light(sim, view, film_time, weight) if lit or casters is not None else None
+        needs_glow = (lit or casters is not None) and not depths_only
+        emitted = self._emitted_light(sim, view, film_time, weight) if needs_glow else None
         smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1]), shading, emitted) if lit else {}
         if trails is not None:
             if casters is not None:
@@ -314,7 +328,7 @@ class Painter:
                     layers.take_motion(solids, sheets)
                 finishes = [*(system.finish for system in solids), *(system.look.finish for system in sheets)]
                 hidden_by = self._draw_surfaces(
-                    scene, casters, finishes, liquids, smoke, framebuffer, film, mirror, emitted, layers
+                    scene, casters, finishes, liquids, smoke, framebuffer, film, mirror, emitted, layers, depths_only
                 )
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
@@ -359,8 +373,9 @@ class Painter:
         return look.is_liquid or self._is_solid(look)
 
     def _draw_surfaces(
-        self, scene, casters, finishes, liquids, smoke: dict, framebuffer, film: MirrorFilm, mirror, emitted, layers
-    ) -> SurfaceDepths:
+        self, scene, casters, finishes, liquids, smoke: dict, framebuffer, film: MirrorFilm, mirror, emitted, layers,
+        depths_only: bool,
+    ) -> SurfaceDepths:  # fmt: skip
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
         if self._surfaces is None:
             self._surfaces = SurfacePass(self.size)
@@ -368,18 +383,21 @@ class Painter:
         shadow = NO_LIQUID
         # a clear liquid does not shadow itself
         receivers = scene.surfaces or finishes or not all(system.liquid.clear for system in liquids)
-        if liquids and scene.shadows and receivers:
+        if liquids and scene.shadows and receivers and not depths_only:
             shadow = lamp_map(liquids, lamp_axes(scene.lighting.direction))
         of_liquids = [liquid.finish for liquid in liquids]
         self._surfaces.draw(
             scene, casters, [*finishes, *of_liquids], of_lamp and of_lamp[:2], framebuffer, film, mirror, emitted, shadow,
-            hiding_particles(liquids), layers,
+            None if depths_only else hiding_particles(liquids), layers, not depths_only,
         )  # fmt: skip
         if liquids:
             if self._liquids is None:
                 self._liquids = LiquidPass(self.size)
             first = len(scene.surfaces) + len(finishes)
-            self._liquids.draw(liquids, first, casters, self._surfaces, framebuffer, self.sky is not None, layers)
+            if depths_only:
+                self._liquids.find_depths(liquids, self._surfaces)
+            else:
+                self._liquids.draw(liquids, first, casters, self._surfaces, framebuffer, self.sky is not None, layers)
         depths, tiles, view = self._surfaces.depths, self._surfaces.bounds, casters.view
         return SurfaceDepths.of(depths, tiles, 1.0 / view.scale(self.size[1]), view.height is not None)
 

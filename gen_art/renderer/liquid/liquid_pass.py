@@ -4,6 +4,7 @@ import numpy as np
 
 from gen_art.renderer.framebuffer import FrameBuffer
 from gen_art.renderer.liquid.layers import COLOURS, SPREAD, PixelLayers
+from gen_art.renderer.liquid.liquid_depths import put_depths
 from gen_art.renderer.liquid.liquid_shading import (
     ABSORPTION,
     CLEAR,
@@ -64,13 +65,12 @@ class LiquidPass:
         )
         if not bins.starts[-1]:
             return
-        layers.find(numbers, bins, 1.0 / system.packing)
+        self._find_surface(numbers, bins, system)
         if coloured:
             layers.spread(numbers, bins, paints)
             colours = layers.colours
         else:
             colours = np.append(paints[0], 1.0).astype(np.float32).reshape(1, 1, COLOURS + 1)
-        smooth(numbers, layers.depth, liquid.smoothing * sphere, sphere, self._scratch, self._smooth)
         if liquid.clear:
             spread_lengths(numbers, self._smooth, liquid.smoothing * sphere, layers.thickness, self._lengths)
         own = np.zeros(LIQUID_NUMBERS, np.float32)
@@ -85,6 +85,22 @@ class LiquidPass:
             *shared, own, self._smooth, layers.cover, layers.thickness, colours, film, far, framebuffer.buffer,
             framebuffer.stride, surfaces.depths, surfaces.bounds, filled.values, filled.earlier, flow,
         )  # fmt: skip
+
+    def find_depths(self, liquids: list[LiquidSystem], surfaces: SurfacePass) -> None:
+        """Put the depths of liquids alone into those of `surfaces`, without drawing them."""
+        numbers = surfaces.arrays.numbers
+        for system in liquids:
+            if len(system.radii):
+                projected = system.projected
+                bins = ParticleBins.of(numbers, projected.channels, projected.lit, projected.count, self.size, 1.0)
+                self._find_surface(numbers, bins, system)
+                put_depths(numbers, self._smooth, self._layers.cover, surfaces.depths, surfaces.bounds)
+
+    def _find_surface(self, numbers: np.ndarray, bins: ParticleBins, system: LiquidSystem) -> None:
+        """Find the particles' layers and the smoothed surface of a liquid."""
+        self._layers.find(numbers, bins, 1.0 / system.packing)
+        reach = system.liquid.smoothing * system.sphere
+        smooth(numbers, self._layers.depth, reach, system.sphere, self._scratch, self._smooth)
 
     def _flow(self, numbers: np.ndarray, system: LiquidSystem) -> np.ndarray:
         """(rows, columns, COLOURS + 1), of which the first three are the mean velocity of the particles near the surface."""

@@ -154,12 +154,15 @@ def _depth(N: ti.template(), d, t):
 
 
 @cache
-def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing: bool, layered: bool):
+def draw_kernel(
+    terms: ColliderTerms, follows: bool, with_sheets: bool, glowing: bool, layered: bool, shaded: bool = True
+):
     """The kernel that draws surfaces of these colliders, solids, and cloth if there is any.
 
     follows : whether smooth surfaces reflect each other, and light goes through transparent bodies
     glowing : whether emitting particles light them
     layered : whether the layers of surface_layers.py are filled, too
+    shaded : whether their light is drawn; else their depths alone are found
     """
     entries, surfaces = terms.entries, len(terms.owners)
     near_casters = tuple(entry for entry in entries if not isinstance(entry.collider, Plane))
@@ -264,9 +267,10 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
                             nearest, farthest = ti.min(nearest, depth), ti.max(farthest, depth)
                             depths[row, column, s] = depth
                             if who >= 0 and earlier == 0:
-                                total += share * light_along(
-                                    entries, surfaces, follows, scene, who // FACETS, t, column, row, o, d, depth
-                                )
+                                if ti.static(shaded):
+                                    total += share * light_along(
+                                        entries, surfaces, follows, scene, who // FACETS, t, column, row, o, d, depth
+                                    )
                                 covered += share
                                 if ti.static(layered):
                                     layer_sums += share * layers_of_surface(
@@ -275,10 +279,11 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
                         if whole == 1:
                             for s in range(1, SUBPIXELS):
                                 depths[row, column, s] = depths[row, column, 0]
-                        place = row * stride + column * 4
-                        for k in ti.static(range(3)):
-                            framebuffer[place + k] = total[k]
-                        framebuffer[place + 3] = covered
+                        if ti.static(shaded):
+                            place = row * stride + column * 4
+                            for k in ti.static(range(3)):
+                                framebuffer[place + k] = total[k]
+                            framebuffer[place + 3] = covered
                         if ti.static(layered):
                             for k in ti.static(range(LAYER_FLOATS)):
                                 layers[row, column, k] = layer_sums[k]
