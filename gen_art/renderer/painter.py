@@ -26,7 +26,7 @@ from gen_art.renderer.liquid.lamp_map import lamp_map
 from gen_art.renderer.liquid.liquid_pass import LiquidPass
 from gen_art.renderer.liquid.liquid_system import LiquidSystem, hiding_particles
 from gen_art.renderer.look_tables import SIZE_MODE, SIZE_VALUE, LookTables, kernel_numbers
-from gen_art.renderer.ribbons import RibbonHistory
+from gen_art.renderer.ribbons import RibbonHistory, cut_by_plane
 from gen_art.renderer.shading import ProjectedParticles, shade
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.sky_background import draw_sky
@@ -77,11 +77,12 @@ def living(system, time: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Shaded:
-    """Systems whose particles are shaded: looks, (system, channels) of each, and what hides their sprites."""
+    """Systems whose particles are shaded: looks, (system, channels) of each, what hides their sprites, and the mirror or None."""
 
     looks: dict[str, Look]
     drawn: dict[str, tuple]
     hidden_by: SurfaceDepths
+    mirror: tuple | None
 
 
 class Painter:
@@ -314,7 +315,7 @@ class Painter:
                     liquids.append(LiquidSystem(look.liquid, look.liquid_finish, projected, velocities))
                 elif light is not None and projected.count:
                     lit[name] = light, projected.used, columns
-        scene = self.scene if mirror is None else self.scene.without_mirror
+        scene = self.scene  # the mirror too: it shadows what it shows, and rays from behind do not meet it
         casters = None
         if trails is not None and (solids or sheets or liquids or scene.surfaces):
             casters = ShadowCasters.of(scene, solids, sheets, view, sim.time)
@@ -332,7 +333,7 @@ class Painter:
                 )
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
-        return _Shaded(looks, drawn, hidden_by)
+        return _Shaded(looks, drawn, hidden_by, mirror)
 
     def _draw_sprites(self, sim, shaded: "_Shaded", view, film_time, weight, framebuffer: FrameBuffer) -> None:
         """Draw the sprites and ribbons of systems that were shaded, over what the framebuffer holds."""
@@ -342,7 +343,7 @@ class Painter:
         sprites.layered = any(look.blend != "add" and not self._is_surface(look) for look in looks.values())
         for name, look in looks.items():
             if look.ribbon is not None:
-                self._add_ribbons(sim, name, view, film_time, weight, framebuffer)
+                self._add_ribbons(sim, name, view, film_time, weight, framebuffer, shaded.mirror)
             elif not self._is_surface(look):
                 self._add_sprites(look, self._projected[name], framebuffer)
         splat(sprites, framebuffer)
@@ -401,10 +402,14 @@ class Painter:
         depths, tiles, view = self._surfaces.depths, self._surfaces.bounds, casters.view
         return SurfaceDepths.of(depths, tiles, 1.0 / view.scale(self.size[1]), view.height is not None)
 
-    def _add_ribbons(self, sim, name: str, view, film_time: float, weight: float, framebuffer: FrameBuffer) -> None:
+    def _add_ribbons(
+        self, sim, name: str, view, film_time: float, weight: float, framebuffer: FrameBuffer, mirror
+    ) -> None:
         """Add every segment of a system's ribbons; without earlier positions there are none."""
         tables, projected = self._tables[name], self._projected[name]
         for segment in self.histories[name].segments(sim.systems[name], sim.time):
+            if mirror is not None:
+                cut_by_plane(segment, *mirror)
             light = weight * segment.light
             q = kernel_numbers(
                 tables,

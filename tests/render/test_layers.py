@@ -197,6 +197,23 @@ def test_motion_of_a_ball_and_of_the_camera(camera):
     assert np.abs(motion_of(layers) - expected)[inside].max() < 1e-3
 
 
+def test_motion_of_a_sprite_before_a_camera_that_orbits():
+    """A soft disc has the motion of its middle: the projection now, less that of where it was in the frame before."""
+    velocity = np.array([0.6, -0.4, 0.8])
+    camera = {**AHEAD, "orbit": {"rate": 40}}
+    look = {"draw": "disc", "radius": 0.1, "emission": "white"}
+    layers, playback = layers_of(3, camera=camera, systems={"spark": {**ball((0, 0.2, 0), velocity), "look": look}})
+    place = (np.array([0, 0.2, 0]) + 0.3 * velocity).reshape(1, 1, 3)
+    expected = moved(playback, place, velocity, 3)[0, 0]
+    seen = layers["Z"] > 0
+    assert seen.sum() > 4 and np.abs(expected).min() > 0.3
+    assert np.abs(motion_of(layers)[seen] - expected).max() < 1e-3
+    depth = (place[0, 0] - playback.painter.view(playback.sim, 0.3).position) @ playback.painter.view(
+        playback.sim, 0.3
+    ).axes[2]
+    assert layers["Z"][seen] == pytest.approx(depth, rel=1e-5)
+
+
 @pytest.mark.parametrize("still", [False, True])
 def test_motion_of_the_ground_before_a_camera(still):
     camera = {**AHEAD, "position": [0, 2, 5], "orbit": {"rate": 0 if still else 40}}
