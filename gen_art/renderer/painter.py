@@ -21,6 +21,7 @@ from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.emitted_light import emitted_light
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
+from gen_art.renderer.lens_views import draw_through_lens
 from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.liquid.lamp_map import lamp_map
 from gen_art.renderer.liquid.liquid_pass import LiquidPass
@@ -77,12 +78,20 @@ def living(system, time: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Shaded:
-    """Systems whose particles are shaded: looks, (system, channels) of each, what hides their sprites, and the mirror or None."""
+    """Systems whose particles are shaded.
+
+    drawn : (system, channels) of each
+    hidden_by : what hides their sprites
+    mirror : the mirror behind which the view lies, or None
+    smoke, emitted : the light of smoke and of emitting particles
+    """
 
     looks: dict[str, Look]
     drawn: dict[str, tuple]
     hidden_by: SurfaceDepths
     mirror: tuple | None
+    smoke: dict
+    emitted: EmittedLight | None
 
 
 class Painter:
@@ -109,6 +118,7 @@ class Painter:
         self._surfaces: SurfacePass | None = None
         self._liquids: LiquidPass | None = None
         self._film: MirrorFilm | None = None
+        self._around: Painter | None = None
         self._sprites = Sprites()
         self._projected: dict[str, ProjectedParticles] = {}
         self._trails: dict[str, FrameBuffer] = {}
@@ -133,9 +143,15 @@ class Painter:
         view = self.view(sim, film_time)
         film = self._mirror_film(sim, view, film_time)
         self.framebuffer.clear()
-        self._draw(
+        shaded = self._draw_surroundings(
             sim, list(sim.systems), view, film_time, self.shutter, 1.0, self.framebuffer, trails=self._trails, film=film
         )
+        if view.lens is not None and shaded.hidden_by is not NOTHING_HIDES:
+            hidden_by = draw_through_lens(self, sim, view, film_time, shaded.smoke, shaded.emitted)
+            shaded = replace(shaded, hidden_by=hidden_by)
+            for trail in self._trails.values():
+                self.framebuffer.buffer += trail.buffer
+        self._draw_sprites(sim, shaded, view, film_time, 1.0, self.framebuffer)
         if self.sky is not None:
             draw_sky(self.sky, view, self.framebuffer)
         pixels = self.framebuffer.pixels if self.supersample == 1 else box_averaged(self.framebuffer, self.supersample)
@@ -145,6 +161,32 @@ class Painter:
                 "distance is too large for float32, whose largest number is 3.4e38; its square must fit too"
             )
         return pixels
+
+    def with_margin(self, margin: int) -> "Painter":
+        """A painter of pictures that have a margin of this many pixels around this one's, for draw_surfaces_alone."""
+        size = (self.size[0] + 2 * margin, self.size[1] + 2 * margin)
+        if self._around is None or self._around.size != size:
+            self._around = Painter(size, None, self.looks, scene=self.scene, transparent=self.sky is None)
+        return self._around
+
+    def draw_surfaces_alone(self, sim, view, film_time: float, smoke: dict, emitted) -> tuple[np.ndarray, np.ndarray]:
+        """(picture, depths) of the surfaces from a view, both overwritten by the next picture.
+
+        smoke, emitted : the light among them, which another view of the same moment has found
+        """
+        film = self._mirror_film(sim, view, film_time)
+        self.framebuffer.clear()
+        self._draw_surroundings(
+            sim, self._surface_systems(sim), view, film_time, 0.0, 1.0, self.framebuffer, trails={}, film=film,
+            given=(smoke, emitted),
+        )  # fmt: skip
+        assert self._surfaces is not None
+        return self.framebuffer.pixels, self._surfaces.depths
+
+    def _surface_systems(self, sim) -> list[str]:
+        """The systems that are drawn by surfaces."""
+        looks = {name: self.looks.get(name, self._default_look) for name in sim.systems}
+        return [name for name, look in looks.items() if look is not None and self._is_surface(look)]
 
     def _mirror_film(self, sim, view, film_time: float) -> MirrorFilm:
         """What the scene's mirror shows; NO_MIRROR if it has none."""
@@ -227,12 +269,10 @@ class Painter:
 
     def _surface_depths(self, sim, view, film_time: float) -> SurfaceDepths:
         """What the surfaces of this moment hide; their light is not drawn."""
-        looks = {name: self.looks.get(name, self._default_look) for name in sim.systems}
-        names = [name for name, look in looks.items() if look is not None and self._is_surface(look)]
-        framebuffer, trails = self.framebuffer, {}  # which is not written to
         return self._draw_surroundings(
-            sim, names, view, film_time, 0.0, 1.0, framebuffer, trails=trails, depths_only=True
-        ).hidden_by
+            sim, self._surface_systems(sim), view, film_time, 0.0, 1.0, self.framebuffer, trails={}, given=({}, None),
+            depths_only=True,
+        ).hidden_by  # fmt: skip
 
     def _framing(self, sim) -> Camera:
         points = [s.floats[POSITION, living(s, sim.time)].T for s in sim.systems.values()]
@@ -263,7 +303,7 @@ class Painter:
     def _draw_surroundings(
         self, sim, names, view, film_time, shutter, weight, framebuffer: FrameBuffer,
         trails: dict[str, FrameBuffer] | None = None, film: MirrorFilm = NO_MIRROR, mirror=None,
-        layers: SurfaceLayers | None = None, depths_only: bool = False,
+        layers: SurfaceLayers | None = None, depths_only: bool = False, given: tuple | None = None,
     ) -> "_Shaded":  # fmt: skip
         """Shade the particles of systems; where `trails` are given, draw first the surfaces and then these trails.
 
@@ -271,6 +311,7 @@ class Painter:
         mirror : (point, normal) of the plane behind which the view lies as its mirror image, or None
         layers : of the surfaces, which are filled, or None
         depths_only : what the surfaces hide is found, and they are not drawn
+        given : the light of smoke and of emitting particles, where it is known
         """
         drawn: dict[str, tuple] = {}
         lit: dict[str, tuple] = {}
@@ -320,9 +361,10 @@ class Painter:
         if trails is not None and (solids or sheets or liquids or scene.surfaces):
             casters = ShadowCasters.of(scene, solids, sheets, view, sim.time)
         shading = casters if scene.shadows else None
-        needs_glow = (lit or casters is not None) and not depths_only
-        emitted = self._emitted_light(sim, view, film_time, weight) if needs_glow else None
-        smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1]), shading, emitted) if lit else {}
+        smoke, emitted = given or ({}, None)
+        if given is None:
+            emitted = self._emitted_light(sim, view, film_time, weight) if lit or casters is not None else None
+            smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1]), shading, emitted) if lit else {}
         if trails is not None:
             if casters is not None:
                 if layers is not None:
@@ -333,7 +375,7 @@ class Painter:
                 )
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
-        return _Shaded(looks, drawn, hidden_by, mirror)
+        return _Shaded(looks, drawn, hidden_by, mirror, smoke, emitted)
 
     def _draw_sprites(self, sim, shaded: "_Shaded", view, film_time, weight, framebuffer: FrameBuffer) -> None:
         """Draw the sprites and ribbons of systems that were shaded, over what the framebuffer holds."""
