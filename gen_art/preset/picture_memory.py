@@ -17,15 +17,15 @@ LIT = 36  # more, in a lit system
 LISTED = 85  # more, drawn as a sprite
 SORTED = 36  # more, sorted by depth
 REMEMBERED = 20  # of a past position, for ribbons
-SOLID = 900  # as a ball, or the link of a thread: its row and those of the lists of it
+SOLID = 200  # as a ball, or the link of a thread: its row and those of the lists of it
 WOVEN = 1400  # in a cloth: a corner and two triangles
-LIQUID = 420  # in a liquid: what it is to the camera and to the lamp
-GLOWING = 330  # of a system whose light falls on others: its row in the tree of lights
+LIQUID = 20  # in a liquid: what it is to the camera and to the lamp
+GLOWING = 590  # of a system whose light falls on others: its row in the tree of lights
 # of a cell of the density grid: eight arrays, for smoke that fills half of its cube
 CELL = 4 * 4
 # of a pixel: of the framebuffer; of the developed picture, its bloom and its file; the depths of surfaces; what a mirror
-# shows and its pyramid; the layers of a liquid, and what is seen through it
-FRAMEBUFFER, PICTURE, DEPTHS, MIRRORED, LAYERED = 16, 10, 16, 22, 44
+# shows and its pyramid; the layers of a liquid, and what is seen through it; the mean of a lens's views, and what they hide
+FRAMEBUFFER, PICTURE, DEPTHS, MIRRORED, LAYERED, DEFOCUSED = 16, 10, 16, 22, 44, 48
 SURFACES = 45e6  # for the kernels of surfaces, and for the sky's light among them
 LIQUIDS = 30e6  # for those of liquids, and for the shadow that they cast
 PHOTONS = 10e6  # for light that glass gathers
@@ -36,12 +36,16 @@ def pixel_bytes(preset: Preset) -> float:
     camera = preset.camera or CameraSpec()
     trails = sum(s.look is not None and s.look.trail is not None for s in preset.systems.values())
     averaged = (camera.supersample > 1) + (camera.subframes > 1)
-    drawn = FRAMEBUFFER * (1 + trails)
+    surfaces = 0
     if _shows_surfaces(preset):
-        drawn += DEPTHS + MIRRORED * any(look.mirror for look in _surfaces(preset))
+        surfaces += DEPTHS + MIRRORED * any(look.mirror for look in _surfaces(preset))
     if any(look.is_liquid for look in _looks(preset)):
-        drawn += LAYERED
-    return PICTURE + FRAMEBUFFER * averaged + camera.supersample**2 * drawn
+        surfaces += LAYERED
+    if (
+        surfaces and camera.lens is not None and camera.lens.radius > 0.0
+    ):  # which are drawn once more, from all its places
+        surfaces += FRAMEBUFFER + surfaces + DEFOCUSED
+    return PICTURE + FRAMEBUFFER * averaged + camera.supersample**2 * (FRAMEBUFFER * (1 + trails) + surfaces)
 
 
 def particle_bytes(preset: Preset, name: str) -> float:
