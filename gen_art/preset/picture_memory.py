@@ -70,7 +70,7 @@ def particle_bytes(preset: Preset, name: str) -> float:
 def fixed_bytes(preset: Preset) -> float:
     """Bytes that drawing takes at any size of the picture, with any number of particles."""
     looks = _looks(preset)
-    total = sum(CELL * _smoke_cells(preset, look) for look in looks)
+    total = float(sum(CELL * _smoke_cells(preset, look) for look in looks))
     if _shows_surfaces(preset):
         total += SURFACES
     if any(look.is_liquid for look in looks):
