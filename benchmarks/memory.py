@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from pathlib import Path
 
 from _bench import ROOT, Bench
 
@@ -14,6 +15,23 @@ from gen_art.preset.estimate import estimate
 from gen_art.preset.shipped import preset_names
 from gen_art.preset.thinning import thinned
 
+# a liquid, which no shipped preset is
+LIQUID = """
+version: 1
+clock: {duration: 0.5, fps: 30, step: 1/600}
+forces: {gravity: [0, -9.81, 0]}
+sky: {sun: 35}
+ground: {albedo: white, checker: {size: 0.25, color: black}}
+colliders: {box: {min: [-1, 0, -0.4], max: [1, 3, 0.4], restitution: 0, friction: 0}}
+systems:
+  water:
+    particle: {radius: 0.02, density: 1000}
+    integrator: semi_implicit_euler
+    interactions: {contacts: {restitution: 0.1, friction: 0, duration: 1/80}}
+    emitters: {spout: {rate: 4000, shape: {disc: 0.25, center: [-0.6, 1.3, 0]}, velocity: [0.5, -3, 0]}}
+    look: {draw: surface, radius: 0.03, liquid: {color: teal, distance: 0.6}}
+camera: {position: [1.2, 1.3, 3.0], target: [0, 0.25, 0], fov: 36}
+"""
 RUN = """
 import resource, sys
 from gen_art.commands.main import run
@@ -46,6 +64,7 @@ JOBS = (
         ("still", "fire", "1280x720"), ("still", "smoke", "1280x720"), *(
             ("still", name, "3840x2160") for name in ("wormhole", "fire", "fireworks", "smoke", "charged")
         ), ("film", "charged", "3840x2160"),
+        *(("still", name, "3840x2160") for name in ("course/pour", "course/marbles", "course/flag", "liquid")),
     ]
 )  # fmt: skip
 FRAMES = 4 if bench.quick else 64
@@ -65,7 +84,11 @@ bench.table(rows)
 rows = [("", "size", "particles", "predicted, MB", "measured, MB", "predicted / measured")]
 ratios = {}
 with tempfile.TemporaryDirectory() as folder:
-    for kind, name, size in JOBS:
+    for kind, title, size in JOBS:
+        name = title
+        if title == "liquid":
+            name = os.path.join(folder, "liquid.yaml")
+            Path(name).write_text(LIQUID, encoding="utf-8")
         short = ["--set", "clock.preroll=0", "--duration", "0.2"] if bench.quick else []
         piece = load_preset(name, overrides={"clock.preroll": 0, "clock.duration": 0.2} if bench.quick else None)
         last = (piece.clock.frames - 1) / piece.clock.fps
@@ -75,9 +98,9 @@ with tempfile.TemporaryDirectory() as folder:
             if kind == "still"
             else ["render", name, "--frames", f"0..{FRAMES - 1}"]
         )
-        path = os.path.join(folder, f"{name}-{size}.{'png' if kind == 'still' else 'mp4'}")
+        path = os.path.join(folder, f"{Path(name).stem}-{size}.{'png' if kind == 'still' else 'mp4'}")
         measured = float(gen_art(RUN, *moment, "--size", size, "-o", path, *short).splitlines()[-1])
-        predicted, title = told["memory"][kind], f"{kind} of {name}"
+        predicted, title = told["memory"][kind], f"{kind} of {title}"
         ratios[f"{title}, {size}"] = predicted / measured
         particles = round(estimate(piece).particles)
         figures = (f"{predicted / 1e6:.0f}", f"{measured / 1e6:.0f}", f"{predicted / measured:.2f}")

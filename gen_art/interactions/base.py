@@ -79,6 +79,8 @@ class Shapes:
     half : (n, 3) m, half extents of the box inside the rounding, along its own axes
     radius : (n,) m, of the rounding; NaN for that of the particle
     axes : (n, 3, 3), rows: its axes in the world
+    velocity : (n, 3) m/s, of the centre
+    spin : (n, 3) rad/s, angular velocity
     """
 
     particle: np.ndarray
@@ -86,6 +88,8 @@ class Shapes:
     half: np.ndarray
     radius: np.ndarray
     axes: np.ndarray
+    velocity: np.ndarray
+    spin: np.ndarray
 
 
 class Interaction(Parametric):

@@ -7,10 +7,10 @@ from gen_art.interactions.base import Shapes
 __all__ = ["capsules_along"]
 
 
-def capsules_along(positions: np.ndarray, pairs: np.ndarray) -> Shapes:
+def capsules_along(positions: np.ndarray, velocities: np.ndarray, pairs: np.ndarray) -> Shapes:
     """A capsule from the first to the second particle of each pair, as thick as the first.
 
-    positions : (3, n) m
+    positions, velocities : (3, n) m and m/s
     pairs : (m, 2), slots
     """
     a, b = positions[:, pairs[:, 0]], positions[:, pairs[:, 1]]
@@ -25,4 +25,7 @@ def capsules_along(positions: np.ndarray, pairs: np.ndarray) -> Shapes:
     half = np.zeros((len(pairs), 3))
     half[:, 1] = 0.5 * length
     axes = np.stack([x.T, y.T, z.T], axis=1)
-    return Shapes(pairs[:, 0], 0.5 * (a + b).T, half, np.full(len(pairs), np.nan), axes)
+    va, vb = velocities[:, pairs[:, 0]], velocities[:, pairs[:, 1]]
+    change = (vb - va) / np.where(length > 0.0, length, np.inf)
+    spin = np.stack([y[k - 2] * change[k - 1] - y[k - 1] * change[k - 2] for k in range(3)], axis=1)
+    return Shapes(pairs[:, 0], 0.5 * (a + b).T, half, np.full(len(pairs), np.nan), axes, 0.5 * (va + vb).T, spin)

@@ -217,7 +217,9 @@ class Springs(Interaction):
         if state.count:
             springs = self._adjacency(state)
             pairs = springs.pairs[springs.numbers[:, 0] > 0]
-        return capsules_along(state.floats[POSITION].astype(np.float64), pairs)
+        return capsules_along(
+            state.floats[POSITION].astype(np.float64), state.floats[VELOCITY].astype(np.float64), pairs
+        )
 
     def sheet(self, state):
         if not len(self._faces):

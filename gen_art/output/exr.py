@@ -1,4 +1,4 @@
-"""OpenEXR pictures: the linear light before it is developed, with AOVs (extra layers) of depth and motion.
+"""OpenEXR pictures: the linear light before it is developed, with AOVs (extra layers) of depth, motion and surfaces.
 
 Needs the extra `exr` (the package OpenEXR); it is imported only when such a picture is read or written.
 """
@@ -35,7 +35,7 @@ def write_exr(
 ) -> Path:  # fmt: skip
     """Write (height, width, 4) float32, linear Rec.709 and premultiplied, as R G B A with lossless ZIP compression.
 
-    aovs : name -> (height, width): `Z` in metres, `velocity.x` and `velocity.y` in pixels a frame
+    aovs : name -> (height, width), of gen_art.renderer.aovs: `Z` in metres, `velocity.x` and `velocity.y` in pixels a frame ...
     bits : 16 (half floats, clipped to +-65504) or 32; Z always has 32
     exposure : stops that `develop` would apply; written to the header, not applied
     The file appears under its final name only when it is complete. Raises UsageError when OpenEXR is not installed,

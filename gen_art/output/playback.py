@@ -195,7 +195,7 @@ class Playback:
         return entries
 
     def aovs(self) -> dict[str, np.ndarray]:
-        """Depth and motion of the last picture: see gen_art.renderer.aovs."""
+        """Layers of depth, motion and surfaces of the last picture: see gen_art.renderer.aovs."""
         clock = self.preset.clock
         return render_aovs(self.painter, self.sim, self._film_time(), 1.0 / clock.fps, clock.speed / clock.fps)
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from gen_art.backend.memory import available_memory
 from gen_art.errors import MemoryRefused
-from gen_art.preset.camera import CameraSpec
-from gen_art.preset.look import Look
+from gen_art.preset.picture_memory import fixed_bytes, particle_bytes, pixel_bytes
 from gen_art.preset.schema import Preset, SystemSpec
 from gen_art.preset.values import Curve, Range
 
@@ -28,16 +27,6 @@ _FOREVER = 1e300
 PROCESS = 190e6  # with Taichi, a small picture and no particles
 GROWTH = 2.0  # factor for spare capacity, and for old arrays that exist beside new ones while a system grows
 BIRTH = 160  # of a particle while it is being born
-SHADED = 50  # of a particle in the picture
-LIT = 36  # more, in a lit system
-LISTED = 85  # more, drawn as a sprite
-SORTED = 36  # more, sorted by depth
-REMEMBERED = 20  # of a past position of a particle, for ribbons
-CELL = 4 * 4  # of a cell of the density grid: eight arrays, for smoke that fills half of its cube
-FRAMEBUFFER, PICTURE = (
-    16,
-    10,
-)  # of a pixel of the framebuffer; of a pixel of the developed picture, its bloom and its file
 BATCH_BIRTHS = 4096  # births in a launch of several steps; an eighth of the living particles if that is more
 BATCH = 64  # steps of a launch without events and interactions
 
@@ -107,28 +96,10 @@ def estimate(preset: Preset, precision: str = "f32", until: float | None = None)
         slots = peak[name] + steady
         state += GROWTH * slots * bytes_per_particle(system, precision)
         births = max(births, BIRTH * max(steady, sudden))
-        if system.look is not None:
-            drawing += _drawing(system.look) * peak[name]
-            drawing += CELL * system.look.light.resolution**3 if system.look.light else 0.0
+        drawing += particle_bytes(preset, name) * peak[name]
     born = {name: float(census.born[name]) for name in preset.systems}
-    return Estimate(born, peak, size, state + max(births, drawing), _pixel(preset))
-
-
-def _drawing(look: Look) -> float:
-    """Bytes of a particle while it is drawn."""
-    if look.ribbon is not None:
-        return SHADED + look.ribbon.points * (REMEMBERED + LISTED)
-    if look.blend == "add":
-        return SHADED + (0 if look.draw in ("point", "pixel") else LISTED)
-    return SHADED + LISTED + SORTED + (LIT if look.light else 0)
-
-
-def _pixel(preset: Preset) -> float:
-    """Bytes of a pixel while the picture is rendered."""
-    camera = preset.camera or CameraSpec()
-    trails = sum(s.look is not None and s.look.trail is not None for s in preset.systems.values())
-    averaged = (camera.supersample > 1) + (camera.subframes > 1)
-    return PICTURE + FRAMEBUFFER * (camera.supersample**2 * (1 + trails) + averaged)
+    drawing += fixed_bytes(preset)
+    return Estimate(born, peak, size, state + max(births, drawing), pixel_bytes(preset))
 
 
 class _Census:

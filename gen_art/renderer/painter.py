@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,12 +21,13 @@ from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.emitted_light import emitted_light
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
+from gen_art.renderer.lens_views import draw_through_lens
 from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.liquid.lamp_map import lamp_map
 from gen_art.renderer.liquid.liquid_pass import LiquidPass
 from gen_art.renderer.liquid.liquid_system import LiquidSystem, hiding_particles
 from gen_art.renderer.look_tables import SIZE_MODE, SIZE_VALUE, LookTables, kernel_numbers
-from gen_art.renderer.ribbons import RibbonHistory
+from gen_art.renderer.ribbons import RibbonHistory, cut_by_plane
 from gen_art.renderer.shading import ProjectedParticles, shade
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.sky_background import draw_sky
@@ -41,6 +42,7 @@ from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
 from gen_art.renderer.surfaces.sheet_rows import SheetSystem, sheet_of
 from gen_art.renderer.surfaces.solid_rows import SolidSystem, shapes_of
+from gen_art.renderer.surfaces.surface_layers import SurfaceLayers
 from gen_art.renderer.surfaces.surface_pass import SurfacePass
 
 if TYPE_CHECKING:
@@ -74,6 +76,24 @@ def living(system, time: float) -> np.ndarray:
     return np.flatnonzero((birth <= time) & (birth + life > time))
 
 
+@dataclass(frozen=True)
+class _Shaded:
+    """Systems whose particles are shaded.
+
+    drawn : (system, channels) of each
+    hidden_by : what hides their sprites
+    mirror : the mirror behind which the view lies, or None
+    smoke, emitted : the light of smoke and of emitting particles
+    """
+
+    looks: dict[str, Look]
+    drawn: dict[str, tuple]
+    hidden_by: SurfaceDepths
+    mirror: tuple | None
+    smoke: dict
+    emitted: EmittedLight | None
+
+
 class Painter:
     """Draws the systems of a simulation into a framebuffer. Keeps the tables and the trails between frames.
 
@@ -98,6 +118,7 @@ class Painter:
         self._surfaces: SurfacePass | None = None
         self._liquids: LiquidPass | None = None
         self._film: MirrorFilm | None = None
+        self._around: Painter | None = None
         self._sprites = Sprites()
         self._projected: dict[str, ProjectedParticles] = {}
         self._trails: dict[str, FrameBuffer] = {}
@@ -122,9 +143,15 @@ class Painter:
         view = self.view(sim, film_time)
         film = self._mirror_film(sim, view, film_time)
         self.framebuffer.clear()
-        self._draw(
+        shaded = self._draw_surroundings(
             sim, list(sim.systems), view, film_time, self.shutter, 1.0, self.framebuffer, trails=self._trails, film=film
         )
+        if view.lens is not None and shaded.hidden_by is not NOTHING_HIDES:
+            hidden_by = draw_through_lens(self, sim, view, film_time, shaded.smoke, shaded.emitted)
+            shaded = replace(shaded, hidden_by=hidden_by)
+            for trail in self._trails.values():
+                self.framebuffer.buffer += trail.buffer
+        self._draw_sprites(sim, shaded, view, film_time, 1.0, self.framebuffer)
         if self.sky is not None:
             draw_sky(self.sky, view, self.framebuffer)
         pixels = self.framebuffer.pixels if self.supersample == 1 else box_averaged(self.framebuffer, self.supersample)
@@ -134,6 +161,32 @@ class Painter:
                 "distance is too large for float32, whose largest number is 3.4e38; its square must fit too"
             )
         return pixels
+
+    def with_margin(self, margin: int) -> "Painter":
+        """A painter of pictures that have a margin of this many pixels around this one's, for draw_surfaces_alone."""
+        size = (self.size[0] + 2 * margin, self.size[1] + 2 * margin)
+        if self._around is None or self._around.size != size:
+            self._around = Painter(size, None, self.looks, scene=self.scene, transparent=self.sky is None)
+        return self._around
+
+    def draw_surfaces_alone(self, sim, view, film_time: float, smoke: dict, emitted) -> tuple[np.ndarray, np.ndarray]:
+        """(picture, depths) of the surfaces from a view, both overwritten by the next picture.
+
+        smoke, emitted : the light among them, which another view of the same moment has found
+        """
+        film = self._mirror_film(sim, view, film_time)
+        self.framebuffer.clear()
+        self._draw_surroundings(
+            sim, self._surface_systems(sim), view, film_time, 0.0, 1.0, self.framebuffer, trails={}, film=film,
+            given=(smoke, emitted),
+        )  # fmt: skip
+        assert self._surfaces is not None
+        return self.framebuffer.pixels, self._surfaces.depths
+
+    def _surface_systems(self, sim) -> list[str]:
+        """The systems that are drawn by surfaces."""
+        looks = {name: self.looks.get(name, self._default_look) for name in sim.systems}
+        return [name for name, look in looks.items() if look is not None and self._is_surface(look)]
 
     def _mirror_film(self, sim, view, film_time: float) -> MirrorFilm:
         """What the scene's mirror shows; NO_MIRROR if it has none."""
@@ -157,13 +210,41 @@ class Painter:
         self._film.take(self.framebuffer.pixels, look.roughness > 0.0 or look.waves is not None, depths)
         return self._film
 
-    def draw(self, sim, film_time: float, framebuffer: FrameBuffer, recolour=None) -> None:
-        """Draw all systems into a framebuffer of this painter's size.
+    @property
+    def shows_surfaces(self) -> bool:
+        """Whether anything but sprites may be in the pictures: colliders, balls, bodies, cloth or liquids."""
+        looks = [look for look in self.looks.values() if look is not None]
+        return bool(self.scene.surfaces) or any(self._is_surface(look) for look in looks)
 
-        recolour : function (system, channels) that may change what the particles show
+    def draw_passes(self, sim, film_time: float, passes, layers: SurfaceLayers | None = None) -> list[np.ndarray]:
+        """Draw the sprites of one moment several times over its surfaces, each time with other numbers for light.
+
+        passes : functions (system, channels) -> None and (pixels) -> None that change what particles and surfaces show
+        layers : of the surfaces, which are filled first, or None if there are none
+        Returns (height, width, 4) float32 for each pass. Neither trails nor ribbons are in them.
         """
-        view = self.view(sim, film_time)
-        self._draw(sim, list(sim.systems), view, film_time, self.shutter, 1.0, framebuffer, recolour)
+        view, framebuffer = self.view(sim, film_time), FrameBuffer(self.size)
+        names = [name for name in sim.systems if not self._has_ribbon(name)]
+        shaded = self._draw_surroundings(
+            sim, names, view, film_time, self.shutter, 1.0, framebuffer, trails={}, layers=layers
+        )
+        surfaces = framebuffer.buffer.copy()
+        shown = {name: channels.copy() for name, (_, channels) in shaded.drawn.items()}
+        results = []
+        for recolour, background in passes:
+            framebuffer.buffer[:] = surfaces
+            background(framebuffer.pixels)
+            for name, (system, channels) in shaded.drawn.items():
+                channels[:] = shown[name]
+                recolour(system, channels)
+            self._draw_sprites(sim, shaded, view, film_time, 1.0, framebuffer)
+            pixels = framebuffer.pixels
+            results.append(pixels.copy() if self.supersample == 1 else box_averaged(framebuffer, self.supersample))
+        return results
+
+    def _has_ribbon(self, name: str) -> bool:
+        look = self.looks.get(name)
+        return look is not None and look.ribbon is not None
 
     def view(self, sim, film_time: float):
         """The camera's view at a film time."""
@@ -176,6 +257,8 @@ class Painter:
         The light of one exposure is weighted so that a particle at rest builds up to its own brightness, whatever fps and
         substeps are.
         """
+        view = self.view(sim, film_time)
+        hidden_by = self._surface_depths(sim, view, film_time) if self.trails and self.shows_surfaces else NOTHING_HIDES
         for name, look in self.trails.items():
             trail = self._trails.get(name)
             if trail is None:
@@ -184,7 +267,15 @@ class Painter:
             fade = 0.5 ** (exposure / look.trail.half_life)
             trail.buffer *= np.float32(fade)
             strength = (1.0 - fade) * look.trail.strength
-            self._draw(sim, [name], self.view(sim, film_time), film_time, shutter, strength, trail)
+            shaded = self._draw_surroundings(sim, [name], view, film_time, shutter, strength, trail)
+            self._draw_sprites(sim, replace(shaded, hidden_by=hidden_by), view, film_time, strength, trail)
+
+    def _surface_depths(self, sim, view, film_time: float) -> SurfaceDepths:
+        """What the surfaces of this moment hide; their light is not drawn."""
+        return self._draw_surroundings(
+            sim, self._surface_systems(sim), view, film_time, 0.0, 1.0, self.framebuffer, trails={}, given=({}, None),
+            depths_only=True,
+        ).hidden_by  # fmt: skip
 
     def _framing(self, sim) -> Camera:
         points = [s.floats[POSITION, living(s, sim.time)].T for s in sim.systems.values()]
@@ -207,21 +298,30 @@ class Painter:
             found.append(legend_of(tables.look, tables, totals, unit, system.attributes))
         return [legend for legend in found if legend is not None]
 
-    def _draw(
-        self, sim, names, view, film_time, shutter, weight, framebuffer: FrameBuffer, recolour=None,
+    def _draw(self, sim, names, view, film_time, shutter, weight, framebuffer: FrameBuffer, **more) -> None:
+        """Draw systems over what the framebuffer holds; `more` as for _draw_surroundings."""
+        shaded = self._draw_surroundings(sim, names, view, film_time, shutter, weight, framebuffer, **more)
+        self._draw_sprites(sim, shaded, view, film_time, weight, framebuffer)
+
+    def _draw_surroundings(
+        self, sim, names, view, film_time, shutter, weight, framebuffer: FrameBuffer,
         trails: dict[str, FrameBuffer] | None = None, film: MirrorFilm = NO_MIRROR, mirror=None,
-    ) -> None:  # fmt: skip
-        """Draw systems over what the framebuffer holds; where `trails` are given, first the surfaces and then these trails.
+        layers: SurfaceLayers | None = None, depths_only: bool = False, given: tuple | None = None,
+    ) -> "_Shaded":  # fmt: skip
+        """Shade the particles of systems; where `trails` are given, draw first the surfaces and then these trails.
 
         film : what the scene's mirror shows
         mirror : (point, normal) of the plane behind which the view lies as its mirror image, or None
+        layers : of the surfaces, which are filled, or None
+        depths_only : what the surfaces hide is found, and they are not drawn
+        given : the light of smoke and of emitting particles, where it is known
         """
         drawn: dict[str, tuple] = {}
         lit: dict[str, tuple] = {}
         solids: list[SolidSystem] = []
         sheets: list[SheetSystem] = []
         liquids: list[LiquidSystem] = []
-        sprites, looks = self._sprites, {}
+        looks, hidden_by = {}, NOTHING_HIDES
         for name in names:
             if self.looks.get(name, self._default_look) is not None:
                 system, projected = sim.systems[name], self._projected.setdefault(name, ProjectedParticles())
@@ -246,43 +346,50 @@ class Painter:
                     _hide_below(projected, system, *mirror)
                 drawn[name] = system, projected.used
                 columns = projected.lit[: projected.count]
+                velocities = system.floats[VELOCITY, : projected.count]
                 if look.draw == "cloth":
                     faces = sheet_of(name, sim.members[name].interactions, system)
                     positions = system.floats[POSITION, : projected.count]
-                    sheets.append(SheetSystem(look, projected.used, columns, positions, faces))
+                    sheets.append(SheetSystem(look, projected.used, columns, positions, faces, velocities))
                 elif solid:
                     shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
                     glows = name in self.scene.glow
-                    solids.append(SolidSystem(look.finish, projected.used, columns, shapes, glows))
+                    solids.append(SolidSystem(look.finish, projected.used, columns, velocities, shapes, glows))
                 elif look.is_liquid:
-                    liquids.append(LiquidSystem(look.liquid, look.liquid_finish, projected))
+                    liquids.append(LiquidSystem(look.liquid, look.liquid_finish, projected, velocities))
                 elif light is not None and projected.count:
                     lit[name] = light, projected.used, columns
-        scene = self.scene if mirror is None else self.scene.without_mirror
+        scene = self.scene  # the mirror too: it shadows what it shows, and rays from behind do not meet it
         casters = None
         if trails is not None and (solids or sheets or liquids or scene.surfaces):
             casters = ShadowCasters.of(scene, solids, sheets, view, sim.time)
         shading = casters if scene.shadows else None
-        emitted = self._emitted_light(sim, view, film_time, weight) if lit or casters is not None else None
-        smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1]), shading, emitted) if lit else {}
-        sprites.clear()
+        smoke, emitted = given or ({}, None)
+        if given is None:
+            emitted = self._emitted_light(sim, view, film_time, weight) if lit or casters is not None else None
+            smoke = add_scattered_light(lit, drawn, view, view.scale(self.size[1]), shading, emitted) if lit else {}
         if trails is not None:
             if casters is not None:
+                if layers is not None:
+                    layers.take_motion(solids, sheets)
                 finishes = [*(system.finish for system in solids), *(system.look.finish for system in sheets)]
-                sprites.hidden_by = self._draw_surfaces(
-                    scene, casters, finishes, liquids, smoke, framebuffer, film, mirror, emitted
+                hidden_by = self._draw_surfaces(
+                    scene, casters, finishes, liquids, smoke, framebuffer, film, mirror, emitted, layers, depths_only
                 )
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
-        sprites.layered = (
-            any(look.blend != "add" and not self._is_surface(look) for look in looks.values()) and recolour is None
-        )
+        return _Shaded(looks, drawn, hidden_by, mirror, smoke, emitted)
+
+    def _draw_sprites(self, sim, shaded: "_Shaded", view, film_time, weight, framebuffer: FrameBuffer) -> None:
+        """Draw the sprites and ribbons of systems that were shaded, over what the framebuffer holds."""
+        sprites, looks = self._sprites, shaded.looks
+        sprites.clear()
+        sprites.hidden_by = shaded.hidden_by
+        sprites.layered = any(look.blend != "add" and not self._is_surface(look) for look in looks.values())
         for name, look in looks.items():
-            if recolour is not None and name in drawn:
-                recolour(*drawn[name])
-            if look.ribbon is not None and recolour is None:
-                self._add_ribbons(sim, name, view, film_time, weight, framebuffer)
-            elif look.ribbon is None and not self._is_surface(look):
+            if look.ribbon is not None:
+                self._add_ribbons(sim, name, view, film_time, weight, framebuffer, shaded.mirror)
+            elif not self._is_surface(look):
                 self._add_sprites(look, self._projected[name], framebuffer)
         splat(sprites, framebuffer)
 
@@ -312,8 +419,9 @@ class Painter:
         return look.is_liquid or self._is_solid(look)
 
     def _draw_surfaces(
-        self, scene, casters, finishes, liquids, smoke: dict, framebuffer, film: MirrorFilm, mirror, emitted
-    ) -> SurfaceDepths:
+        self, scene, casters, finishes, liquids, smoke: dict, framebuffer, film: MirrorFilm, mirror, emitted, layers,
+        depths_only: bool,
+    ) -> SurfaceDepths:  # fmt: skip
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
         if self._surfaces is None:
             self._surfaces = SurfacePass(self.size)
@@ -321,25 +429,32 @@ class Painter:
         shadow = NO_LIQUID
         # a clear liquid does not shadow itself
         receivers = scene.surfaces or finishes or not all(system.liquid.clear for system in liquids)
-        if liquids and scene.shadows and receivers:
+        if liquids and scene.shadows and receivers and not depths_only:
             shadow = lamp_map(liquids, lamp_axes(scene.lighting.direction))
         of_liquids = [liquid.finish for liquid in liquids]
         self._surfaces.draw(
             scene, casters, [*finishes, *of_liquids], of_lamp and of_lamp[:2], framebuffer, film, mirror, emitted, shadow,
-            hiding_particles(liquids),
+            None if depths_only else hiding_particles(liquids), layers, not depths_only,
         )  # fmt: skip
         if liquids:
             if self._liquids is None:
                 self._liquids = LiquidPass(self.size)
             first = len(scene.surfaces) + len(finishes)
-            self._liquids.draw(liquids, first, casters, self._surfaces, framebuffer, self.sky is not None)
+            if depths_only:
+                self._liquids.find_depths(liquids, self._surfaces)
+            else:
+                self._liquids.draw(liquids, first, casters, self._surfaces, framebuffer, self.sky is not None, layers)
         depths, tiles, view = self._surfaces.depths, self._surfaces.bounds, casters.view
         return SurfaceDepths.of(depths, tiles, 1.0 / view.scale(self.size[1]), view.height is not None)
 
-    def _add_ribbons(self, sim, name: str, view, film_time: float, weight: float, framebuffer: FrameBuffer) -> None:
+    def _add_ribbons(
+        self, sim, name: str, view, film_time: float, weight: float, framebuffer: FrameBuffer, mirror
+    ) -> None:
         """Add every segment of a system's ribbons; without earlier positions there are none."""
         tables, projected = self._tables[name], self._projected[name]
         for segment in self.histories[name].segments(sim.systems[name], sim.time):
+            if mirror is not None:
+                cut_by_plane(segment, *mirror)
             light = weight * segment.light
             q = kernel_numbers(
                 tables,

@@ -14,7 +14,7 @@ import numpy as np
 from gen_art.particles.rows import LIFETIME, POSITION, RADIUS, VELOCITY
 from gen_art.preset.look import Ribbon
 
-__all__ = ["RibbonHistory", "Segment"]
+__all__ = ["RibbonHistory", "Segment", "cut_by_plane"]
 
 
 @dataclass(frozen=True)
@@ -80,3 +80,24 @@ class RibbonHistory:
         )  # fmt: skip
         taper, tail = end_width / max(width, 1e-9), end_light / max(light, 1e-9)
         return Segment(system_copy, newer_time, newer_time - older_time, width, light, taper, tail)
+
+
+def cut_by_plane(segment: Segment, point, normal) -> None:
+    """Leave of a segment, of all particles, the part before a plane.
+
+    point, normal : (3,) of the plane, the normal of length 1
+    The light goes by the length that is drawn, so what is left keeps its own.
+    """
+    system, n = segment.system, segment.system.count
+    new, velocity = system.floats[POSITION, :n], system.floats[VELOCITY, :n]
+    old = new - velocity * segment.duration
+    normal = np.asarray(normal, np.float64)
+    above, old_above = (normal @ place - float(np.dot(normal, point)) for place in (new, old))
+    # where the segment crosses the plane, as a part of the way from its new end to its old one
+    span = above - old_above
+    part = np.clip(above / np.where(span != 0.0, span, 1.0), 0.0, 1.0)
+    first = np.where(above < 0.0, part, 0.0)
+    last = np.where(old_above < 0.0, part, 1.0)
+    system.floats[POSITION, :n] = new - velocity * (segment.duration * first)
+    system.floats[VELOCITY, :n] = velocity * np.maximum(last - first, 0.0)
+    system.floats[LIFETIME, :n][(above < 0.0) & (old_above < 0.0)] = 0.0

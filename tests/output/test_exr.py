@@ -84,6 +84,17 @@ def test_layers_of_depth_and_motion(tmp_path):
     assert channels["Z"].shape == (54, 96) == channels["velocity.x"].shape
 
 
+def test_surfaces_have_layers_under_names_that_compositors_group(tmp_path):
+    """Each name is LAYER.CHANNEL with a channel of one letter, which OpenEXR groups: R, G, B and X, Y, Z."""
+    (path,) = job.still(piece(ground="#808080", light={}), tmp_path / "a.exr", 0.3)
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        assert set(file.channels()) == {
+            "R", "G", "B", "A", "Z", "velocity.x", "velocity.y", "albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y",
+            "normal.Z", "shadow",
+        }  # fmt: skip
+        assert file.channels()["albedo.R"].pixels.dtype == np.float16
+
+
 def test_without_the_package_a_sentence_says_how_to_get_it(tmp_path, monkeypatch):
     real = builtins.__import__
 

@@ -21,3 +21,24 @@ def test_the_estimate_agrees_with_the_simulation():
     assert peak["drops"] > 1000
     for name in peak:
         assert expected.peak[name] == pytest.approx(peak[name], rel=0.1)
+
+
+def test_the_estimate_counts_what_surfaces_need():
+    """Of each pixel: the depths of surfaces, 4 float32; a mirror's picture and its pyramid, 4 float32 times 1 + 1/4 + 1/16 + ...;
+    with a lens the depths and the framebuffer once more, of at least 16 bytes each. Of two systems, only the one that glows."""
+
+    def pixel(**keys):
+        basis = {
+            "version": 1, "clock": {"duration": 1, "fps": 30, "step": "1/60"},
+            "systems": {"dot": {"emitters": {"one": {"count": 1}}, "look": {"draw": "point"}}}, "camera": {"fov": 30},
+        }  # fmt: skip
+        return estimate(load_preset({**basis, **keys})).pixel
+
+    bare, ground = pixel(), pixel(ground="white")
+    assert ground - bare == 16
+    assert pixel(ground={"mirror": True}) - ground == pytest.approx(16 * 4 / 3, rel=0.05)
+    assert pixel(camera={"lens": 0.1}) == bare and pixel(ground="white", camera={"lens": 0.1}) - ground >= 32
+    assert pixel(ground="white", camera={"supersample": 2}) - pixel(camera={"supersample": 2}) == 64
+    collider = {"sphere": {"look": "white"}}
+    assert pixel(colliders=collider) == ground and pixel(colliders={"sphere": {}}) == bare
+    assert pixel(colliders={"sphere": {"look": "white"}}, ground="white") == ground

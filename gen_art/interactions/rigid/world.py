@@ -100,12 +100,15 @@ class World:
         parts = [(k, part) for k, body in enumerate(self.members) for part in body.parts]
         owner = np.array([k for k, _ in parts])
         R = self.R[owner]
+        arm = apply(R, np.array([part.center for _, part in parts]))
         return Shapes(
             particle=self._first[owner],
-            center=self.x[owner] + apply(R, np.array([part.center for _, part in parts])),
+            center=self.x[owner] + arm,
             half=np.array([part.half for _, part in parts]),
             radius=np.array([part.radius for _, part in parts]),
             axes=transposed(compose(R, np.array([part.axes for _, part in parts]))),
+            velocity=self.v[owner] + np.cross(self.w[owner], arm),
+            spin=self.w[owner],
         )
 
     def disturb(self, share: float, push: np.ndarray) -> None:

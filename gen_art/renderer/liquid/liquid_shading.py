@@ -33,6 +33,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     vector_at,
 )
 from gen_art.renderer.surfaces.solids import NEVER
+from gen_art.renderer.surfaces.surface_layers import LAYER_FLOATS, layers_of_place
 from gen_art.renderer.surfaces.surface_shading import IOR, ROUGHNESS, air_between, layer_shares, surface_light
 from gen_art.renderer.surfaces.tiles import SUBPIXELS, TILE
 
@@ -140,8 +141,11 @@ def _seen_through(
 
 
 @cache
-def draw_liquid_kernel(terms: ColliderTerms, coloured: bool):
-    """The kernel that draws a liquid among these colliders, with a colour of its own in each pixel or one for all."""
+def draw_liquid_kernel(terms: ColliderTerms, coloured: bool, layered: bool):
+    """The kernel that draws a liquid among these colliders, with a colour of its own in each pixel or one for all.
+
+    layered : whether the layers of surfaces/surface_layers.py are filled, too
+    """
     entries = terms.entries
 
     @ti.kernel
@@ -149,11 +153,13 @@ def draw_liquid_kernel(terms: ColliderTerms, coloured: bool):
         N: F1, Q: F1, M: F2, E: F3, B: F2, shadow_starts: I1, shadow_solids: I1, D: F2, sky: F2, open_sky: F1, smoke: F1,
         T: F2, levels: I2, G: F2, dome: F3, liquid_first: F2, liquid_depths: F3, L: F1, U: F2, cover: F2, thickness: F2,
         colours: F3, film: F3, far: F2, framebuffer: F1, stride: ti.i32, depths: F3, bounds: F3,
+        layers: F3, P: F1, flow: F3,
     ):  # fmt: skip
         """Draw the liquid over the framebuffer, and its depths into `depths` and `bounds`.
 
         L : LIQUID_NUMBERS; U : of smoothing.smooth; cover, thickness, colours : of PixelLayers
         film, far : the framebuffer and the depths of its pixels, without the liquid
+        layers, P : of SurfaceLayers; flow : whose first three numbers are the velocity of the surface in each pixel
         """
         ti.loop_config(block_dim=1)
         for tile in range(bounds.shape[0] * bounds.shape[1]):
@@ -223,6 +229,15 @@ def draw_liquid_kernel(terms: ColliderTerms, coloured: bool):
                             )
                             air = air_between(scene, d, z)
                             light += (own + mirrored * around) * air[3] + ti.Vector([air[0], air[1], air[2]])
+                            if ti.static(layered):
+                                moves = ti.Vector([flow[row, column, 0], flow[row, column, 1], flow[row, column, 2]])
+                                values = layers_of_place(entries, scene, P, x, n, albedo, moves, z, pixel)
+                                part = cover[row, column] * visible
+                                for c in ti.static(range(3)):  # what is seen through it has its own albedo
+                                    values[c] += through[c] * layers[row, column, c]
+                                for c in ti.static(range(LAYER_FLOATS)):
+                                    under = layers[row, column, c]
+                                    layers[row, column, c] = under + (values[c] - under) * part
                             share, at = cover[row, column] * visible, row * stride + column * 4
                             for c in ti.static(range(3)):
                                 framebuffer[at + c] = framebuffer[at + c] * (1.0 - share) + light[c] * share

@@ -30,11 +30,13 @@ class LiquidSystem:
 
     liquid, finish : what light does in it, and at its surface
     projected : its particles, lit
+    velocities : (3, n) m/s
     """
 
     liquid: Liquid
     finish: Finish
     projected: ProjectedParticles
+    velocities: np.ndarray
 
     @cached_property
     def _living(self) -> np.ndarray:

@@ -28,7 +28,7 @@ from gen_art.renderer.surfaces.sheet_rows import (
 from gen_art.renderer.surfaces.tiles import FACETS, SUBPIXELS, TILE, ray_limits, subpixel
 from gen_art.renderer.surfaces.triangles import corner, depth_of, edge_functions, edges_at, triangle_crossed
 
-__all__ = ["middle_distance", "sheet_material", "trace_face"]
+__all__ = ["middle_distance", "sheet_material", "sheet_velocity", "trace_face"]
 
 
 @ti.func
@@ -85,6 +85,16 @@ def _weights(p, q, r, g, x):
     result = ti.Vector([(q - x).cross(r - x).dot(g), (r - x).cross(p - x).dot(g), (p - x).cross(q - x).dot(g)]) / square
     result = ti.max(result, 0.0)
     return result / ti.max(result.sum(), 1e-30)
+
+
+@ti.func
+def sheet_velocity(scene: ti.template(), velocities: ti.template(), j, x):
+    """The velocity of triangle j at x (relative to the camera), between those of the corners."""
+    V, faces = ti.static(scene.V, scene.faces)
+    i = ti.Vector([faces[j, 0], faces[j, 1], faces[j, 2]])
+    p, q, r = corner(V, i[0], PLACE), corner(V, i[1], PLACE), corner(V, i[2], PLACE)
+    w = _weights(p, q, r, (q - p).cross(r - p), x)
+    return corner(velocities, i[0], 0) * w[0] + corner(velocities, i[1], 0) * w[1] + corner(velocities, i[2], 0) * w[2]
 
 
 @ti.func

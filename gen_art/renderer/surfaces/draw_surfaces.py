@@ -26,6 +26,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     vector_at,
 )
 from gen_art.renderer.surfaces.solids import NEVER, solid_facet, solid_hit
+from gen_art.renderer.surfaces.surface_layers import LAYER_FLOATS, layers_of_surface
 from gen_art.renderer.surfaces.tiles import BIN, FACETS, SUBPIXELS, TILE, TILES, ray_limits, subpixel
 
 __all__ = ["draw_kernel"]
@@ -160,12 +161,16 @@ def _depth(N: ti.template(), d, t):
 
 
 @cache
-def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing: bool, mapped: bool):
+def draw_kernel(
+    terms: ColliderTerms, follows: bool, with_sheets: bool, glowing: bool, mapped: bool, layered: bool, shaded: bool = True
+):  # fmt: skip
     """The kernel that draws surfaces of these colliders, solids, and cloth if there is any.
 
     follows : whether smooth surfaces reflect each other, and light goes through transparent bodies
     glowing : whether emitting particles light them
     mapped : whether there are images, puddles or waves on them
+    layered : whether the layers of surface_layers.py are filled, too
+    shaded : whether their light is drawn; else their depths alone are found
     """
     entries, surfaces = terms.entries, len(terms.owners)
     has_occluders = surfaces > 1
@@ -179,7 +184,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
         grid_starts: I1, grid_solids: I1, photons: F2, photon_starts: I1, V: F2, faces: I2, sheet_looks: F2, sheet_grid: F1,
         sheet_starts: I1, sheet_faces: I1, face_rectangles: I2, face_starts: I1, bin_faces: I1, glow_nodes: F2,
         glow_links: I2, glow_lights: F2, glow_parts: I2, glow_lamps: F2, near_starts: I1, near_solids: I1, near_disc: F2,
-        occluders: F2, images: F2, waves: F2, film_depths: F2,
+        occluders: F2, images: F2, waves: F2, film_depths: F2, layers: F3, P: F1, solid_moves: F2, corner_moves: F2,
     ):  # fmt: skip
         """Draw surfaces into a clear framebuffer, and their distances along the line of sight into `depths`.
 
@@ -197,6 +202,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
         face_rectangles, face_starts, bin_faces : of its faces, as for solids
         glow_... : of a LightTree; near_starts, near_solids : of NearBins; near_disc : of lamp_disc
         occluders : of sky_occluders; images, waves : of SurfaceMaps; film_depths : of the MirrorFilm
+        layers, P, solid_moves, corner_moves : of SurfaceLayers
         """
         ti.loop_config(block_dim=1)
         for tile in range(across * down * TILES * TILES):
@@ -211,6 +217,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
                 near_solids=near_solids, near_disc=near_disc, occluded=has_occluders, occluders=occluders,
                 mapped=mapped, images=images, waves=waves, film_depths=film_depths,
             )  # fmt: skip
+            moves = arrays(P=P, solids=solid_moves, corners=corner_moves)
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE
             width, rows = ti.min(ti.cast(N[WIDTH], ti.i32) - ox, TILE), ti.min(ti.cast(N[ROWS], ti.i32) - oy, TILE)
@@ -234,6 +241,7 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
                     column, row = ox + p % TILE, oy + p // TILE
                     if column < ox + width and row < oy + rows:
                         total, covered, first, whole = ti.Vector([0.0, 0.0, 0.0]), 0.0, p * SUBPIXELS, 1
+                        layer_sums = ti.Vector([0.0] * LAYER_FLOATS)
                         apart = 0  # whether each ray is shaded by itself: what a smooth surface shows has edges
                         if ti.static(follows):
                             apart = shows_edges(surfaces, scene, owner[first] // FACETS)
@@ -269,17 +277,26 @@ def draw_kernel(terms: ColliderTerms, follows: bool, with_sheets: bool, glowing:
                             nearest, farthest = ti.min(nearest, depth), ti.max(farthest, depth)
                             depths[row, column, s] = depth
                             if who >= 0 and earlier == 0:
-                                total += share * light_along(
-                                    entries, surfaces, follows, scene, who // FACETS, t, column, row, o, d, depth
-                                )
+                                if ti.static(shaded):
+                                    total += share * light_along(
+                                        entries, surfaces, follows, scene, who // FACETS, t, column, row, o, d, depth
+                                    )
                                 covered += share
+                                if ti.static(layered):
+                                    layer_sums += share * layers_of_surface(
+                                        entries, surfaces, scene, moves, who // FACETS, o, d, t, depth
+                                    )
                         if whole == 1:
                             for s in range(1, SUBPIXELS):
                                 depths[row, column, s] = depths[row, column, 0]
-                        place = row * stride + column * 4
-                        for k in ti.static(range(3)):
-                            framebuffer[place + k] = total[k]
-                        framebuffer[place + 3] = covered
+                        if ti.static(shaded):
+                            place = row * stride + column * 4
+                            for k in ti.static(range(3)):
+                                framebuffer[place + k] = total[k]
+                            framebuffer[place + 3] = covered
+                        if ti.static(layered):
+                            for k in ti.static(range(LAYER_FLOATS)):
+                                layers[row, column, k] = layer_sums[k]
                 bounds[oy // TILE, ox // TILE, 0], bounds[oy // TILE, ox // TILE, 1] = nearest, farthest
 
     return kernel(draw)

@@ -1,7 +1,7 @@
 """What lights a picture and what stands in it: the lamp and the sky, the ground, and the colliders that are drawn."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 from gen_art.colliders.base import Collider
@@ -81,14 +81,6 @@ class Scene:
     def mirror(self) -> int:
         """The index of the surface that reflects the scene, or -1."""
         return next((k for k, (_, look) in enumerate(self.surfaces) if look.mirror), -1)
-
-    @cached_property
-    def without_mirror(self) -> "Scene":
-        """The scene as the mirror shows it: without the mirror itself."""
-        collider, _ = self.surfaces[self.mirror]
-        if self.ground is not None and self.mirror == 0:
-            return replace(self, ground=None)
-        return replace(self, colliders=tuple(other for other in self.colliders if other is not collider))
 
 
 def _check_water(surfaces) -> None:

@@ -24,10 +24,10 @@ from gen_art.renderer.surfaces.solid_rows import SolidSystem, solid_rows
 from gen_art.renderer.surfaces.solids import BOUND
 from gen_art.renderer.surfaces.surface_light import lamp_share
 
-__all__ = ["ShadowCasters", "filled"]
+__all__ = ["NO_SKY", "ShadowCasters", "filled"]
 
 F1, F2, I1, I2 = (ti.types.ndarray(d, n) for d, n in ((ti.f32, 1), (ti.f32, 2), (ti.i32, 1), (ti.i32, 2)))
-_NO_SKY = SkyLight(np.zeros(3), 1.0, (1, 1, 1), np.zeros((1, 12), np.float32), np.zeros(12, np.float32))
+NO_SKY = SkyLight(np.zeros(3), 1.0, (1, 1, 1), np.zeros((1, 12), np.float32), np.zeros(12, np.float32))
 
 
 def filled(array: np.ndarray) -> np.ndarray:
@@ -105,7 +105,7 @@ class ShadowCasters:
             return np.ones(count, np.float32)
         nodes = np.indices(smoke.extinction.shape).reshape(3, -1).T + smoke.corner
         places = (nodes * smoke.cell) @ smoke.axes - self.view.position
-        numbers = scene_numbers(self.view, (1, 1), self.time, self.light, True, self.bins, _NO_SKY, None)
+        numbers = scene_numbers(self.view, (1, 1), self.time, self.light, True, self.bins, NO_SKY, None)
         out = np.zeros(count, np.float32)
         cloth = self.sheets
         _share_kernel(self.terms, cloth.any)(

@@ -48,6 +48,7 @@ class SheetSystem:
     columns : (n, 8) LIT_... of shading.py
     positions : (3, n) m, of the particles
     faces : (k, 3), particles at the corners of the triangles
+    velocities : (3, n) m/s
     """
 
     look: Look
@@ -55,6 +56,17 @@ class SheetSystem:
     columns: np.ndarray
     positions: np.ndarray
     faces: np.ndarray
+    velocities: np.ndarray
+
+    @cached_property
+    def seen(self) -> np.ndarray:
+        """(m, 3), the triangles all of whose particles exist."""
+        return self.faces[(self.columns[:, LIT_EXTINCTION] > 0.0)[self.faces].all(axis=1)]
+
+    @cached_property
+    def used(self) -> np.ndarray:
+        """(k,), the particles at their corners."""
+        return np.unique(self.seen)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,9 +100,8 @@ class Sheets:
         corners, faces, looks = [np.zeros((0, CORNER_FLOATS))], [np.zeros((0, 4), np.int64)], []
         first = 0
         for k, system in enumerate(systems):
-            seen = (system.columns[:, LIT_EXTINCTION] > 0.0)[system.faces].all(axis=1)
-            used, numbered = np.unique(system.faces[seen], return_inverse=True)
-            triangles = numbered.reshape(-1, 3)
+            used = system.used
+            triangles = np.searchsorted(used, system.seen).reshape(-1, 3)
             place = system.positions[:, used].T.astype(np.float64) - view.position
             rows = np.zeros((len(used), CORNER_FLOATS))
             rows[:, VIEW : VIEW + 3] = place @ view.axes.T

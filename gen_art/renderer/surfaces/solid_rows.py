@@ -26,11 +26,13 @@ class SolidSystem:
     columns : (n, 8) LIT_... of shading.py
     shapes : of bodies or threads; balls if None
     glows : whether it lights the others
+    velocities : (3, n) m/s, of the particles
     """
 
     finish: Finish
     channels: np.ndarray
     columns: np.ndarray
+    velocities: np.ndarray
     shapes: Shapes | None = None
     glows: bool = False
 

@@ -20,13 +20,14 @@ from gen_art.renderer.surfaces.ray_tree import TRACED_ROUGHNESS
 from gen_art.renderer.surfaces.reflection import reflected_share
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.scene_numbers import PHOTON_CELL, scene_numbers
-from gen_art.renderer.surfaces.shadow_casters import ShadowCasters, filled
+from gen_art.renderer.surfaces.shadow_casters import NO_SKY, ShadowCasters, filled
 from gen_art.renderer.surfaces.sheet_rows import face_rectangles
 from gen_art.renderer.surfaces.sky_light import SkyLight
 from gen_art.renderer.surfaces.sky_occlusion import sky_occluders
 from gen_art.renderer.surfaces.solid_grid import SolidGrid
 from gen_art.renderer.surfaces.solid_rows import mean_areas, pixel_rectangles
 from gen_art.renderer.surfaces.solids import BOUND, MATERIAL
+from gen_art.renderer.surfaces.surface_layers import NO_LAYERS, SurfaceLayers
 from gen_art.renderer.surfaces.surface_maps import SurfaceMaps
 from gen_art.renderer.surfaces.surface_shading import (
     CHECKER,
@@ -95,7 +96,7 @@ class SurfacePass:
     def draw(
         self, scene: Scene, casters: ShadowCasters, finishes: Sequence[Finish], smoke, framebuffer,
         film: MirrorFilm = NO_MIRROR, clip=None, emitted: EmittedLight | None = None, liquid: LiquidShadow = NO_LIQUID,
-        hidden_by=None,
+        hidden_by=None, layers: SurfaceLayers | None = None, shaded: bool = True,
     ) -> None:  # fmt: skip
         """Draw the surfaces of a scene, solids and cloth into a clear framebuffer.
 
@@ -107,9 +108,11 @@ class SurfacePass:
         emitted : the light of particles on the surfaces, or None
         liquid : the shadow that liquids cast
         hidden_by : (positions, extinction cross sections, radii) of their particles, which hide the sky, or None
+        layers : which are filled, or None
+        shaded : whether the picture is drawn; else the depths alone are found
         """
         view, time, rows, light, bins = casters.view, casters.time, casters.rows, casters.light, casters.bins
-        if clip is None:
+        if clip is None and shaded:
             check_camera(casters.terms, view, time)
             if not self._checked:
                 check_distances(casters.terms, view, time)
@@ -118,20 +121,13 @@ class SurfacePass:
         table = np.stack([_material(look) for look in looks])
         maps = SurfaceMaps.of(looks, table, (IMAGE, PUDDLES, WAVES), time)
         shares = np.stack([reflected_share(look.roughness, look.ior) for look in looks])
-        positions, radii = rows[:, :3].astype(np.float64) + view.position, rows[:, BOUND].astype(np.float64)
-        opaque = 1.0 - _THROUGH * table[rows[:, MATERIAL].astype(np.int64), TRANSMISSION]
         cloth = casters.sheets
-        areas = mean_areas(rows) * opaque
-        if cloth.any:  # a triangle's shadow is half as large as the triangle, as the mean over all directions
-            positions, areas = np.concatenate([positions, cloth.centers]), np.concatenate([areas, 0.5 * cloth.areas])
-            radii = np.concatenate([radii, np.sqrt(cloth.areas / np.pi)])
-        if hidden_by is not None:
-            positions, areas, radii = (np.concatenate(pair) for pair in zip((positions, areas, radii), hidden_by))
-        sky = SkyLight.of(light, positions, areas * scene.shadows, radii)
+        sky = _sky_light(casters, table, hidden_by, scene.shadows) if shaded else NO_SKY
         grid, depths = smoke if smoke is not None and scene.shadows else (None, np.zeros(1, np.float32))
         mirror = scene.mirror if film is not NO_MIRROR else -1
         smooth = table[:, ROUGHNESS] <= TRACED_ROUGHNESS
-        follows = bool(table[:, TRANSMISSION].any() or (smooth.any() and _more_than_one(scene, len(rows))))
+        follows = table[:, TRANSMISSION].any() or (smooth.any() and _more_than_one(scene, len(rows)))
+        follows = shaded and bool(follows)
         places = SolidGrid.of(rows) if follows else SolidGrid.none()
         numbers = scene_numbers(
             view, self.size, time, light, scene.shadows, bins, sky, grid, places, clip, mirror, liquid
@@ -143,7 +139,7 @@ class SurfacePass:
         face_starts, bin_faces = _in_bins(of_faces, (down, across))
         owners = np.array(casters.terms.owners or [0], np.int32)
         photons = NO_PHOTONS
-        if scene.shadows and table[:, TRANSMISSION].any():
+        if shaded and scene.shadows and table[:, TRANSMISSION].any():
             photons = caustic_photons(casters, scene.surfaces, table, owners, numbers, depths, places)
             numbers[PHOTON_CELL] = photons.cell
         glow = None if emitted is None else GlowScene.of(casters, emitted)
@@ -152,15 +148,16 @@ class SurfacePass:
             sky.light, sky.open, depths, film.texels, film.levels, self._blur,
             light.dome.table if light.dome is not None else _NO_DOME, liquid.first, liquid.depths,
         )  # fmt: skip
-        a = self.arrays
-        draw_kernel(casters.terms, follows, cloth.any, glow is not None, maps.any)(
+        a, wanted = self.arrays, layers or NO_LAYERS
+        draw_kernel(casters.terms, follows, cloth.any, glow is not None, maps.any, layers is not None, shaded)(
             a.numbers, a.colliders, owners, a.materials, a.shares, a.solids, filled(rectangles), bin_starts,
             filled(bin_solids), a.shadow_starts, a.shadow_solids, a.disc, a.sky, a.open_sky, a.smoke, across, down,
             framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, a.film, a.levels, a.blur, a.dome,
             a.liquid_first, a.liquid_depths, places.starts, filled(places.solids), photons.rows, photons.starts,
             filled(cloth.corners), filled(cloth.faces), filled(cloth.looks), cloth.grid, cloth.starts, filled(cloth.listed),
             filled(of_faces), face_starts, filled(bin_faces), *(NO_GLOW if glow is None else glow).arrays,
-            sky_occluders(scene.surfaces, _THROUGH), maps.texels, maps.waves, film.depths,
+            sky_occluders(scene.surfaces, _THROUGH), maps.texels, maps.waves, film.depths, wanted.values, wanted.earlier,
+            wanted.solids, wanted.corners,
         )  # fmt: skip
 
 
@@ -168,6 +165,20 @@ def _more_than_one(scene: Scene, solids: int) -> bool:
     """Whether a ray that leaves a surface may meet another, or the same one again."""
     alone = all(collider.convex and collider.sides == 1 for collider, _ in scene.surfaces)
     return len(scene.surfaces) + solids > 1 or not alone
+
+
+def _sky_light(casters: ShadowCasters, table: np.ndarray, hidden_by, shadows: bool) -> SkyLight:
+    """The sky's light among solids, cloth, and the particles of liquids; `table` of materials."""
+    rows, cloth = casters.rows, casters.sheets
+    positions, radii = rows[:, :3].astype(np.float64) + casters.view.position, rows[:, BOUND].astype(np.float64)
+    opaque = 1.0 - _THROUGH * table[rows[:, MATERIAL].astype(np.int64), TRANSMISSION]
+    areas = mean_areas(rows) * opaque
+    if cloth.any:  # a triangle's shadow is half as large as the triangle, as the mean over all directions
+        positions, areas = np.concatenate([positions, cloth.centers]), np.concatenate([areas, 0.5 * cloth.areas])
+        radii = np.concatenate([radii, np.sqrt(cloth.areas / np.pi)])
+    if hidden_by is not None:
+        positions, areas, radii = (np.concatenate(pair) for pair in zip((positions, areas, radii), hidden_by))
+    return SkyLight.of(casters.light, positions, areas * shadows, radii)
 
 
 def _in_bins(rectangles: np.ndarray, shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
