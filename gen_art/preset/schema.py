@@ -24,6 +24,7 @@ from gen_art.preset.registered import Many, class_schema, is_field, registry
 from gen_art.preset.sky import Sky
 from gen_art.preset.surface import GroundValue
 from gen_art.preset.values import shown
+from gen_art.preset.wormhole import Wormhole
 from gen_art.registry import suggest
 
 __all__ = ["VERSION", "MediumSpec", "Preset", "SystemSpec", "Units", "json_schema"]
@@ -160,6 +161,7 @@ class Preset(Model):
     ground: GroundValue = about(None, "a level floor without end, which is only seen")
     shadows: bool = about(True, "whether things shadow each other and the ground, from the lamp and from the sky")
     sky: Sky | None = about(None, "what surrounds the scene; nothing when left out")
+    wormhole: Wormhole | None = about(None, "a throat to another side, which bends light; none when left out")
     camera: CameraSpec | None = about(None, "the camera; when left out, one that has all particles in its view")
     develop: DevelopSpec = about(DevelopSpec(), "how light becomes a picture")
     labels: tuple[Label, ...] = about((), "text in the finished picture")

@@ -21,6 +21,7 @@ from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.emitted_light import emitted_light
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
+from gen_art.renderer.lensing.lensed_view import NO_LENS, LensedView, WormholeView
 from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.liquid.lamp_map import lamp_map
 from gen_art.renderer.liquid.liquid_pass import LiquidPass
@@ -94,12 +95,14 @@ class Painter:
         self.camera, self.looks, self.shutter = camera, looks or {}, shutter
         self.scene = scene or Scene()
         self.sky = None if transparent else self.scene.dome
+        self._wormhole = WormholeView.of(self.scene.wormhole, camera, self.sky, transparent)
         self.framebuffer = FrameBuffer(self.size)
         self._surfaces: SurfacePass | None = None
         self._liquids: LiquidPass | None = None
         self._film: MirrorFilm | None = None
         self._sprites = Sprites()
         self._projected: dict[str, ProjectedParticles] = {}
+        self._second_images: dict[str, ProjectedParticles] = {}
         self._trails: dict[str, FrameBuffer] = {}
         self._tables: dict[str, LookTables] = {}
         self._default_look = Look()
@@ -125,7 +128,9 @@ class Painter:
         self._draw(
             sim, list(sim.systems), view, film_time, self.shutter, 1.0, self.framebuffer, trails=self._trails, film=film
         )
-        if self.sky is not None:
+        if self._wormhole is not None:
+            self._wormhole.draw_sky(view, film_time, self.framebuffer)
+        elif self.sky is not None:
             draw_sky(self.sky, view, self.framebuffer)
         pixels = self.framebuffer.pixels if self.supersample == 1 else box_averaged(self.framebuffer, self.supersample)
         if not math.isfinite(pixels.max()):  # light is never negative; a NaN anywhere is the largest, too
@@ -219,6 +224,8 @@ class Painter:
         sheets: list[SheetSystem] = []
         liquids: list[LiquidSystem] = []
         sprites, looks = self._sprites, {}
+        lens = NO_LENS if self._wormhole is None else self._wormhole.at(view, film_time)
+        second: dict[str, ProjectedParticles] = {}
         for name in names:
             if self.looks.get(name, self._default_look) is not None:
                 system, projected = sim.systems[name], self._projected.setdefault(name, ProjectedParticles())
@@ -238,7 +245,11 @@ class Painter:
                 )  # fmt: skip
                 if look.draw == "cloth":
                     q[SIZE_MODE], q[SIZE_VALUE] = 1, 1.0
-                shade(projected, system, tables, q, self._acceleration(name, system, sim.time))
+                acceleration = self._acceleration(name, system, sim.time)
+                shade(projected, system, tables, q, acceleration, lens.images(system, look, 0, sim.time, shutter))
+                if lens is not NO_LENS and light is None and recolour is None:
+                    second[name] = self._second_images.setdefault(name, ProjectedParticles())
+                    shade(second[name], system, tables, q, acceleration, lens.images(system, look, 1, sim.time, shutter))
                 if mirror is not None and look.draw != "cloth":
                     _hide_below(projected, system, *mirror)
                 drawn[name] = system, projected.used
@@ -256,6 +267,11 @@ class Painter:
                 elif light is not None and projected.count:
                     lit[name] = light, projected.used, columns
         scene = self.scene if mirror is None else self.scene.without_mirror
+        if lens is not NO_LENS and (solids or sheets or liquids or scene.surfaces):
+            raise UsageError(
+                "a wormhole bends the light of sprites and of the sky, and not of surfaces: leave out `wormhole`, or the `ground`, "
+                "the `look` of colliders and what is drawn as balls, bodies, threads, cloth or liquid"
+            )
         casters = None
         if trails is not None and (solids or sheets or liquids or scene.surfaces):
             casters = ShadowCasters.of(scene, solids, sheets, view, sim.time)
@@ -278,9 +294,11 @@ class Painter:
             if recolour is not None and name in drawn:
                 recolour(*drawn[name])
             if look.ribbon is not None and recolour is None:
-                self._add_ribbons(sim, name, view, film_time, weight, framebuffer)
+                self._add_ribbons(sim, name, view, film_time, weight, framebuffer, lens)
             elif look.ribbon is None and not self._is_surface(look):
                 self._add_sprites(look, self._projected[name], framebuffer)
+                if name in second:
+                    self._add_sprites(look, second[name], framebuffer)
         splat(sprites, framebuffer)
 
     def _emitted_light(self, sim, view, film_time: float, weight: float) -> EmittedLight | None:
@@ -333,7 +351,9 @@ class Painter:
         depths, tiles, view = self._surfaces.depths, self._surfaces.bounds, casters.view
         return SurfaceDepths.of(depths, tiles, 1.0 / view.scale(self.size[1]), view.height is not None)
 
-    def _add_ribbons(self, sim, name: str, view, film_time: float, weight: float, framebuffer: FrameBuffer) -> None:
+    def _add_ribbons(
+        self, sim, name: str, view, film_time: float, weight: float, framebuffer: FrameBuffer, lens: LensedView
+    ) -> None:
         """Add every segment of a system's ribbons; without earlier positions there are none."""
         tables, projected = self._tables[name], self._projected[name]
         for segment in self.histories[name].segments(sim.systems[name], sim.time):
@@ -349,8 +369,10 @@ class Painter:
                 weight=light,
                 width=segment.width,
             )
-            shade(projected, segment.system, tables, q)
-            self._sprites.add(projected, STREAK, framebuffer, segment.tail, segment.taper, HIDDEN)
+            for order in lens.orders:
+                seen = lens.images(segment.system, tables.look, order, segment.time, segment.duration)
+                shade(projected, segment.system, tables, q, seen=seen)
+                self._sprites.add(projected, STREAK, framebuffer, segment.tail, segment.taper, HIDDEN)
 
     def remember_velocities(self, sim) -> None:
         """Keep the velocities of the systems whose look shows the acceleration, which is their change until the next picture."""
