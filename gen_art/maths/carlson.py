@@ -23,9 +23,7 @@ def elliptic_rf(x, y, z):
     near = ti.static(_NEAR_F64 if is_f64() else _NEAR_F32)
     mean = (x + y + z) / 3.0
     steps = 0
-    while (
-        ti.max(ti.abs(x - mean), ti.max(ti.abs(y - mean), ti.abs(z - mean))) > near * mean
-    ) & (steps < _MOST_STEPS):
+    while (ti.max(ti.abs(x - mean), ti.max(ti.abs(y - mean), ti.abs(z - mean))) > near * mean) & (steps < _MOST_STEPS):
         a, b, c = ti.sqrt(x), ti.sqrt(y), ti.sqrt(z)
         shift = a * b + a * c + b * c
         x, y, z = 0.25 * (x + shift), 0.25 * (y + shift), 0.25 * (z + shift)

@@ -174,6 +174,14 @@ class Preset(Model):
     _verdict: dict | None = PrivateAttr(None)
     _fits: dict[tuple[int, int, str], Fit] = PrivateAttr(default_factory=dict)
 
+    @model_validator(mode="after")
+    def _bent(self):
+        if self.wormhole is not None and self.sky is not None and self.sky.sun is not None:
+            raise UsageError("the skies of a wormhole have no sun: give `sky` a gradient, a color, stars or a band")
+        if self.wormhole is not None and self.camera is not None and self.camera.height is not None:
+            raise UsageError("a wormhole is seen by a perspective camera: give `fov` in place of `height`")
+        return self
+
     @classmethod
     def known_keys(cls) -> list[str]:
         return [*cls.model_fields, "knobs"]

@@ -39,5 +39,5 @@ class Wormhole(Model):
         if not any(self.axis):
             raise UsageError("a wormhole's axis must not be [0, 0, 0]")
         if self.sky is not None and self.sky.sun is not None:
-            raise UsageError("a wormhole's sky has no sun: give it `gradient`, `color` or `stars`")
+            raise UsageError("the skies of a wormhole have no sun: give `sky` a gradient, a color, stars or a band")
         return self

@@ -249,7 +249,9 @@ class Painter:
                 shade(projected, system, tables, q, acceleration, lens.images(system, look, 0, sim.time, shutter))
                 if lens is not NO_LENS and light is None and recolour is None:
                     second[name] = self._second_images.setdefault(name, ProjectedParticles())
-                    shade(second[name], system, tables, q, acceleration, lens.images(system, look, 1, sim.time, shutter))
+                    shade(
+                        second[name], system, tables, q, acceleration, lens.images(system, look, 1, sim.time, shutter)
+                    )
                 if mirror is not None and look.draw != "cloth":
                     _hide_below(projected, system, *mirror)
                 drawn[name] = system, projected.used

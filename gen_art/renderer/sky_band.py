@@ -76,7 +76,10 @@ def band_light(spec: Band, d: np.ndarray) -> np.ndarray:
     bent = height + width * 1.1 * (_octaves(clumps, d, 1.7, 3) - 0.5)
     near_core = exp(-(2.0 - 2.0 * towards) / (2.0 * _CORE * _CORE))
     thick = width * (1.0 + 0.6 * near_core)
-    glow = exp(-0.5 * (bent / thick) ** 2) * (1.0 + 2.0 * near_core) / 3.0 + exp(-0.5 * (height / (3.0 * width)) ** 2) / 9.0
+    glow = (
+        exp(-0.5 * (bent / thick) ** 2) * (1.0 + 2.0 * near_core) / 3.0
+        + exp(-0.5 * (height / (3.0 * width)) ** 2) / 9.0
+    )
     texture = _octaves(clumps, d, 4.0, 4)
     texture = 0.3 + 2.4 * texture * texture
     flat = d + normal * height[..., None]  # lanes run along the band

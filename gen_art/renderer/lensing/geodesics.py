@@ -27,7 +27,9 @@ __all__ = ["angle_to", "ray_end"]
 @ti.func
 def angle_to(b, u, w):
     """The angle that a ray sweeps from the throat (b < 1) or from where it turns (b > 1) to the place u >= 0, w."""
-    tiny = ti.static(1e-24 if is_f64() else 1e-12)  # b = 1 winds round the throat without end: so near to it, 15 or 28 rad
+    tiny = ti.static(
+        1e-24 if is_f64() else 1e-12
+    )  # b = 1 winds round the throat without end: so near to it, 15 or 28 rad
     cosine2 = ti.max(1.0 - b * b * w * w, 0.0)
     beyond = (b - 1.0) * (b + 1.0)
     angle = 0.0 * b

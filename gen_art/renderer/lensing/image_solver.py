@@ -42,7 +42,9 @@ def find_image(angle, other, u, w, v, x):
     of one radian of the picture in the plane of the ray and across it, both divided by the thing's r.
     """
     nearer = ti.select(other == 1, 1.0, ti.max(w, x))
-    end = ti.select(other == 1, _HALF_PI, 2.0 * _HALF_PI - angle_of(nearer, ti.sqrt(ti.max(1.0 - nearer * nearer, 0.0))))
+    end = ti.select(
+        other == 1, _HALF_PI, 2.0 * _HALF_PI - angle_of(nearer, ti.sqrt(ti.max(1.0 - nearer * nearer, 0.0)))
+    )
     aim = 1.0 / (1.0 + angle)
     low, high, at_low, at_high = 0.0 * angle, end, 1.0 - aim, -aim
     tau, error_of_angle, steps, side = 0.5 * end, 1.0, 0, 0
@@ -68,7 +70,9 @@ def find_image(angle, other, u, w, v, x):
     step = _STEP * ti.min(place, end - place)
     rate = _swept(place + step, other, u, w, v, x, nearer) - _swept(place - step, other, u, w, v, x, nearer)
     rate = ti.abs(rate) / ti.max(2.0 * step, 1e-300)
-    inwards = ti.sqrt(ti.max(1.0 - b * b * w * w, 0.0))  # cosine of the ray's angle to the radial direction at the camera
+    inwards = ti.sqrt(
+        ti.max(1.0 - b * b * w * w, 0.0)
+    )  # cosine of the ray's angle to the radial direction at the camera
     at_thing = ti.sqrt(ti.max(1.0 - b * b * x * x, 0.0))
     outward, along = -inwards, rate * inwards * ti.max(x, 1e-300) / ti.max(w, 1e-300)
     if other == 1:

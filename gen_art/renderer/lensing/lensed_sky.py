@@ -87,7 +87,9 @@ def _sky(
                 b, inward, across = _impact(N, d)
                 # the angle to a ray's end grows by about d(alpha) / 2 * r / abs(b - 1) near b = 1
                 blur = slope / N[W]
-                samples = ti.cast(ti.ceil(ti.min(0.5 * blur / ti.max(ti.abs(b - 1.0), blur) / _EVEN, 1.0 * _MOST)), ti.i32)
+                samples = ti.cast(
+                    ti.ceil(ti.min(0.5 * blur / ti.max(ti.abs(b - 1.0), blur) / _EVEN, 1.0 * _MOST)), ti.i32
+                )
                 middle = -_vector(N, OUTWARD)
                 aside = middle - d * middle.dot(d)
                 gx, gy = aside.dot(right), aside.dot(up)
@@ -141,7 +143,11 @@ def draw_lensed_sky(near: SkyDome | None, far: SkyDome | None, lens: Lens, view,
                 add_stars(lensed_stars(dome.stars, lens, beyond, order), view.axes, scale, framebuffer.pixels)
     numbers = np.zeros(WORLD + 9, np.float32)
     numbers[U], numbers[W] = lens.uw
-    numbers[FAR], numbers[OUTWARD : OUTWARD + 3], numbers[NORMAL : NORMAL + 3] = lens.far, lens.outward, lens.place.normal
+    numbers[FAR], numbers[OUTWARD : OUTWARD + 3], numbers[NORMAL : NORMAL + 3] = (
+        lens.far,
+        lens.outward,
+        lens.place.normal,
+    )
     numbers[TANGENTS : TANGENTS + 9], numbers[WORLD : WORLD + 9] = lens.tangents.T.ravel(), lens.axes.T.ravel()
     tables = [NO_SKY if dome is None else dome.table for dome in (near, far)]
     axes = np.ascontiguousarray(view.axes, np.float32)

@@ -25,7 +25,19 @@ NOWHERE = 1e30  # a coordinate at which nothing is drawn
 FAINT = 1000.0  # an image of order 1 is left out where it would have less than this part of the light
 SMALLEST = 1e-3  # rad, as seen from the middle: particles count as this large where the image of a point is a ring
 # numbers of the lens (float64)
-CENTER, AXES, RADIUS_OF, U, W, CAMERA_FAR, NORMAL, OUTWARD, TANGENTS, CAMERA, ANY = 0, 3, 12, 13, 14, 15, 16, 19, 22, 31, 34
+CENTER, AXES, RADIUS_OF, U, W, CAMERA_FAR, NORMAL, OUTWARD, TANGENTS, CAMERA, ANY = (
+    0,
+    3,
+    12,
+    13,
+    14,
+    15,
+    16,
+    19,
+    22,
+    31,
+    34,
+)
 LENS_NUMBERS = 37
 SIDES = {"near": 0, "far": 1, "through": 2}
 

@@ -152,4 +152,3 @@ class Throat:
             return False
         at = first + (last - first) * (first[2] / (first[2] - last[2]))
         return bool(at[0] * at[0] + at[1] * at[1] < 1.0)
-
