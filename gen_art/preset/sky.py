@@ -162,7 +162,7 @@ class Sky(Model):
         if len(given) > 1:
             raise UsageError(f"give one of sun, gradient and color, not {' and '.join(given)}")
         if not given and self.stars is None and self.band is None:
-            raise UsageError("needs one of sun, gradient, color, stars and band, or is a name such as studio")
+            raise UsageError("needs one of sun, gradient, color and stars, or a band, or is a name such as studio")
         if self.sun is None:
             for name in ("haze", "ground"):
                 if name in self.model_fields_set:

@@ -271,8 +271,8 @@ class Painter:
         scene = self.scene if mirror is None else self.scene.without_mirror
         if lens is not NO_LENS and (solids or sheets or liquids or scene.surfaces):
             raise UsageError(
-                "a wormhole bends the light of sprites and of the sky, and not of surfaces: leave out `wormhole`, or the `ground`, "
-                "the `look` of colliders and what is drawn as balls, bodies, threads, cloth or liquid"
+                "a wormhole bends the light of sprites and of the sky, and not of surfaces: leave out `wormhole`, or the "
+                "`ground`, the `look` of colliders and what is drawn as balls, bodies, threads, cloth or liquid"
             )
         casters = None
         if trails is not None and (solids or sheets or liquids or scene.surfaces):

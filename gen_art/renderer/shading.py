@@ -145,8 +145,8 @@ def _lanes(value):
 
 @ti.kernel
 def _shade(
-    S: ti.types.ndarray(ndim=2), V: ti.types.ndarray(ndim=2), birth: F64, key: U2, id: L1, source: I1, tag_rows: I1, acceleration: F1, booked: D2,
-    n: ti.i32, C: F2, A: F2, ramps: F2, curves: F2, colours: F3, Q: F64,
+    S: ti.types.ndarray(ndim=2), V: ti.types.ndarray(ndim=2), birth: F64, key: U2, id: L1, source: I1, tag_rows: I1,
+    acceleration: F1, booked: D2, n: ti.i32, C: F2, A: F2, ramps: F2, curves: F2, colours: F3, Q: F64,
 ):  # fmt: skip
     """Project n particles, and give each its size, colour and light.
 
@@ -434,7 +434,8 @@ def shade(
     projected.reserve(n, numbers[LIT] > 0.5)
     if n:
         shade_kernel(
-            system.floats, system.floats if seen is None else seen, system.birth, system.key, system.id, system.source, shading.rows(system.sources),
+            system.floats, system.floats if seen is None else seen, system.birth, system.key, system.id, system.source,
+            shading.rows(system.sources),
             NO_ACCELERATION if acceleration is None else acceleration, system.booked if system.entries else NOTHING_BOOKED, n,
             projected.channels, projected.lit, shading.ramps, shading.curves, shading.colours, numbers,
         )  # fmt: skip

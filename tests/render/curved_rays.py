@@ -7,19 +7,19 @@ Light then follows d2X/dtau2 = grad(n^2) / 2, dX/dtau = n times a unit vector; r
 import numpy as np
 
 
-def world(l, theta, phi, a=1.0):  # noqa: E741
+def world(l, theta, phi, a=1.0):
     """(..., 3) world positions of points of the wormhole, whose axis is z."""
     across = np.sqrt(l * l + a * a) * np.sin(theta)
     return np.stack([across * np.cos(phi), across * np.sin(phi), l * np.cos(theta)], axis=-1)
 
 
-def flat(l, theta, phi):  # noqa: E741
+def flat(l, theta, phi):
     """(..., 3) the same points in the flat space of the medium; l in units of a."""
     rho = 0.5 * (l + np.sqrt(l * l + 1.0)) if np.all(l > -2) else 0.5 / (np.sqrt(l * l + 1.0) - l)
     return rho[..., None] * np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
 
 
-def frames(l, theta, phi):  # noqa: E741
+def frames(l, theta, phi):
     """Rows of unit vectors along l, theta and phi at one point: in the world and in the flat space of the medium."""
     h, q = 1e-6, np.array([l, theta, phi], float)
     rows = []

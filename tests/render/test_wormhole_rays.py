@@ -20,14 +20,14 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(600)
 
 
 @ti.kernel
-def _angles(b: D1, l: D1, out: D1):  # noqa: E741
+def _angles(b: D1, l: D1, out: D1):
     for i in range(b.shape[0]):
         r = ti.sqrt(l[i] * l[i] + 1.0)
         out[i] = angle_to(b[i], l[i] / r, 1.0 / r)
 
 
 @ti.kernel
-def _ends(b: D1, inward: ti.i32, l: ti.f64, out: D1, other: D1):  # noqa: E741
+def _ends(b: D1, inward: ti.i32, l: ti.f64, out: D1, other: D1):
     for i in range(b.shape[0]):
         r = ti.sqrt(l * l + 1.0)
         angle, side = ray_end(b[i], inward, l / r, 1.0 / r)
@@ -37,21 +37,21 @@ def _ends(b: D1, inward: ti.i32, l: ti.f64, out: D1, other: D1):  # noqa: E741
 angles_kernel, ends_kernel = kernel(_angles, "f64"), kernel(_ends, "f64")
 
 
-def swept(b, l):  # noqa: E741
-    b, l = (np.ascontiguousarray(v, np.float64) for v in np.broadcast_arrays(b, l))  # noqa: E741
+def swept(b, l):
+    b, l = (np.ascontiguousarray(v, np.float64) for v in np.broadcast_arrays(b, l))
     out = np.zeros(len(b))
     angles_kernel(b, l, out)
     return out
 
 
-def ends(b, inward, l):  # noqa: E741
+def ends(b, inward, l):
     b = np.asarray(b, np.float64)
     out, other = np.zeros(len(b)), np.zeros(len(b))
     ends_kernel(b, int(inward), l, out, other)
     return out, other
 
 
-def integral(b: float, l: float) -> float:  # noqa: E741
+def integral(b: float, l: float) -> float:
     """The integral of b / (r sqrt(r^2 - b^2)) from the throat or the turning point to l: Gauss and Legendre's rule, 600 nodes.
 
     Where the ray turns, l = l0 + t^2 takes the integrand's root away; near b = 1, dl = cosh(q) dq spreads what is steep.
@@ -109,7 +109,7 @@ def test_a_ray_from_the_throat_sweeps_the_same_to_both_sides():
     assert here[0] == pytest.approx(there[0], abs=1e-14) and not here[1].any() and there[1].all()
 
 
-def lens_at(l, theta, phi, radius=1.0) -> Lens:  # noqa: E741
+def lens_at(l, theta, phi, radius=1.0) -> Lens:
     throat = Throat(Wormhole(radius=radius, center=(0.3, -0.2, 0.1)))
     position = world(l, theta, phi) * radius + throat.center
     place = throat.place(position, l < 0.0)
@@ -123,7 +123,7 @@ CAMERAS = [(4.0, 0.4, 0.3), (0.5, 1.2, -2.0), (6.0, 2.2, 1.0), (-3.0, 0.6, 2.0),
 def things(camera, seed=1, n=24):
     """Points on both sides, farther than 0.3 from the ends of the line through the camera and the middle."""
     rng = np.random.default_rng(seed)
-    l, theta, phi = rng.uniform(-5, 5, 400), np.arccos(rng.uniform(-1, 1, 400)), rng.uniform(0, 6.28, 400)  # noqa: E741
+    l, theta, phi = rng.uniform(-5, 5, 400), np.arccos(rng.uniform(-1, 1, 400)), rng.uniform(0, 6.28, 400)
     normal, of_camera = flat(l, theta, phi), flat(*(np.array([v]) for v in camera))[0]
     c = normal @ of_camera / np.linalg.norm(normal, axis=1) / np.linalg.norm(of_camera)
     keep = np.flatnonzero(np.abs(c) < 0.9)[:n]
@@ -132,7 +132,7 @@ def things(camera, seed=1, n=24):
 
 def imaged(camera, order=0, seed=1):
     """(lens, points in the flat space, directions there, distances D), of the images of things, and the camera's point."""
-    lens, (l, theta, phi) = lens_at(*camera), things(camera, seed)  # noqa: E741
+    lens, (l, theta, phi) = lens_at(*camera), things(camera, seed)
     seen = np.zeros((len(l), 3))
     for far in (False, True):
         of_side = (l < 0.0) == far

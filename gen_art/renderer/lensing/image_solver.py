@@ -1,14 +1,13 @@
 """Which way to look to see a thing through a wormhole, and how large it looks there.
 
-A camera at radius r_c sees a thing at radius r_p under the ray that sweeps the given angle in between. With R = r_c where the
-thing is farther out than the camera, R = r_p where it is nearer to the throat and R = 1 where it is on the other side, the rays are
-numbered by tau, b = R sin(tau): the swept angle grows with tau from 0 to infinity. At tau = pi/2 the ray is tangential at the nearer
-of the two, and beyond it passes a turning point. The root is found by regula falsi on 1 / (1 + angle), which is 0 where rays wind
-round the throat without end.
+A camera at radius r_c sees a thing at radius r_p under the ray that sweeps the given angle in between. With R the smaller of
+r_c and r_p, and 1 where the thing is on the other side, the rays are numbered by tau, b = R sin(tau): the swept angle grows with
+tau from 0 to infinity. At tau = pi/2 the ray is tangential at the nearer of the two, and beyond it the ray passes a turning
+point. The root is found by regula falsi on 1 / (1 + angle), which is 0 where rays wind round the throat without end.
 
 How many units a thing is wide that is seen under one radian follows from neighbouring rays: in the plane of the ray
 r_p cos(beta) d(angle)/d(alpha), where alpha and beta are the ray's angles to the radial direction at the camera and there; and
-across it r_p sin(angle) / sin(alpha). Light is R_F's work alone (gen_art/renderer/lensing/geodesics.py).
+across it r_p sin(angle) / sin(alpha).
 """
 
 from gen_art.backend.runtime import ti
@@ -34,12 +33,12 @@ def _swept(tau, other, u, w, v, x, nearer):
 
 @ti.func
 def find_image(angle, other, u, w, v, x):
-    """(b, outward, along, across) of the image of a thing at an angle > 0 from the camera, seen from the middle.
+    """(outward, along, across) of the image of a thing at an angle > 0 from the camera, seen from the middle.
 
     other : 1 for a thing on the other side of the throat, 0 otherwise
     u, w, v, x : places of the camera and of the thing, as gen_art/renderer/lensing/geodesics.py has them, u and v >= 0
-    Returns the impact parameter, the cosine of the ray's angle to the direction away from the throat, and the widths at the thing
-    of one radian of the picture in the plane of the ray and across it, both divided by the thing's r.
+    Returns the cosine of the ray's angle to the direction away from the throat, and the widths at the thing of one radian of the
+    picture in the plane of the ray and across it, both divided by the thing's r.
     """
     nearer = ti.select(other == 1, 1.0, ti.max(w, x))
     end = ti.select(
@@ -80,4 +79,4 @@ def find_image(angle, other, u, w, v, x):
     elif x <= w:
         outward, along = cos(tau), rate * at_thing
     across = sin(angle) / ti.max(b * w, 1e-300)
-    return b, outward, along, ti.select(b * w < 1e-9, along, ti.abs(across))
+    return outward, along, ti.select(b * w < 1e-9, along, ti.abs(across))

@@ -1,8 +1,9 @@
 """Draws the skies of both sides of a wormhole under what a framebuffer holds: light += (1 - alpha) * sky, alpha = 1.
 
-Each pixel is the light from where its ray ends, as radiance is kept along a ray. Near the rim, where rays with b = 1 wind round the
-throat without end, a pixel is the mean of samples along the line to the wormhole's middle, which is the direction in which the
-image of the sky is compressed. Stars are points: each has two images, whose light is its own times what the wormhole magnifies.
+Each pixel is the light from where its ray ends, as radiance is kept along a ray. Near the rim, where rays with b = 1 wind
+round the throat without end, a pixel is the mean of samples along the line to the wormhole's middle, which is the direction in
+which the image of the sky is compressed. Stars are points: each has two images, whose light is its own times what the wormhole
+magnifies.
 
 The one-letter names in kernels are in docs/glossary.md.
 """
@@ -84,7 +85,7 @@ def _sky(
                 up = ti.Vector([axes[1, c] for c in ti.static(range(3))])
                 ahead = ti.Vector([axes[2, c] for c in ti.static(range(3))])
                 d = (ahead + right * x + up * y).normalized()
-                b, inward, across = _impact(N, d)
+                b, _inward, _across = _impact(N, d)
                 # the angle to a ray's end grows by about d(alpha) / 2 * r / abs(b - 1) near b = 1
                 blur = slope / N[W]
                 samples = ti.cast(
@@ -111,7 +112,7 @@ def _stars(directions: D2, other: ti.i32, order: ti.i32, Q: D1, found: D2):
     for block in range((directions.shape[0] + BLOCK - 1) // BLOCK):
         for i in range(block * BLOCK, ti.min((block + 1) * BLOCK, directions.shape[0])):
             n = ti.Vector([directions[i, 0], directions[i, 1], directions[i, 2]])
-            d, along, across, k, t = image_direction(Q, n, other, order, 1.0, 0.0, _STAR, n, 0)
+            d, along, across, _k, _t = image_direction(Q, n, other, order, 1.0, 0.0, _STAR, n, 0)
             for c in ti.static(range(3)):
                 found[i, c] = d[c]
             found[i, 3] = 1.0 / ti.max(along * across, 1e-30)

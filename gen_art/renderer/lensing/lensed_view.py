@@ -1,5 +1,6 @@
 """What a painter asks of a wormhole: where particles are seen, and the skies of both sides."""
 
+from gen_art.errors import UsageError
 from gen_art.preset.look import Look
 from gen_art.preset.wormhole import Wormhole
 from gen_art.renderer.camera import Camera, CameraView
@@ -50,9 +51,11 @@ class WormholeView:
     def of(
         cls, spec: Wormhole | None, camera: Camera | None, near: SkyDome | None, transparent: bool
     ) -> "WormholeView | None":
-        """The view of a preset's `wormhole:`; None without one. A transparent picture has no skies."""
+        """The view of a preset's `wormhole:`, or None. A transparent picture has no skies. Raises UsageError for a sun."""
         if spec is None:
             return None
+        if near is not None and near.sun_direction is not None:
+            raise UsageError("the skies of a wormhole have no sun: give `sky` a gradient, a color, stars or a band")
         far = None if transparent or spec.sky is None else SkyDome.of(spec.sky)
         return cls(spec, camera, None if transparent else near, far)
 

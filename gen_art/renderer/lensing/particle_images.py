@@ -1,7 +1,8 @@
 """Where particles seem to be: positions at which, without the wormhole, they would look as they do through it.
 
 A particle is moved along the ray under which it is seen to the distance at which it looks as large as it does through the
-wormhole, D = sqrt(D_along D_across), the widths at the particle of one radian of the picture in the plane of its ray and across it.
+wormhole, D = sqrt(D_along D_across), of the widths at the particle of one radian of the picture in the plane of its ray and
+across it.
 So its sprite has the area of its image, and light as radiance is kept. Its velocity becomes what its image moves, over the time
 that the shutter is open, so that a streak ends where its old end is seen.
 
@@ -104,7 +105,7 @@ def image_direction(Q: ti.template(), n, other, order, v, x, size, towards, fixe
         k = ti.select(t.dot(towards) < 0.0, 1, 0)
     if k == 1:
         t, angle = -t, 6.283185307179586 - angle
-    b, outward, along, across = find_image(angle, other, Q[U], Q[W], v, x)
+    outward, along, across = find_image(angle, other, Q[U], Q[W], v, x)
     if (c < 0.0) | (k == 1):
         across *= ti.sqrt(s * s + size * size) / ti.max(s, 1e-300)
     sine = ti.sqrt(ti.max(1.0 - outward * outward, 0.0))
@@ -149,7 +150,7 @@ def _images(
                 lapse = ti.min(shutter, time - birth[i])
                 if (moving == 1) & (lapse > 0.0) & (head.norm() < NOWHERE):
                     v = ti.Vector([ti.cast(S[VX, i], ti.f64), ti.cast(S[VY, i], ti.f64), ti.cast(S[VZ, i], ti.f64)])
-                    tail, k_of_tail, t_of_tail = _seen(Q, p - v * lapse, side, k, radius, t, 1)
+                    tail, _order, _towards = _seen(Q, p - v * lapse, side, k, radius, t, 1)
                     if tail.norm() < NOWHERE:
                         u = (head - tail) / lapse
             for c in ti.static(range(3)):

@@ -36,7 +36,7 @@ class WorldPlace:
     sphere : (2, 3), rows the unit vectors of theta and the longitude in the axes of the throat
     """
 
-    l: float  # noqa: E741, the coordinate's usual name
+    l: float
     normal: np.ndarray
     frame: np.ndarray
     sphere: np.ndarray
@@ -117,7 +117,7 @@ class Throat:
         larger = 0.5 * (root + abs(excess))
         smaller = z * z / larger if larger > 0.0 else 0.0
         l2, cosine2 = (larger, smaller) if excess > 0.0 else (smaller, larger)
-        l = math.copysign(math.sqrt(l2), -1.0 if far else 1.0)  # noqa: E741
+        l = math.copysign(math.sqrt(l2), -1.0 if far else 1.0)
         cosine = math.copysign(math.sqrt(min(cosine2, 1.0)), -z if far else z)
         sine = math.sqrt(max(1.0 - cosine * cosine, 0.0))
         c, s = (x / across, y / across) if across > 0.0 else (1.0, 0.0)
