@@ -231,3 +231,20 @@ def test_the_bytes_are_those_of_any_number_of_threads():
 def test_a_still_is_written_with_both_skies(tmp_path):
     (path,) = still(preset(), tmp_path / "one.exr", 0.0, size=(32, 18))
     assert path.stat().st_size > 0 and hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+@pytest.mark.parametrize("side", ["near", "far"])
+def test_far_from_the_throat_each_side_has_its_own_sky(side):
+    """120 radii away, seen away from the throat, the rest of the bend is (a / r)^2 of a radian, 1e-4.
+
+    The axis is the sky's, so a mutant that does not turn the other side's axis, of the sky's light or of its stars, fails.
+    """
+    sky = {"gradient": ["red", "black", "blue", "white"], "stars": {"magnitude": 4, "intensity": 50, "seed": 2}}
+    skies = {side: sky, ({"near", "far"} - {side}).pop(): {"color": "#004000"}}
+    wormhole = {"radius": 0.5, "axis": [0, 1, 0], "camera": side, "sky": skies["far"]}
+    camera = {**CAMERA, "position": [0, 0, 60], "target": [5, 20, 90], "fov": 70}
+    got = picture(sky=skies["near"], wormhole=wormhole, camera=camera)
+    plain = picture(sky=sky, wormhole=None, camera=camera)
+    assert got.sum() == pytest.approx(plain.sum(), rel=1e-3)
+    assert np.abs(got - plain).mean() < 2e-3 * plain.mean()
+    assert np.abs(got - plain[::-1]).mean() > 0.1 * plain.mean()
