@@ -13,8 +13,8 @@ __all__ = ["angle_of", "elliptic_rf"]
 
 _MOST_STEPS = 60
 # Distance of the arguments from their mean, relative to it, at which the series of degree 5 ends: its error is about the sixth
-# power, 1e-15 and 1e-8
-_NEAR_F64, _NEAR_F32 = 2.5e-3, 4e-2
+# power, 1e-12 and 1e-8
+_NEAR_F64, _NEAR_F32 = 8e-3, 4e-2
 
 
 @ti.func

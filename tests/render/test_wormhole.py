@@ -182,6 +182,7 @@ def test_a_camera_from_python_with_parallel_rays_is_refused():
         ga.render_frame(sim, (8, 6), camera=Camera(height=3.0))
 
 
+@pytest.mark.filterwarnings("ignore:systems.none has no emitters")
 @pytest.mark.parametrize("size", [(1, 1), (7, 5)])
 @pytest.mark.parametrize("position", [[0, 0, 0], [2, 0, 0], [0, 0, -1e-9], [1e6, 0, 0], [1.999, 0, 1e-7]])
 def test_strange_places_give_numbers(size, position):

@@ -123,9 +123,11 @@ class Throat:
         c, s = (x / across, y / across) if across > 0.0 else (1.0, 0.0)
         level, around, up = np.array([c, s, 0.0]), np.array([-s, c, 0.0]), np.array([0.0, 0.0, 1.0])
         r = math.sqrt(1.0 + l2)
-        size = math.sqrt(max(l2 * sine * sine + r * r * cosine * cosine, 1e-300))
-        of_l = (l * sine * level + r * cosine * up) / size
-        of_theta = (r * cosine * level - l * sine * up) / size
+        size = math.sqrt(l2 * sine * sine + r * r * cosine * cosine)
+        of_l, of_theta = level, -up  # at the edge of the disc, as from outside it
+        if size > 1e-12:
+            of_l = (l * sine * level + r * cosine * up) / size
+            of_theta = (r * cosine * level - l * sine * up) / size
         frame = np.stack([of_l, of_theta, around]) @ self.axes
         sphere = np.stack([cosine * level - sine * up, around])
         return WorldPlace(l, sine * level + cosine * up, frame, sphere)
