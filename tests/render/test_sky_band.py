@@ -28,7 +28,9 @@ def test_the_table_holds_the_directions_that_it_is_read_with():
     table = directions_of_table()
     d = directions(500)
     found = look_up(table, d)
-    assert found == pytest.approx(d, abs=2e-3)  # between entries 0.02 rad apart a chord is 5e-5 short; more at the poles
+    assert found == pytest.approx(
+        d, abs=2e-3
+    )  # between entries 0.02 rad apart a chord is 5e-5 short; more at the poles
 
 
 @pytest.mark.parametrize("normal", [(0, 1, 0), (0.5, 0.8, 0.1)])
@@ -65,7 +67,9 @@ def test_a_band_is_added_to_the_sky_behind_it():
     parts = SkyDome.of(Sky(color="#203040")).radiance(d) + SkyDome.of(band).radiance(d)
     assert both == pytest.approx(parts, abs=1e-6)
     by_day = SkyDome.of(Sky(sun=20, band={"intensity": 5})).radiance(d)
-    assert np.array_equal(by_day[d[:, 1] < -0.02], SkyDome.of(Sky(sun=20)).radiance(d)[d[:, 1] < -0.02])  # the ground hides it
+    assert np.array_equal(
+        by_day[d[:, 1] < -0.02], SkyDome.of(Sky(sun=20)).radiance(d)[d[:, 1] < -0.02]
+    )  # the ground hides it
 
 
 def test_a_sky_without_a_band_has_the_table_that_it_had():
