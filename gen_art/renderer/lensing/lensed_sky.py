@@ -89,7 +89,7 @@ def _sky(
                 # the angle to a ray's end grows by about d(alpha) / 2 * r / abs(b - 1) near b = 1
                 blur = slope / N[W]
                 samples = ti.cast(
-                    ti.ceil(ti.min(0.5 * blur / ti.max(ti.abs(b - 1.0), blur) / _EVEN, 1.0 * _MOST)), ti.i32
+                    ti.ceil(ti.min(0.5 * blur / ti.max(ti.abs(b - 1.0), 0.5 * blur) / _EVEN, 1.0 * _MOST)), ti.i32
                 )
                 middle = -_vector(N, OUTWARD)
                 aside = middle - d * middle.dot(d)
