@@ -27,6 +27,7 @@ from gen_art.preset import (
     schema,
     sky,
     surface,
+    wormhole,
 )
 from gen_art.preset.registered import in_degrees, is_field, parameters, registry
 
@@ -135,6 +136,8 @@ DOCUMENTED = {  # class: heading of its table
     sky.Sky: "sky:",
     sky.Sun: "sun: of the sky",
     sky.Stars: "stars: of the sky",
+    sky.Band: "band: of the sky",
+    wormhole.Wormhole: "wormhole:",
     develop.DevelopSpec: "develop:",
     develop.Bloom: "bloom: of develop",
     develop.AutoExposure: "auto_exposure: of develop",

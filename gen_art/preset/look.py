@@ -344,6 +344,11 @@ class Look(Model):
     falloff: Literal["none", "inverse_square"] = about(
         "none", "`inverse_square` dims points as 1/d^2, with a factor of 1 at the camera's target"
     )
+    side: Literal["near", "far", "through"] = about(
+        "near",
+        "with `wormhole`, the side on which the particles are: this one, the other one, or `through` for particles that go "
+        "through the disc, which are on the other side where they are behind it",
+    )
     trail: Trail | None = about(None, "an afterglow that fades")
     ribbon: Ribbon | None = about(None, "the past path of each particle")
     legend: Annotated[Legend | None, BeforeValidator(_legend)] = about(

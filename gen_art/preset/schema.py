@@ -24,6 +24,7 @@ from gen_art.preset.registered import Many, class_schema, is_field, registry
 from gen_art.preset.sky import Sky
 from gen_art.preset.surface import GroundValue
 from gen_art.preset.values import shown
+from gen_art.preset.wormhole import Wormhole
 from gen_art.registry import suggest
 
 __all__ = ["VERSION", "MediumSpec", "Preset", "SystemSpec", "Units", "json_schema"]
@@ -160,6 +161,7 @@ class Preset(Model):
     ground: GroundValue = about(None, "a level floor without end, which is only seen")
     shadows: bool = about(True, "whether things shadow each other and the ground, from the lamp and from the sky")
     sky: Sky | None = about(None, "what surrounds the scene; nothing when left out")
+    wormhole: Wormhole | None = about(None, "a throat to another side, which bends light; none when left out")
     camera: CameraSpec | None = about(None, "the camera; when left out, one that has all particles in its view")
     develop: DevelopSpec = about(DevelopSpec(), "how light becomes a picture")
     labels: tuple[Label, ...] = about((), "text in the finished picture")
@@ -171,6 +173,14 @@ class Preset(Model):
     _folder: Path = PrivateAttr(Path())
     _verdict: dict | None = PrivateAttr(None)
     _fits: dict[tuple[int, int, str], Fit] = PrivateAttr(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _bent(self):
+        if self.wormhole is not None and self.sky is not None and self.sky.sun is not None:
+            raise UsageError("the skies of a wormhole have no sun: give `sky` a gradient, a color, stars or a band")
+        if self.wormhole is not None and self.camera is not None and self.camera.height is not None:
+            raise UsageError("a wormhole is seen by a perspective camera: give `fov` in place of `height`")
+        return self
 
     @classmethod
     def known_keys(cls) -> list[str]:

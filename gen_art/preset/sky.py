@@ -6,13 +6,13 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import COLOURS, Gradient
-from gen_art.preset.fields import ColourValue, GradientValue, Light, Within
+from gen_art.preset.fields import ColourValue, GradientValue, Light, NotNegative, Vector, Within
 from gen_art.preset.model import Model, about
 from gen_art.preset.palettes import palette
 from gen_art.preset.values import shown
 from gen_art.registry import suggest
 
-__all__ = ["SHORT_NAMES", "Sky", "Stars", "Sun"]
+__all__ = ["SHORT_NAMES", "Band", "Sky", "Stars", "Sun"]
 
 # what the short names stand for. The studio has a lit floor that runs into its wall, and soft light from above
 SHORT_NAMES: dict[str, dict] = {
@@ -68,6 +68,36 @@ class Stars(Model):
         return value if isinstance(value, (Stars, dict)) else {"magnitude": value}
 
 
+class Band(Model):
+    """The band of stars too far to be seen singly, with dark clouds of dust before it; a number sets the `intensity`."""
+
+    intensity: Light = about(1.0, "factor on its light; at 1 its brightest places have about the light 1")
+    color: Annotated[GradientValue, BeforeValidator(lambda value: _several_colours(value))] = about(
+        Gradient.of(["#1b2a4a", "#6f86b8", "#e8dcc8", "#fff2dc"]), "colours from its dark rims to its brightest places"
+    )
+    width: Annotated[float, Within(0.5, 60)] = about(8.0, "standard deviation of its height", unit="degrees")
+    normal: Vector = about((0.0, 1.0, 0.0), "direction across its plane")
+    core: Vector = about((0.0, 0.0, -1.0), "direction of its middle, where it is brightest and thickest")
+    dust: NotNegative = about(1.0, "amount of the dust that darkens it; 0 has none")
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = about(0, "another seed gives other clouds")
+
+    short_form = {"type": ["boolean", "number", "string"], "description": "true, or the intensity; false for none"}
+
+    @classmethod
+    def from_short(cls, value):
+        if value is True:
+            return {}
+        return value if isinstance(value, (Band, dict)) else {"intensity": value}
+
+    @model_validator(mode="after")
+    def _consistent(self):
+        a, b = self.normal, self.core
+        across = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+        if not any(across):
+            raise UsageError("a band's `core` lies in its plane: give it another direction than `normal`")
+        return self
+
+
 def _stars(value):
     return None if value is False else value
 
@@ -85,7 +115,7 @@ def _several_colours(value):
 class Sky(Model):
     """What surrounds the scene, in linear light: it lies behind everything, and exposure and tone map act on it.
 
-    One of `sun`, `gradient` and `color`, or `stars` alone before black. `studio` and `paper` are names of even, soft
+    One of `sun`, `gradient` and `color`, or `stars` and a `band` alone before black. `studio` and `paper` are names of even, soft
     surroundings, `night` of stars before black; a colour stands for `color`, a palette or a list of colours for `gradient`.
     """
 
@@ -95,6 +125,9 @@ class Sky(Model):
     )
     color: ColourValue | None = about(None, "one colour in every direction")
     stars: Annotated[Stars | None, BeforeValidator(_stars)] = about(None, "stars, behind the air")
+    band: Annotated[Band | None, BeforeValidator(_stars)] = about(
+        None, "a band of distant stars like the Milky Way, behind the air"
+    )
     haze: Annotated[float, Within(0, 30)] = about(
         1.0, "for `sun`: amount of dust and droplets in the air; 0 is pure air, 1 a clear day, 10 a hazy one"
     )
@@ -128,8 +161,8 @@ class Sky(Model):
         given = [name for name in ("sun", "gradient", "color") if getattr(self, name) is not None]
         if len(given) > 1:
             raise UsageError(f"give one of sun, gradient and color, not {' and '.join(given)}")
-        if not given and self.stars is None:
-            raise UsageError("needs one of sun, gradient, color and stars, or is a name such as studio")
+        if not given and self.stars is None and self.band is None:
+            raise UsageError("needs one of sun, gradient, color and stars, or a band, or is a name such as studio")
         if self.sun is None:
             for name in ("haze", "ground"):
                 if name in self.model_fields_set:

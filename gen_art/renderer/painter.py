@@ -22,6 +22,7 @@ from gen_art.renderer.emitted_light import emitted_light
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
 from gen_art.renderer.lens_views import draw_through_lens
+from gen_art.renderer.lensing.lensed_view import NO_LENS, LensedView, WormholeView
 from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.liquid.lamp_map import lamp_map
 from gen_art.renderer.liquid.liquid_pass import LiquidPass
@@ -81,6 +82,7 @@ class _Shaded:
     """Systems whose particles are shaded.
 
     drawn : (system, channels) of each
+    second : the second images of their particles beside a wormhole, and `bent`, how it bends their light
     hidden_by : what hides their sprites
     mirror : the mirror behind which the view lies, or None
     smoke, emitted : the light of smoke and of emitting particles
@@ -88,6 +90,8 @@ class _Shaded:
 
     looks: dict[str, Look]
     drawn: dict[str, tuple]
+    second: dict[str, ProjectedParticles]
+    bent: LensedView
     hidden_by: SurfaceDepths
     mirror: tuple | None
     smoke: dict
@@ -114,6 +118,7 @@ class Painter:
         self.camera, self.looks, self.shutter = camera, looks or {}, shutter
         self.scene = scene or Scene()
         self.sky = None if transparent else self.scene.dome
+        self._wormhole = WormholeView.of(self.scene.wormhole, camera, self.sky, transparent)
         self.framebuffer = FrameBuffer(self.size)
         self._surfaces: SurfacePass | None = None
         self._liquids: LiquidPass | None = None
@@ -121,6 +126,7 @@ class Painter:
         self._around: Painter | None = None
         self._sprites = Sprites()
         self._projected: dict[str, ProjectedParticles] = {}
+        self._second_images: dict[str, ProjectedParticles] = {}
         self._trails: dict[str, FrameBuffer] = {}
         self._tables: dict[str, LookTables] = {}
         self._default_look = Look()
@@ -152,7 +158,9 @@ class Painter:
             for trail in self._trails.values():
                 self.framebuffer.buffer += trail.buffer
         self._draw_sprites(sim, shaded, view, film_time, 1.0, self.framebuffer)
-        if self.sky is not None:
+        if self._wormhole is not None:
+            self._wormhole.draw_sky(view, film_time, self.framebuffer)
+        elif self.sky is not None:
             draw_sky(self.sky, view, self.framebuffer)
         pixels = self.framebuffer.pixels if self.supersample == 1 else box_averaged(self.framebuffer, self.supersample)
         if not math.isfinite(pixels.max()):  # light is never negative; a NaN anywhere is the largest, too
@@ -228,6 +236,7 @@ class Painter:
         shaded = self._draw_surroundings(
             sim, names, view, film_time, self.shutter, 1.0, framebuffer, trails={}, layers=layers
         )
+        shaded = replace(shaded, second={})
         surfaces = framebuffer.buffer.copy()
         shown = {name: channels.copy() for name, (_, channels) in shaded.drawn.items()}
         results = []
@@ -322,6 +331,8 @@ class Painter:
         sheets: list[SheetSystem] = []
         liquids: list[LiquidSystem] = []
         looks, hidden_by = {}, NOTHING_HIDES
+        bent = NO_LENS if self._wormhole is None else self._wormhole.at(view, film_time)
+        second: dict[str, ProjectedParticles] = {}
         for name in names:
             if self.looks.get(name, self._default_look) is not None:
                 system, projected = sim.systems[name], self._projected.setdefault(name, ProjectedParticles())
@@ -341,7 +352,13 @@ class Painter:
                 )  # fmt: skip
                 if look.draw == "cloth":
                     q[SIZE_MODE], q[SIZE_VALUE] = 1, 1.0
-                shade(projected, system, tables, q, self._acceleration(name, system, sim.time))
+                acceleration = self._acceleration(name, system, sim.time)
+                shade(projected, system, tables, q, acceleration, bent.images(system, look, 0, sim.time, shutter))
+                if bent is not NO_LENS and light is None:
+                    second[name] = self._second_images.setdefault(name, ProjectedParticles())
+                    shade(
+                        second[name], system, tables, q, acceleration, bent.images(system, look, 1, sim.time, shutter)
+                    )
                 if mirror is not None and look.draw != "cloth":
                     _hide_below(projected, system, *mirror)
                 drawn[name] = system, projected.used
@@ -360,6 +377,11 @@ class Painter:
                 elif light is not None and projected.count:
                     lit[name] = light, projected.used, columns
         scene = self.scene  # the mirror too: it shadows what it shows, and rays from behind do not meet it
+        if bent is not NO_LENS and (solids or sheets or liquids or scene.surfaces):
+            raise UsageError(
+                "a wormhole bends the light of sprites and of the sky, and not of surfaces: leave out `wormhole`, or the "
+                "`ground`, the `look` of colliders and what is drawn as balls, bodies, threads, cloth or liquid"
+            )
         casters = None
         if trails is not None and (solids or sheets or liquids or scene.surfaces):
             casters = ShadowCasters.of(scene, solids, sheets, view, sim.time)
@@ -378,7 +400,7 @@ class Painter:
                 )
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
-        return _Shaded(looks, drawn, hidden_by, mirror, smoke, emitted)
+        return _Shaded(looks, drawn, second, bent, hidden_by, mirror, smoke, emitted)
 
     def _draw_sprites(self, sim, shaded: "_Shaded", view, film_time, weight, framebuffer: FrameBuffer) -> None:
         """Draw the sprites and ribbons of systems that were shaded, over what the framebuffer holds."""
@@ -388,9 +410,11 @@ class Painter:
         sprites.layered = any(look.blend != "add" and not self._is_surface(look) for look in looks.values())
         for name, look in looks.items():
             if look.ribbon is not None:
-                self._add_ribbons(sim, name, view, film_time, weight, framebuffer, shaded.mirror)
+                self._add_ribbons(sim, name, view, film_time, weight, framebuffer, shaded.mirror, shaded.bent)
             elif not self._is_surface(look):
                 self._add_sprites(look, self._projected[name], framebuffer)
+                if name in shaded.second:
+                    self._add_sprites(look, shaded.second[name], framebuffer)
         splat(sprites, framebuffer)
 
     def _emitted_light(self, sim, view, film_time: float, weight: float) -> EmittedLight | None:
@@ -448,7 +472,7 @@ class Painter:
         return SurfaceDepths.of(depths, tiles, 1.0 / view.scale(self.size[1]), view.height is not None)
 
     def _add_ribbons(
-        self, sim, name: str, view, film_time: float, weight: float, framebuffer: FrameBuffer, mirror
+        self, sim, name: str, view, film_time: float, weight: float, framebuffer: FrameBuffer, mirror, bent: LensedView
     ) -> None:
         """Add every segment of a system's ribbons; without earlier positions there are none."""
         tables, projected = self._tables[name], self._projected[name]
@@ -467,8 +491,10 @@ class Painter:
                 weight=light,
                 width=segment.width,
             )
-            shade(projected, segment.system, tables, q)
-            self._sprites.add(projected, STREAK, framebuffer, segment.tail, segment.taper, HIDDEN)
+            for order in bent.orders:
+                seen = bent.images(segment.system, tables.look, order, segment.time, segment.duration)
+                shade(projected, segment.system, tables, q, seen=seen)
+                self._sprites.add(projected, STREAK, framebuffer, segment.tail, segment.taper, HIDDEN)
 
     def remember_velocities(self, sim) -> None:
         """Keep the velocities of the systems whose look shows the acceleration, which is their change until the next picture."""

@@ -145,11 +145,12 @@ def _lanes(value):
 
 @ti.kernel
 def _shade(
-    S: ti.types.ndarray(ndim=2), birth: F64, key: U2, id: L1, source: I1, tag_rows: I1, acceleration: F1, booked: D2,
-    n: ti.i32, C: F2, A: F2, ramps: F2, curves: F2, colours: F3, Q: F64,
+    S: ti.types.ndarray(ndim=2), V: ti.types.ndarray(ndim=2), birth: F64, key: U2, id: L1, source: I1, tag_rows: I1,
+    acceleration: F1, booked: D2, n: ti.i32, C: F2, A: F2, ramps: F2, curves: F2, colours: F3, Q: F64,
 ):  # fmt: skip
     """Project n particles, and give each its size, colour and light.
 
+    V : positions and velocities as the camera sees them, in the rows of S; S itself where nothing bends light
     booked : (entries, capacity) J, see Particles
     C : (11, n) channels of the projected particles, written
     A : (n, 8) columns LIT_... of lit particles, written for a lit look
@@ -173,14 +174,15 @@ def _shade(
             quantity = ti.Vector([0.0] * ((QUANTITIES + RAMPS) * LANES))
             for j in range(LANES):
                 i = i0 + j
-                x = ti.cast(ti.cast(S[PX, i], ti.f64) - Q[POSITION], ti.f32)
-                y = ti.cast(ti.cast(S[PY, i], ti.f64) - Q[POSITION + 1], ti.f32)
-                z = ti.cast(ti.cast(S[PZ, i], ti.f64) - Q[POSITION + 2], ti.f32)
-                u, v, w = ti.cast(S[VX, i], ti.f32), ti.cast(S[VY, i], ti.f32), ti.cast(S[VZ, i], ti.f32)
+                x = ti.cast(ti.cast(V[PX, i], ti.f64) - Q[POSITION], ti.f32)
+                y = ti.cast(ti.cast(V[PY, i], ti.f64) - Q[POSITION + 1], ti.f32)
+                z = ti.cast(ti.cast(V[PZ, i], ti.f64) - Q[POSITION + 2], ti.f32)
+                u, v, w = ti.cast(V[VX, i], ti.f32), ti.cast(V[VY, i], ti.f32), ti.cast(V[VZ, i], ti.f32)
                 a = ti.Vector([ti.cast(Q[AXES + k], ti.f32) for k in range(9)])
                 right[j], v_right[j] = a[0] * x + a[1] * y + a[2] * z, a[0] * u + a[1] * v + a[2] * w
                 up[j], v_up[j] = a[3] * x + a[4] * y + a[5] * z, a[3] * u + a[4] * v + a[5] * w
                 ahead[j], v_ahead[j] = a[6] * x + a[7] * y + a[8] * z, a[6] * u + a[7] * v + a[8] * w
+                u, v, w = ti.cast(S[VX, i], ti.f32), ti.cast(S[VY, i], ti.f32), ti.cast(S[VZ, i], ti.f32)
                 age, lifetime = ti.cast(Q[TIME] - birth[i], ti.f32), ti.cast(S[LIFETIME, i], ti.f32)
                 mass, squared = ti.cast(S[MASS, i], ti.f32), u * u + v * v + w * w
                 x, y, z = ti.cast(S[PX, i], ti.f32), ti.cast(S[PY, i], ti.f32), ti.cast(S[PZ, i], ti.f32)
@@ -419,17 +421,21 @@ class ProjectedParticles:
         return self.channels[:, : self.count]
 
 
-def shade(projected: ProjectedParticles, system, shading: LookTables, numbers: np.ndarray, acceleration=None) -> None:
+def shade(
+    projected: ProjectedParticles, system, shading: LookTables, numbers: np.ndarray, acceleration=None, seen=None
+) -> None:
     """Project a system's particles. For a lit look also fill `projected.lit`; the scattered light is added later.
 
     numbers : of look_tables.kernel_numbers
     acceleration : (n,) m/s^2, 0 unless given
+    seen : (6, capacity) positions and velocities as the camera sees them; the particles' own unless given
     """
     n = int(system.count)
     projected.reserve(n, numbers[LIT] > 0.5)
     if n:
         shade_kernel(
-            system.floats, system.birth, system.key, system.id, system.source, shading.rows(system.sources),
+            system.floats, system.floats if seen is None else seen, system.birth, system.key, system.id, system.source,
+            shading.rows(system.sources),
             NO_ACCELERATION if acceleration is None else acceleration, system.booked if system.entries else NOTHING_BOOKED, n,
             projected.channels, projected.lit, shading.ramps, shading.curves, shading.colours, numbers,
         )  # fmt: skip

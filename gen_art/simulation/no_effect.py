@@ -38,6 +38,11 @@ def silent_parts(
         lines += _of_system(place, system, list(members.values()))
         if not system.emitters:
             lines.append(f"{place} has no emitters: no particle is ever born. Give it one, or remove the system")
+        look = given.systems[name].look
+        if look is not None and look.side != "near" and given.wormhole is None:
+            lines.append(
+                f"{place}.look.side has no effect, because there is no `wormhole`: give the preset one, or leave it out"
+            )
         for emitter in system.emitters:
             lines += _of_emitter(f"{place}.emitters.{emitter.name}", emitter, given.clock)
         if given.systems[name].medium is not None:

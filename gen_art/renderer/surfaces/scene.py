@@ -9,6 +9,7 @@ from gen_art.colliders.plane import Plane
 from gen_art.errors import UsageError
 from gen_art.preset.light import KeyLight
 from gen_art.preset.surface import Ground, SurfaceLook, surface_look
+from gen_art.preset.wormhole import Wormhole
 from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.sky import SkyDome
 
@@ -24,6 +25,7 @@ class Scene:
     shadows : whether things shadow each other
     colliders : of all systems; those with a look are drawn
     dome : the sky that surrounds it, or None
+    wormhole : what bends its light, or None
     """
 
     light: KeyLight | None = None
@@ -31,6 +33,7 @@ class Scene:
     shadows: bool = True
     colliders: tuple[Collider, ...] = ()
     dome: SkyDome | None = None
+    wormhole: Wormhole | None = None
 
     @classmethod
     def of(cls, preset, systems: Iterable, dome: SkyDome | None = None) -> "Scene":
@@ -38,7 +41,7 @@ class Scene:
         colliders = tuple(collider for system in systems for collider in system.colliders)
         if preset is None:
             return cls(colliders=colliders, dome=dome)
-        return cls(preset.light, preset.ground, preset.shadows, colliders, dome)
+        return cls(preset.light, preset.ground, preset.shadows, colliders, dome, preset.wormhole)
 
     @property
     def lit(self) -> bool:

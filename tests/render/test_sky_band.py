@@ -1,0 +1,83 @@
+"""The band of distant stars: where it lies, what its keys do, and what is wrong."""
+
+import math
+
+import numpy as np
+import pytest
+
+import gen_art as ga
+from gen_art.errors import PresetError
+from gen_art.preset.load import load_preset
+from gen_art.preset.sky import Band, Sky
+from gen_art.renderer.colour import luminance_of
+from gen_art.renderer.sky import SkyDome
+from gen_art.renderer.sky_band import band_light, directions_of_table
+from gen_art.renderer.sky_table import look_up
+
+
+def directions(number=20_000):
+    d = np.random.default_rng(3).normal(size=(number, 3))
+    return d / np.linalg.norm(d, axis=1)[:, None]
+
+
+def light(d=None, **keys):
+    return luminance_of(band_light(Band(**keys), directions() if d is None else d))
+
+
+def test_the_table_holds_the_directions_that_it_is_read_with():
+    table = directions_of_table()
+    d = directions(500)
+    found = look_up(table, d)
+    assert found == pytest.approx(
+        d, abs=2e-3
+    )  # between entries 0.02 rad apart a chord is 5e-5 short; more at the poles
+
+
+@pytest.mark.parametrize("normal", [(0, 1, 0), (0.5, 0.8, 0.1)])
+def test_its_light_lies_near_its_plane(normal):
+    """Seven tenths of the light within three widths, where a fifth of the sphere is; a mutant with another normal fails."""
+    d, n = directions(), np.array(normal) / math.sqrt(sum(x * x for x in normal))
+    got, height = light(normal=normal, core=(1, -0.2, 0.3), width=4), np.abs(d @ n)
+    near = height < math.sin(math.radians(12))
+    assert 0.18 < near.mean() < 0.24
+    assert got[near].sum() > 0.7 * got.sum() and got[height > math.sin(math.radians(50))].max() < 1e-3
+
+
+def test_its_core_is_brightest():
+    d, core = directions(), np.array([1.0, 0.0, 0.0])
+    got = light(core=tuple(core), dust=0)
+    towards = d @ core
+    near, away = (towards > 0.9) & (np.abs(d[:, 1]) < 0.1), (towards < -0.9) & (np.abs(d[:, 1]) < 0.1)
+    assert got[near].mean() > 1.5 * got[away].mean()
+
+
+def test_dust_darkens_and_intensity_is_a_factor():
+    bare, dusty, twice = light(dust=0), light(dust=1), light(dust=1, intensity=2)
+    assert np.all(dusty <= bare * (1 + 1e-9)) and dusty.mean() < 0.8 * bare.mean()
+    assert twice == pytest.approx(2 * dusty, rel=1e-12) and np.all(dusty >= 0) and np.isfinite(bare).all()
+
+
+def test_another_seed_gives_other_clouds():
+    assert np.array_equal(light(seed=1), light(seed=1)) and np.corrcoef(light(seed=1), light(seed=2))[0, 1] < 0.95
+
+
+def test_a_band_is_added_to_the_sky_behind_it():
+    d, band = directions(300), Sky(band=True)
+    both = SkyDome.of(Sky(color="#203040", band=True)).radiance(d)
+    parts = SkyDome.of(Sky(color="#203040")).radiance(d) + SkyDome.of(band).radiance(d)
+    assert both == pytest.approx(parts, abs=1e-6)
+    by_day = SkyDome.of(Sky(sun=20, band={"intensity": 5})).radiance(d)
+    assert np.array_equal(
+        by_day[d[:, 1] < -0.02], SkyDome.of(Sky(sun=20)).radiance(d)[d[:, 1] < -0.02]
+    )  # the ground hides it
+
+
+def test_a_sky_without_a_band_has_the_table_that_it_had():
+    assert SkyDome.of(Sky(color="red")).table.shape[1] == 2 and SkyDome.of(Sky(band=False, color="red")).stars is None
+
+
+def test_a_core_off_the_plane_is_one_sentence():
+    base = {"version": 1, "clock": {"duration": 1, "step": "1/60"}, "systems": {"dots": {"look": {"draw": "point"}}}}
+    with pytest.raises(PresetError, match="core"):
+        load_preset({**base, "sky": {"band": {"normal": [0, 2, 0], "core": [0, 1, 0]}}})
+    assert ga.load_preset({**base, "sky": {"band": 0.5}}).sky.band.intensity == 0.5
