@@ -32,7 +32,8 @@ SHADED = 50  # of a particle in the picture
 LIT = 36  # more, in a lit system
 LISTED = 85  # more, drawn as a sprite
 SORTED = 36  # more, sorted by depth
-REMEMBERED = 20  # of a past position of a particle, for ribbons
+REMEMBERED = 32  # of a past position and velocity of a particle, for ribbons and streaks
+PATH = 10  # most moments that a streak's path is remembered at
 CELL = 4 * 4  # of a cell of the density grid: eight arrays, for smoke that fills half of its cube
 FRAMEBUFFER, PICTURE = (
     16,
@@ -108,7 +109,7 @@ def estimate(preset: Preset, precision: str = "f32", until: float | None = None)
         state += GROWTH * slots * bytes_per_particle(system, precision)
         births = max(births, BIRTH * max(steady, sudden))
         if system.look is not None:
-            drawing += _drawing(system.look) * peak[name]
+            drawing += (_drawing(system.look) + _path(system.look, preset)) * peak[name]
             drawing += CELL * system.look.light.resolution**3 if system.look.light else 0.0
     born = {name: float(census.born[name]) for name in preset.systems}
     return Estimate(born, peak, size, state + max(births, drawing), _pixel(preset))
@@ -121,6 +122,17 @@ def _drawing(look: Look) -> float:
     if look.blend == "add":
         return SHADED + (0 if look.draw in ("point", "pixel") else LISTED)
     return SHADED + LISTED + SORTED + (LIT if look.light else 0)
+
+
+def _path(look: Look, preset: Preset) -> float:
+    """Bytes of a particle for the path of its streak: moments, once more while they are compared, and a piece of the streak."""
+    if look.draw != "streak" or look.ribbon is not None:
+        return 0.0
+    camera = preset.camera or CameraSpec()
+    clock = preset.clock
+    length = camera.shutter / 360.0 * clock.speed / clock.fps if look.length is None else look.length
+    moments = min(PATH, length / clock.step + 2.0)
+    return 2.0 * moments * REMEMBERED + SHADED + LISTED
 
 
 def _pixel(preset: Preset) -> float:

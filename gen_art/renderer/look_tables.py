@@ -40,7 +40,8 @@ FOG_START, FOG_RATE, FOG_RED, FOG_GREEN, FOG_BLUE = range(20, 25)
 KIND, SIZE_MODE, SIZE_VALUE, BLEND, CONSERVE, FALLOFF = range(25, 31)
 STROBE_LO, STROBE_HI, DUTY, FILM_TIME, RAW, LIT, WEIGHT, EMITS = range(31, 39)
 LENS, FOCUS, AREA_OF, RIBBON, SNAP = range(39, 44)
-NUMBERS = 44
+PIECES = 44  # 1 where the streaks are pieces of curved ones
+NUMBERS = 45
 
 
 def domain(ramp: Ramp | Color) -> tuple[float, float]:

@@ -16,6 +16,7 @@ from gen_art.preset.look import Look
 from gen_art.preset.sky import Sky
 from gen_art.preset.surface import Ground, ground_of
 from gen_art.renderer.camera import Camera
+from gen_art.renderer.curved_streaks import Pieces, cut
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
 from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.emitted_light import emitted_light
@@ -25,14 +26,15 @@ from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.liquid.lamp_map import lamp_map
 from gen_art.renderer.liquid.liquid_pass import LiquidPass
 from gen_art.renderer.liquid.liquid_system import LiquidSystem, hiding_particles
-from gen_art.renderer.look_tables import SIZE_MODE, SIZE_VALUE, LookTables, kernel_numbers
+from gen_art.renderer.look_tables import SHUTTER, SIZE_MODE, SIZE_VALUE, TIME, LookTables, kernel_numbers
+from gen_art.renderer.path_history import MOMENTS, PathHistory
 from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import ProjectedParticles, shade
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.sky_background import draw_sky
 from gen_art.renderer.smoke_lighting import add_scattered_light, lamp_axes, smoke_key
-from gen_art.renderer.sprite import ALPHA, DISC, FOOTPRINT, HIDDEN, KINDS, OUTSIDE, POINT, RED, STREAK, X
-from gen_art.renderer.sprite_buffer import Sprites
+from gen_art.renderer.sprite import ALPHA, DISC, FOOTPRINT, HIDDEN, KINDS, OUTSIDE, PIECE, POINT, RED, STREAK, X
+from gen_art.renderer.sprite_buffer import Sprites, streak_ends
 from gen_art.renderer.supersample import box_averaged
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES, SurfaceDepths, hide_small_sprites
 from gen_art.renderer.surfaces.liquid_shadow import NO_LIQUID
@@ -107,6 +109,12 @@ class Painter:
         self.histories = {
             n: RibbonHistory(k.ribbon) for n, k in self.looks.items() if k is not None and k.ribbon is not None
         }
+        self.paths = {
+            n: PathHistory(MOMENTS + 2)
+            for n, k in self.looks.items()
+            if k is not None and k.draw == "streak" and k.ribbon is None
+        }
+        self._projected_pieces: dict[str, ProjectedParticles] = {}
 
     @property
     def trails(self) -> dict[str, Look]:
@@ -214,6 +222,7 @@ class Painter:
         mirror : (point, normal) of the plane behind which the view lies as its mirror image, or None
         """
         drawn: dict[str, tuple] = {}
+        curved: dict[str, Pieces] = {}
         lit: dict[str, tuple] = {}
         solids: list[SolidSystem] = []
         sheets: list[SheetSystem] = []
@@ -238,9 +247,13 @@ class Painter:
                 )  # fmt: skip
                 if look.draw == "cloth":
                     q[SIZE_MODE], q[SIZE_VALUE] = 1, 1.0
-                shade(projected, system, tables, q, self._acceleration(name, system, sim.time))
+                acceleration = self._acceleration(name, system, sim.time)
+                shade(projected, system, tables, q, acceleration)
                 if mirror is not None and look.draw != "cloth":
                     _hide_below(projected, system, *mirror)
+                if name in self.paths:
+                    pieces = self._bend(name, system, q, acceleration, mirror)
+                    curved |= {} if pieces is None else {name: pieces}
                 drawn[name] = system, projected.used
                 columns = projected.lit[: projected.count]
                 if look.draw == "cloth":
@@ -277,11 +290,30 @@ class Painter:
         for name, look in looks.items():
             if recolour is not None and name in drawn:
                 recolour(*drawn[name])
+                if name in curved:
+                    recolour(curved[name].system, self._projected_pieces[name].used)
             if look.ribbon is not None and recolour is None:
                 self._add_ribbons(sim, name, view, film_time, weight, framebuffer)
             elif look.ribbon is None and not self._is_surface(look):
                 self._add_sprites(look, self._projected[name], framebuffer)
+                if name in curved:
+                    sprites.add(self._projected_pieces[name], PIECE, framebuffer, curved[name].ends, HIDDEN)
         splat(sprites, framebuffer)
+
+    def _bend(self, name: str, system, q: np.ndarray, acceleration, mirror) -> Pieces | None:
+        """Shade the pieces of those streaks that bend, and hide the straight ones in their place."""
+        projected, look = self._projected[name], self._tables[name].look
+        past = self.paths[name].since(system, q[TIME], q[TIME] - q[SHUTTER])
+        pieces = cut(system, past, q, look.tail, look.taper)
+        if pieces is not None:
+            _hide(projected, pieces.replaced)
+            if acceleration is not None:
+                acceleration = acceleration[pieces.owner]
+            of_pieces = self._projected_pieces.setdefault(name, ProjectedParticles())
+            shade(of_pieces, pieces.system, self._tables[name], pieces.numbers, acceleration, pieces.rows)
+            if mirror is not None:
+                _hide_below(of_pieces, pieces.system, *mirror)
+        return pieces
 
     def _emitted_light(self, sim, view, film_time: float, weight: float) -> EmittedLight | None:
         """What the systems that the scene's light names by `glow` emit, or None."""
@@ -350,7 +382,13 @@ class Painter:
                 width=segment.width,
             )
             shade(projected, segment.system, tables, q)
-            self._sprites.add(projected, STREAK, framebuffer, segment.tail, segment.taper, HIDDEN)
+            pieces = cut(segment.system, segment.past, q, segment.tail, segment.taper, segment.motion, along=True)
+            if pieces is not None:
+                _hide(projected, pieces.replaced)
+            self._sprites.add(projected, STREAK, framebuffer, streak_ends(segment.tail, segment.taper), HIDDEN)
+            if pieces is not None:
+                shade(projected, pieces.system, tables, pieces.numbers, None, pieces.rows)
+                self._sprites.add(projected, PIECE, framebuffer, pieces.ends, HIDDEN)
 
     def remember_velocities(self, sim) -> None:
         """Keep the velocities of the systems whose look shows the acceleration, which is their change until the next picture."""
@@ -389,15 +427,19 @@ class Painter:
             (discs if largest > 0.0 else dots)(projected.channels, projected.count, framebuffer)
             if largest <= min_footprint:
                 return
-        sprites.add(projected, kind, framebuffer, look.tail, look.taper, min_footprint)
+        sprites.add(projected, kind, framebuffer, streak_ends(look.tail, look.taper), min_footprint)
 
 
 def _hide_below(projected: ProjectedParticles, system, point, normal) -> None:
     """Hide the particles behind a plane."""
     height = np.asarray(normal, np.float64) @ system.floats[POSITION, : projected.count] - float(np.dot(normal, point))
-    below = height < 0.0
-    projected.used[FOOTPRINT, below], projected.used[X, below] = HIDDEN, OUTSIDE
-    projected.used[RED : ALPHA + 1, below] = 0.0
+    _hide(projected, height < 0.0)
+
+
+def _hide(projected: ProjectedParticles, which: np.ndarray) -> None:
+    """Hide the particles that a mask names."""
+    projected.used[FOOTPRINT, which], projected.used[X, which] = HIDDEN, OUTSIDE
+    projected.used[RED : ALPHA + 1, which] = 0.0
 
 
 def render_frame(

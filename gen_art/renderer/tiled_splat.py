@@ -15,6 +15,7 @@ The one-letter names in kernels are in docs/glossary.md.
 from functools import cache
 
 from gen_art.backend.runtime import kernel, ti
+from gen_art.renderer.piece_splat import draw_piece
 from gen_art.renderer.sprite import (
     ACROSS,
     ALPHA,
@@ -35,6 +36,7 @@ from gen_art.renderer.sprite import (
     MIN_STREAK_FOOTPRINT,
     NORM,
     PICTURE,
+    PIECE,
     POINT,
     RED,
     RIGHT,
@@ -301,6 +303,9 @@ def draw_kernel(kinds: frozenset, surfaces_hide: bool):
                         if ti.static(STREAK in kinds):
                             if kind == STREAK:
                                 _streak(P, i, tile, x, y, P[i, DX], P[i, DY], top, bottom)
+                        if ti.static(PIECE in kinds):
+                            if kind == PIECE:
+                                draw_piece(P, i, tile, x, y, top, bottom, TILE)
                         if ti.static(SPHERE in kinds):
                             if kind == SPHERE:
                                 _sphere(P, i, tile, x, y, top, bottom)
