@@ -29,6 +29,7 @@ PROCESS = 190e6  # with Taichi, a small picture and no particles
 GROWTH = 2.0  # factor for spare capacity, and for old arrays that exist beside new ones while a system grows
 BIRTH = 160  # of a particle while it is being born
 SHADED = 50  # of a particle in the picture
+NEIGHBOURS = 260  # more, while distances to neighbours are found
 LIT = 36  # more, in a lit system
 LISTED = 85  # more, drawn as a sprite
 SORTED = 36  # more, sorted by depth
@@ -117,6 +118,9 @@ def estimate(preset: Preset, precision: str = "f32", until: float | None = None)
 
 def _drawing(look: Look) -> float:
     """Bytes of a particle while it is drawn."""
+    if look.stretch is not None or look.spread is not None:
+        shaped = 0 if look.spread is None else NEIGHBOURS
+        return SHADED + LISTED + shaped + (SORTED if look.blend != "add" else 0) + (LIT if look.light else 0)
     if look.ribbon is not None:
         return SHADED + look.ribbon.points * (REMEMBERED + LISTED)
     if look.blend == "add":

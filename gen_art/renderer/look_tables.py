@@ -41,7 +41,9 @@ KIND, SIZE_MODE, SIZE_VALUE, BLEND, CONSERVE, FALLOFF = range(25, 31)
 STROBE_LO, STROBE_HI, DUTY, FILM_TIME, RAW, LIT, WEIGHT, EMITS = range(31, 39)
 LENS, FOCUS, AREA_OF, RIBBON, SNAP = range(39, 44)
 PIECES = 44  # 1 where the streaks are pieces of curved ones
-NUMBERS = 45
+MARGIN = 45  # how far outside the picture a sprite's middle may be, in footprints
+OVERLAP, WIDEST = 46, 47  # of `spread`: radius over distance, 0 without it; largest factor on the radius
+NUMBERS = 48
 
 
 def domain(ramp: Ramp | Color) -> tuple[float, float]:
@@ -194,6 +196,11 @@ def kernel_numbers(
     q[RAW], q[WEIGHT], q[LIT] = raw, weight, lit
     q[EMITS] = emission is not None or (look.blend == "add" and not look.shapes and not look.is_liquid)
     q[FOCUS] = 1.0
+    if look.spread is not None:
+        q[OVERLAP], q[WIDEST] = look.spread.overlap, look.spread.most
+    q[MARGIN] = (
+        1.5 if look.stretch is None else max(1.5, 1.42 * look.stretch.most ** (2 / 3))
+    )  # 1.42: the kernel's corners
     lens = getattr(view, "lens", None)
     if lens is not None:
         q[LENS], q[FOCUS] = lens

@@ -18,6 +18,7 @@ from gen_art.preset.surface import Ground, ground_of
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.curved_streaks import Pieces, cut
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
+from gen_art.renderer.elliptic_splat import ellipses_of_motion
 from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.emitted_light import emitted_light
 from gen_art.renderer.framebuffer import FrameBuffer, splat
@@ -33,6 +34,7 @@ from gen_art.renderer.shading import ProjectedParticles, shade
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.sky_background import draw_sky
 from gen_art.renderer.smoke_lighting import add_scattered_light, lamp_axes, smoke_key
+from gen_art.renderer.spacing import NO_SPACING, spacing
 from gen_art.renderer.sprite import ALPHA, DISC, FOOTPRINT, HIDDEN, KINDS, OUTSIDE, PIECE, POINT, RED, STREAK, X
 from gen_art.renderer.sprite_buffer import Sprites, streak_ends
 from gen_art.renderer.supersample import box_averaged
@@ -222,6 +224,7 @@ class Painter:
         mirror : (point, normal) of the plane behind which the view lies as its mirror image, or None
         """
         drawn: dict[str, tuple] = {}
+        stretched: dict[str, np.ndarray] = {}
         curved: dict[str, Pieces] = {}
         lit: dict[str, tuple] = {}
         solids: list[SolidSystem] = []
@@ -248,12 +251,15 @@ class Painter:
                 if look.draw == "cloth":
                     q[SIZE_MODE], q[SIZE_VALUE] = 1, 1.0
                 acceleration = self._acceleration(name, system, sim.time)
-                shade(projected, system, tables, q, acceleration)
+                distances = NO_SPACING if look.spread is None else spacing(system, sim.time, look.spread.reach)
+                shade(projected, system, tables, q, acceleration, distances=distances)
                 if mirror is not None and look.draw != "cloth":
                     _hide_below(projected, system, *mirror)
                 if name in self.paths:
                     pieces = self._bend(name, system, q, acceleration, mirror)
                     curved |= {} if pieces is None else {name: pieces}
+                if look.stretch is not None:
+                    stretched[name] = ellipses_of_motion(projected, system, q, look.stretch.time, look.stretch.most)
                 drawn[name] = system, projected.used
                 columns = projected.lit[: projected.count]
                 if look.draw == "cloth":
@@ -294,6 +300,8 @@ class Painter:
                     recolour(curved[name].system, self._projected_pieces[name].used)
             if look.ribbon is not None and recolour is None:
                 self._add_ribbons(sim, name, view, film_time, weight, framebuffer)
+            elif name in stretched:
+                sprites.add_ellipses(self._projected[name], stretched[name], framebuffer)
             elif look.ribbon is None and not self._is_surface(look):
                 self._add_sprites(look, self._projected[name], framebuffer)
                 if name in curved:

@@ -35,9 +35,11 @@ from gen_art.renderer.look_tables import (
     KIND,
     LENS,
     LIT,
+    MARGIN,
     NEAR,
     OPACITY,
     ORTHOGRAPHIC,
+    OVERLAP,
     PIECES,
     POSITION,
     QUANTITIES,
@@ -60,10 +62,12 @@ from gen_art.renderer.look_tables import (
     STROBE_LO,
     TIME,
     WEIGHT,
+    WIDEST,
     WIDTH,
     LookTables,
 )
 from gen_art.renderer.piece_rows import NO_PIECES, PIECE_HEAD, PIECE_LIGHT, PIECE_OLD, PIECE_WIDTH
+from gen_art.renderer.spacing import NO_SPACING
 from gen_art.renderer.sprite import (
     ALPHA,
     AREA,
@@ -149,6 +153,7 @@ def _lanes(value):
 def _shade(
     S: ti.types.ndarray(ndim=2), birth: F64, key: U2, id: L1, source: I1, tag_rows: I1, acceleration: F1, booked: D2,
     n: ti.i32, C: F2, A: F2, ramps: F2, curves: F2, colours: F3, Q: F64, pieces: F2,
+    spacing: F1,
 ):  # fmt: skip
     """Project n particles, and give each its size, colour and light.
 
@@ -158,6 +163,7 @@ def _shade(
     ramps, curves, colours : see LookTables
     Q : numbers of look_tables.kernel_numbers
     pieces : (8, n) of piece_rows, for pieces of curved streaks
+    spacing : (n,) m, distances to neighbours, or (1,) where the look has no `spread`
     """
     ti.loop_config(block_dim=1)
     for block in range((n + BLOCK - 1) // BLOCK):
@@ -300,6 +306,14 @@ def _shade(
                 light[j] *= ti.select((Q[RIBBON] > 0.5) & (visible_part[j] > 0.0), 1.0, visible_part[j])
                 ratio = ti.cast(Q[CONSERVE], ti.f32) * pixels_per_unit[j] / ti.max(radius[j], 1e-30)
                 optical_depth[j] = value[OPACITY * LANES + j] * ti.select(Q[CONSERVE] > 0.0, ratio * ratio, 1.0)
+            if Q[OVERLAP] > 0.0:
+                distances = spacing.shape[0]
+                for j in range(LANES):
+                    distance = spacing[ti.min(i0 + j, distances - 1)] * ti.cast(Q[OVERLAP], ti.f32)
+                    wider = ti.max(distance * pixels_per_unit[j] / ti.max(radius[j], 1e-30), 1.0)
+                    wider = ti.min(wider, ti.cast(Q[WIDEST], ti.f32))
+                    radius[j], area[j] = radius[j] * wider, area[j] * (wider * wider)
+                    light[j], optical_depth[j] = light[j] / (wider * wider), optical_depth[j] / (wider * wider)
             if Q[STROBE_HI] > 0.0:
                 for j in range(LANES):
                     key_low, key_high = key[0, i0 + j], key[1, i0 + j]
@@ -388,7 +402,9 @@ def _shade(
                 if Q[PIECES] > 0.5 and Q[RIBBON] < 0.5:
                     s = ti.max(s * pieces[PIECE_WIDTH, ti.min(i0 + j, n - 1)], MIN_FOOTPRINT)
                 footprint[j], edge[j] = s, e
-                margin = (ti.max(s, 1.0) + e) * 1.5 + ti.select(kind == STREAK, ti.max(abs(dx[j]), abs(dy[j])), 0.0)
+                margin = (ti.max(s, 1.0) + e) * ti.cast(Q[MARGIN], ti.f32) + ti.select(
+                    kind == STREAK, ti.max(abs(dx[j]), abs(dy[j])), 0.0
+                )
                 on_picture = (visible_part[j] > 0.0) & (px[j] > -margin) & (px[j] < width + margin)
                 on_picture = on_picture & (py[j] > -margin) & (py[j] < rows + margin)
                 has_light = (coverage[j] > 0.0) | (red[j] + green[j] + blue[j] > 0.0) | (Q[LIT] > 0.5)
@@ -442,13 +458,20 @@ class ProjectedParticles:
 
 
 def shade(
-    projected: ProjectedParticles, system, shading: LookTables, numbers: np.ndarray, acceleration=None, pieces=NO_PIECES
+    projected: ProjectedParticles,
+    system,
+    shading: LookTables,
+    numbers: np.ndarray,
+    acceleration=None,
+    pieces=NO_PIECES,
+    distances=NO_SPACING,
 ) -> None:
     """Project a system's particles. For a lit look also fill `projected.lit`; the scattered light is added later.
 
     numbers : of look_tables.kernel_numbers
     acceleration : (n,) m/s^2, 0 unless given
     pieces : (8, n) of piece_rows where the system's particles are pieces of curved streaks and numbers[PIECES] is 1
+    distances : (n,) m to the neighbours, of spacing.py, for a look with `spread`
     """
     n = int(system.count)
     projected.reserve(n, numbers[LIT] > 0.5)
@@ -457,5 +480,5 @@ def shade(
             system.floats, system.birth, system.key, system.id, system.source, shading.rows(system.sources),
             NO_ACCELERATION if acceleration is None else acceleration, system.booked if system.entries else NOTHING_BOOKED, n,
             projected.channels, projected.lit, shading.ramps, shading.curves, shading.colours, numbers,
-            pieces,
+            pieces, distances,
         )  # fmt: skip

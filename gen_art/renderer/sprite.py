@@ -25,7 +25,7 @@ from gen_art.renderer.surfaces.hiding import BEFORE, BEHIND, place_among_surface
 __all__ = ["AREA", "profile", "profile_integral", "rim_profile", "smooth_step", "streak_profile", "write_sprites"]
 
 # kinds of sprites
-POINT, DISC, STREAK, SPHERE, PICTURE, PIECE = range(6)
+POINT, DISC, STREAK, SPHERE, PICTURE, PIECE, ELLIPSE = range(7)
 KINDS = {
     "pixel": POINT,
     "point": POINT,
@@ -199,7 +199,7 @@ def rim_profile(distance, footprint, edge):
 
 
 @ti.func
-def _rim_sum(x, y, footprint, edge):
+def rim_sum(x, y, footprint, edge):
     """The sum of `rim_profile` over all pixel centres; for a large disc its integral."""
     total = 3.14159265 * (footprint * footprint + edge * edge / 11.0)
     outer = footprint + edge
@@ -216,7 +216,7 @@ def _rim_sum(x, y, footprint, edge):
 
 
 @ti.func
-def _choose_level(footprint, random):
+def choose_level(footprint, random):
     """The level (framebuffer of 1 / 2^level of the size) in which a disc is drawn, and its footprint there.
 
     random : in 0..1, the sprite's own. It spreads the size at which sprites change level, so that no edge shows where they grow.
@@ -274,13 +274,13 @@ def _write_sprites(
                 left, right, top, bottom = x - 0.5, x + 0.5, y - 0.5, y + 0.5
                 if edge > 0.0:
                     drawn_kind = SPHERE
-                    P[i, NORM] = 1.0 / ti.max(_rim_sum(x, y, footprint, edge), 1e-30)
+                    P[i, NORM] = 1.0 / ti.max(rim_sum(x, y, footprint, edge), 1e-30)
                     left, right = x - footprint - edge, x + footprint + edge
                     top, bottom = y - footprint - edge, y + footprint + edge
                 elif footprint > 0.0 and ti.max(abs(dx), abs(dy)) < 1e-3:
                     drawn_kind = DISC
                     if partly_hidden == 0.0:  # smaller framebuffers have no depths of surfaces
-                        level, footprint = _choose_level(footprint, -edge)
+                        level, footprint = choose_level(footprint, -edge)
                     scale = 1.0 / ti.cast(1 << level, ti.f32)
                     x, y = x * scale, y * scale
                     P[i, NORM] = scale * scale / (axis_sum(x, footprint) * axis_sum(y, footprint))

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from gen_art.renderer.elliptic_splat import write_ellipses
 from gen_art.renderer.sprite import BOTTOM, KIND, SPRITE_FLOATS, SPRITE_INTS, TOP, write_sprites
 from gen_art.renderer.sprite_image import NO_TEXELS, texels, write_image_sprites
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES
@@ -56,6 +57,15 @@ class Sprites:
             write_sprites(
                 projected.channels, 0, n, self.rows, self.headers, self.depths, base, framebuffer.width, framebuffer.height,
                 kind, ends, min_footprint, *self._hiding,
+            )  # fmt: skip
+
+    def add_ellipses(self, projected, ellipses: np.ndarray, framebuffer) -> None:
+        """Append a system's discs, stretched to ellipses (3, n) of elliptic_splat.py."""
+        n, base = projected.count, self._reserve(projected.count)
+        if n:
+            write_ellipses(
+                projected.channels, ellipses, n, self.rows, self.headers, self.depths, base, framebuffer.width,
+                framebuffer.height, *self._hiding,
             )  # fmt: skip
 
     def add_images(self, projected, picture, framebuffer) -> None:

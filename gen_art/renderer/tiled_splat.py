@@ -15,6 +15,7 @@ The one-letter names in kernels are in docs/glossary.md.
 from functools import cache
 
 from gen_art.backend.runtime import kernel, ti
+from gen_art.renderer.elliptic_splat import draw_ellipse
 from gen_art.renderer.piece_splat import draw_piece
 from gen_art.renderer.sprite import (
     ACROSS,
@@ -26,6 +27,7 @@ from gen_art.renderer.sprite import (
     DX,
     DY,
     EDGE,
+    ELLIPSE,
     FIRST_TEXEL,
     FOOTPRINT,
     GREEN,
@@ -303,6 +305,9 @@ def draw_kernel(kinds: frozenset, surfaces_hide: bool):
                         if ti.static(STREAK in kinds):
                             if kind == STREAK:
                                 _streak(P, i, tile, x, y, P[i, DX], P[i, DY], top, bottom)
+                        if ti.static(ELLIPSE in kinds):
+                            if kind == ELLIPSE:
+                                draw_ellipse(P, i, tile, x, y, top, bottom)
                         if ti.static(PIECE in kinds):
                             if kind == PIECE:
                                 draw_piece(P, i, tile, x, y, top, bottom, TILE)
