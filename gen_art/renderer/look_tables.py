@@ -198,9 +198,8 @@ def kernel_numbers(
     q[FOCUS] = 1.0
     if look.spread is not None:
         q[OVERLAP], q[WIDEST] = look.spread.overlap, look.spread.most
-    q[MARGIN] = (
-        1.5 if look.stretch is None else max(1.5, 1.42 * look.stretch.most ** (2 / 3))
-    )  # 1.42: the kernel's corners
+    # an ellipse is up to most^(2/3) times as long as the disc, and its kernel a little wider
+    q[MARGIN] = 1.5 if look.stretch is None else max(1.5, 1.1 * look.stretch.most ** (2 / 3))
     lens = getattr(view, "lens", None)
     if lens is not None:
         q[LENS], q[FOCUS] = lens
