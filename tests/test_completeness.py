@@ -89,6 +89,7 @@ def test_every_mapping_of_a_preset_has_its_table_and_every_key_its_words(referen
         camera,
         clock,
         develop,
+        disc_shape,
         domain,
         emitter,
         expect,
@@ -104,7 +105,8 @@ def test_every_mapping_of_a_preset_has_its_table_and_every_key_its_words(referen
     from gen_art.preset.model import Model
 
     modules = (
-        axes, camera, clock, develop, domain, emitter, expect, labels, light, liquid, look, schema, sky, surface, wormhole,
+        axes, camera, clock, develop, disc_shape, domain, emitter, expect, labels, light, liquid, look, schema, sky, surface,
+        wormhole,
     )  # fmt: skip
     found = {
         c for m in modules for c in vars(m).values() if isinstance(c, type) and issubclass(c, Model) and c is not Model

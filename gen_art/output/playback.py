@@ -21,6 +21,7 @@ from gen_art.renderer.fitting import fit_of
 from gen_art.renderer.labels import draw_labels
 from gen_art.renderer.legend import draw_legends
 from gen_art.renderer.painter import Painter, living
+from gen_art.renderer.path_history import MOMENTS
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.simulation.no_effect import undrawn_systems
@@ -66,6 +67,7 @@ class Playback:
         self.stopwatch = Stopwatch()
         self._trail_steps, self._trail_interval = self._plan_trails()
         self._subframe_interval, self._subframes = self._plan_subframes()
+        self._path_steps = {name: self._plan_path(name) for name in self.painter.paths}
 
     def _plan_trails(self) -> tuple[range, int]:
         """(steps at which trails are exposed, their distance): on the frames, and evenly between them."""
@@ -90,6 +92,16 @@ class Playback:
         number = _largest_divisor(steps, wanted)
         self.painter.shutter = exposure_time / number
         return steps // number, number
+
+    def _plan_path(self, name: str) -> tuple[int, int]:
+        """(steps between two moments of a streak's path that are remembered, steps before a picture at which they begin)."""
+        clock, look = self.preset.clock, self.painter.looks[name]
+        assert look is not None
+        exposure = self._trail_interval * clock.step if look.trail is not None else 0.0
+        length = max(self.painter.shutter, exposure) if look.length is None else look.length
+        steps = math.ceil(length / clock.step - 1e-9)
+        interval = max(1, -(-steps // MOMENTS))
+        return interval, steps + interval
 
     def step_of(self, time: float) -> int:
         """The number of steps from the start to film time `time`. Raises UsageError for a time between two steps."""
@@ -218,6 +230,18 @@ class Playback:
 
             for at in _steps_between(range(first, _ENDLESS, interval), self._last_shown, step):
                 yield at, remember
+        for name, (interval, reach) in self._path_steps.items():
+
+            def remember_path(name=name):
+                self.painter.paths[name].remember(self.sim.systems[name], self.sim.time)
+
+            if name in self.painter.trails:
+                first = self._trail_steps.start - reach
+            else:
+                first = step - (self._subframes - 1) * self._subframe_interval - reach
+            first = -(-max(0, first) // interval) * interval
+            for at in _steps_between(range(first, _ENDLESS, interval), self._last_shown, step):
+                yield at, remember_path
 
     def _advance(self, steps: int) -> None:
         if steps > 0:

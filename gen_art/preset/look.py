@@ -9,6 +9,7 @@ from gen_art.errors import UsageError
 from gen_art.font import missing
 from gen_art.particles.entries import DISSIPATED, LedgerEntry
 from gen_art.preset.colour_names import Gradient
+from gen_art.preset.disc_shape import Spread, Stretch
 from gen_art.preset.fields import (
     MOST_LIGHT,
     MOST_SIZE,
@@ -349,6 +350,8 @@ class Look(Model):
         "with `wormhole`, the side on which the particles are: this one, the other one, or `through` for particles that go "
         "through the disc, which are on the other side where they are behind it",
     )
+    stretch: Stretch | None = about(None, "soft discs become ellipsoids: wisps along the flow")
+    spread: Spread | None = about(None, "soft discs far from others become wide and thin: haze in place of stray beads")
     trail: Trail | None = about(None, "an afterglow that fades")
     ribbon: Ribbon | None = about(None, "the past path of each particle")
     legend: Annotated[Legend | None, BeforeValidator(_legend)] = about(
@@ -433,6 +436,9 @@ class Look(Model):
             raise UsageError(f"`{'back' if self.back is not None else 'translucency'}` needs draw: cloth")
         if self.blend == "alpha" and self.draw not in ("disc", "sphere", "picture"):
             raise UsageError("blend: alpha needs draw: disc, sphere or picture")
+        for key in ("stretch", "spread"):
+            if getattr(self, key) is not None and self.draw != "disc":
+                raise UsageError(f"{key} needs draw: disc")
         if self.blend == "opaque" and self.draw not in ("sphere", "picture"):
             raise UsageError("blend: opaque needs draw: sphere or picture")
         if self.light is not None and self.blend != "alpha":

@@ -16,7 +16,9 @@ SHADED = 50  # in the picture
 LIT = 36  # more, in a lit system
 LISTED = 85  # more, drawn as a sprite
 SORTED = 36  # more, sorted by depth
-REMEMBERED = 20  # of a past position, for ribbons
+REMEMBERED = 32  # of a past position and velocity, for ribbons and streaks
+PATH = 10  # most moments that a streak's path is remembered at
+NEIGHBOURS = 260  # more, while distances to neighbours are found
 SOLID = 200  # as a ball, or the link of a thread: its row and those of the lists of it
 WOVEN = 1400  # in a cloth: a corner and two triangles
 LIQUID = 20  # in a liquid: what it is to the camera and to the lamp
@@ -54,6 +56,10 @@ def particle_bytes(preset: Preset, name: str) -> float:
     if look is None:
         return 0.0
     glowing = GLOWING if preset.light is not None and name in preset.light.glow else 0
+    if look.stretch is not None or look.spread is not None:
+        shaped = 0 if look.spread is None else NEIGHBOURS
+        more = (SORTED if look.blend != "add" else 0) + (LIT if _smoke_cells(preset, look) else 0)
+        return glowing + SHADED + LISTED + shaped + more
     if look.ribbon is not None:
         return glowing + SHADED + look.ribbon.points * (REMEMBERED + LISTED)
     if look.draw == "body":  # the shapes are few, the particles are only shaded
@@ -63,8 +69,18 @@ def particle_bytes(preset: Preset, name: str) -> float:
     if look.is_liquid:
         return glowing + SHADED + LIT + LIQUID
     if look.blend == "add":
-        return glowing + SHADED + (0 if look.draw in ("point", "pixel") else LISTED)
-    return glowing + SHADED + LISTED + SORTED + (LIT if _smoke_cells(preset, look) else 0)
+        return glowing + SHADED + (0 if look.draw in ("point", "pixel") else LISTED) + _path(look, preset)
+    return glowing + SHADED + LISTED + SORTED + (LIT if _smoke_cells(preset, look) else 0) + _path(look, preset)
+
+
+def _path(look: Look, preset: Preset) -> float:
+    """Bytes of a particle for the path of its streak: moments, once more while they are compared, and a piece of the streak."""
+    if look.draw != "streak" or look.ribbon is not None:
+        return 0.0
+    camera, clock = preset.camera or CameraSpec(), preset.clock
+    length = camera.shutter / 360.0 * clock.speed / clock.fps if look.length is None else look.length
+    moments = min(PATH, length / clock.step + 2.0)
+    return 2.0 * moments * REMEMBERED + SHADED + LISTED
 
 
 def fixed_bytes(preset: Preset) -> float:

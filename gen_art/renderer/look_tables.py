@@ -40,7 +40,10 @@ FOG_START, FOG_RATE, FOG_RED, FOG_GREEN, FOG_BLUE = range(20, 25)
 KIND, SIZE_MODE, SIZE_VALUE, BLEND, CONSERVE, FALLOFF = range(25, 31)
 STROBE_LO, STROBE_HI, DUTY, FILM_TIME, RAW, LIT, WEIGHT, EMITS = range(31, 39)
 LENS, FOCUS, AREA_OF, RIBBON, SNAP = range(39, 44)
-NUMBERS = 44
+PIECES = 44  # 1 where the streaks are pieces of curved ones
+MARGIN = 45  # how far outside the picture a sprite's middle may be, in footprints
+OVERLAP, WIDEST = 46, 47  # of `spread`: radius over distance, 0 without it; largest factor on the radius
+NUMBERS = 48
 
 
 def domain(ramp: Ramp | Color) -> tuple[float, float]:
@@ -193,6 +196,10 @@ def kernel_numbers(
     q[RAW], q[WEIGHT], q[LIT] = raw, weight, lit
     q[EMITS] = emission is not None or (look.blend == "add" and not look.shapes and not look.is_liquid)
     q[FOCUS] = 1.0
+    if look.spread is not None:
+        q[OVERLAP], q[WIDEST] = look.spread.overlap, look.spread.most
+    # an ellipse is up to most^(2/3) times as long as the disc, and its kernel a little wider
+    q[MARGIN] = 1.5 if look.stretch is None else max(1.5, 1.1 * look.stretch.most ** (2 / 3))
     lens = getattr(view, "lens", None)
     if lens is not None:
         q[LENS], q[FOCUS] = lens

@@ -16,7 +16,9 @@ from gen_art.preset.look import Look
 from gen_art.preset.sky import Sky
 from gen_art.preset.surface import Ground, ground_of
 from gen_art.renderer.camera import Camera
+from gen_art.renderer.curved_streaks import Pieces, cut
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
+from gen_art.renderer.elliptic_splat import ellipses_of_motion
 from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.emitted_light import emitted_light
 from gen_art.renderer.framebuffer import FrameBuffer, splat
@@ -27,14 +29,16 @@ from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.liquid.lamp_map import lamp_map
 from gen_art.renderer.liquid.liquid_pass import LiquidPass
 from gen_art.renderer.liquid.liquid_system import LiquidSystem, hiding_particles
-from gen_art.renderer.look_tables import SIZE_MODE, SIZE_VALUE, LookTables, kernel_numbers
+from gen_art.renderer.look_tables import SHUTTER, SIZE_MODE, SIZE_VALUE, TIME, LookTables, kernel_numbers
+from gen_art.renderer.path_history import MOMENTS, PathHistory
 from gen_art.renderer.ribbons import RibbonHistory, cut_by_plane
 from gen_art.renderer.shading import ProjectedParticles, shade
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.sky_background import draw_sky
 from gen_art.renderer.smoke_lighting import add_scattered_light, lamp_axes, smoke_key
-from gen_art.renderer.sprite import ALPHA, DISC, FOOTPRINT, HIDDEN, KINDS, OUTSIDE, POINT, RED, STREAK, X
-from gen_art.renderer.sprite_buffer import Sprites
+from gen_art.renderer.spacing import NO_SPACING, spacing
+from gen_art.renderer.sprite import ALPHA, DISC, FOOTPRINT, HIDDEN, KINDS, OUTSIDE, PIECE, POINT, RED, STREAK, X
+from gen_art.renderer.sprite_buffer import Sprites, streak_ends
 from gen_art.renderer.supersample import box_averaged
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES, SurfaceDepths, hide_small_sprites
 from gen_art.renderer.surfaces.liquid_shadow import NO_LIQUID
@@ -83,6 +87,8 @@ class _Shaded:
 
     drawn : (system, channels) of each
     second : the second images of their particles beside a wormhole, and `bent`, how it bends their light
+    stretched : of the systems whose discs are stretched, their ellipses
+    curved : of the systems whose streaks bend, the pieces of these
     hidden_by : what hides their sprites
     mirror : the mirror behind which the view lies, or None
     smoke, emitted : the light of smoke and of emitting particles
@@ -92,6 +98,8 @@ class _Shaded:
     drawn: dict[str, tuple]
     second: dict[str, ProjectedParticles]
     bent: LensedView
+    stretched: dict[str, np.ndarray]
+    curved: dict[str, Pieces]
     hidden_by: SurfaceDepths
     mirror: tuple | None
     smoke: dict
@@ -134,6 +142,12 @@ class Painter:
         self.histories = {
             n: RibbonHistory(k.ribbon) for n, k in self.looks.items() if k is not None and k.ribbon is not None
         }
+        self.paths = {
+            n: PathHistory(MOMENTS + 2)
+            for n, k in self.looks.items()
+            if k is not None and k.draw == "streak" and k.ribbon is None
+        }
+        self._projected_pieces: dict[str, ProjectedParticles] = {}
 
     @property
     def trails(self) -> dict[str, Look]:
@@ -238,13 +252,15 @@ class Painter:
         )
         shaded = replace(shaded, second={})
         surfaces = framebuffer.buffer.copy()
-        shown = {name: channels.copy() for name, (_, channels) in shaded.drawn.items()}
+        drawn = [*shaded.drawn.values()]
+        drawn += [(pieces.system, self._projected_pieces[name].used) for name, pieces in shaded.curved.items()]
+        shown = [channels.copy() for _, channels in drawn]
         results = []
         for recolour, background in passes:
             framebuffer.buffer[:] = surfaces
             background(framebuffer.pixels)
-            for name, (system, channels) in shaded.drawn.items():
-                channels[:] = shown[name]
+            for (system, channels), before in zip(drawn, shown):
+                channels[:] = before
                 recolour(system, channels)
             self._draw_sprites(sim, shaded, view, film_time, 1.0, framebuffer)
             pixels = framebuffer.pixels
@@ -326,6 +342,8 @@ class Painter:
         given : the light of smoke and of emitting particles, where it is known
         """
         drawn: dict[str, tuple] = {}
+        stretched: dict[str, np.ndarray] = {}
+        curved: dict[str, Pieces] = {}
         lit: dict[str, tuple] = {}
         solids: list[SolidSystem] = []
         sheets: list[SheetSystem] = []
@@ -353,14 +371,20 @@ class Painter:
                 if look.draw == "cloth":
                     q[SIZE_MODE], q[SIZE_VALUE] = 1, 1.0
                 acceleration = self._acceleration(name, system, sim.time)
-                shade(projected, system, tables, q, acceleration, bent.images(system, look, 0, sim.time, shutter))
+                distances = NO_SPACING if look.spread is None else spacing(system, sim.time, look.spread.reach)
+                seen_at = bent.images(system, look, 0, sim.time, shutter)
+                shade(projected, system, tables, q, acceleration, seen_at, distances=distances)
                 if bent is not NO_LENS and light is None:
                     second[name] = self._second_images.setdefault(name, ProjectedParticles())
-                    shade(
-                        second[name], system, tables, q, acceleration, bent.images(system, look, 1, sim.time, shutter)
-                    )
+                    seen_at = bent.images(system, look, 1, sim.time, shutter)
+                    shade(second[name], system, tables, q, acceleration, seen_at, distances=distances)
                 if mirror is not None and look.draw != "cloth":
                     _hide_below(projected, system, *mirror)
+                if name in self.paths and bent is NO_LENS:
+                    pieces = self._bend(name, system, q, acceleration, mirror)
+                    curved |= {} if pieces is None else {name: pieces}
+                if look.stretch is not None:
+                    stretched[name] = ellipses_of_motion(projected, system, q, look.stretch.time, look.stretch.most)
                 drawn[name] = system, projected.used
                 columns = projected.lit[: projected.count]
                 velocities = system.floats[VELOCITY, : projected.count]
@@ -400,7 +424,7 @@ class Painter:
                 )
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
-        return _Shaded(looks, drawn, second, bent, hidden_by, mirror, smoke, emitted)
+        return _Shaded(looks, drawn, second, bent, stretched, curved, hidden_by, mirror, smoke, emitted)
 
     def _draw_sprites(self, sim, shaded: "_Shaded", view, film_time, weight, framebuffer: FrameBuffer) -> None:
         """Draw the sprites and ribbons of systems that were shaded, over what the framebuffer holds."""
@@ -411,11 +435,30 @@ class Painter:
         for name, look in looks.items():
             if look.ribbon is not None:
                 self._add_ribbons(sim, name, view, film_time, weight, framebuffer, shaded.mirror, shaded.bent)
+            elif name in shaded.stretched:
+                sprites.add_ellipses(self._projected[name], shaded.stretched[name], framebuffer)
             elif not self._is_surface(look):
                 self._add_sprites(look, self._projected[name], framebuffer)
                 if name in shaded.second:
                     self._add_sprites(look, shaded.second[name], framebuffer)
+                if name in shaded.curved:
+                    sprites.add(self._projected_pieces[name], PIECE, framebuffer, shaded.curved[name].ends, HIDDEN)
         splat(sprites, framebuffer)
+
+    def _bend(self, name: str, system, q: np.ndarray, acceleration, mirror) -> Pieces | None:
+        """Shade the pieces of those streaks that bend, and hide the straight ones in their place."""
+        projected, look = self._projected[name], self._tables[name].look
+        past = self.paths[name].since(system, q[TIME], q[TIME] - q[SHUTTER])
+        pieces = cut(system, past, q, look.tail, look.taper)
+        if pieces is not None:
+            _hide(projected, pieces.replaced)
+            if acceleration is not None:
+                acceleration = acceleration[pieces.owner]
+            of_pieces = self._projected_pieces.setdefault(name, ProjectedParticles())
+            shade(of_pieces, pieces.system, self._tables[name], pieces.numbers, acceleration, pieces=pieces.rows)
+            if mirror is not None:
+                _hide_below(of_pieces, pieces.system, *mirror)
+        return pieces
 
     def _emitted_light(self, sim, view, film_time: float, weight: float) -> EmittedLight | None:
         """What the systems that the scene's light names by `glow` emit, or None."""
@@ -477,8 +520,6 @@ class Painter:
         """Add every segment of a system's ribbons; without earlier positions there are none."""
         tables, projected = self._tables[name], self._projected[name]
         for segment in self.histories[name].segments(sim.systems[name], sim.time):
-            if mirror is not None:
-                cut_by_plane(segment, *mirror)
             light = weight * segment.light
             q = kernel_numbers(
                 tables,
@@ -491,10 +532,22 @@ class Painter:
                 weight=light,
                 width=segment.width,
             )
+            pieces = None
+            if len(bent.orders) == 1:
+                pieces = cut(segment.system, segment.past, q, segment.tail, segment.taper, segment.motion, along=True)
+            if mirror is not None:
+                cut_by_plane(segment, *mirror)
             for order in bent.orders:
                 seen = bent.images(segment.system, tables.look, order, segment.time, segment.duration)
                 shade(projected, segment.system, tables, q, seen=seen)
-                self._sprites.add(projected, STREAK, framebuffer, segment.tail, segment.taper, HIDDEN)
+                if pieces is not None:
+                    _hide(projected, pieces.replaced)
+                self._sprites.add(projected, STREAK, framebuffer, streak_ends(segment.tail, segment.taper), HIDDEN)
+            if pieces is not None:
+                shade(projected, pieces.system, tables, pieces.numbers, pieces=pieces.rows)
+                if mirror is not None:
+                    _hide_below(projected, pieces.system, *mirror)
+                self._sprites.add(projected, PIECE, framebuffer, pieces.ends, HIDDEN)
 
     def remember_velocities(self, sim) -> None:
         """Keep the velocities of the systems whose look shows the acceleration, which is their change until the next picture."""
@@ -533,15 +586,19 @@ class Painter:
             (discs if largest > 0.0 else dots)(projected.channels, projected.count, framebuffer)
             if largest <= min_footprint:
                 return
-        sprites.add(projected, kind, framebuffer, look.tail, look.taper, min_footprint)
+        sprites.add(projected, kind, framebuffer, streak_ends(look.tail, look.taper), min_footprint)
 
 
 def _hide_below(projected: ProjectedParticles, system, point, normal) -> None:
     """Hide the particles behind a plane."""
     height = np.asarray(normal, np.float64) @ system.floats[POSITION, : projected.count] - float(np.dot(normal, point))
-    below = height < 0.0
-    projected.used[FOOTPRINT, below], projected.used[X, below] = HIDDEN, OUTSIDE
-    projected.used[RED : ALPHA + 1, below] = 0.0
+    _hide(projected, height < 0.0)
+
+
+def _hide(projected: ProjectedParticles, which: np.ndarray) -> None:
+    """Hide the particles that a mask names."""
+    projected.used[FOOTPRINT, which], projected.used[X, which] = HIDDEN, OUTSIDE
+    projected.used[RED : ALPHA + 1, which] = 0.0
 
 
 def render_frame(

@@ -1,11 +1,11 @@
 """Ribbons: each particle's path through its last positions, as a chain of streaks that become narrower and fainter.
 
-Positions are kept at fixed steps of the simulation. The joints of a chain are not visible, because a streak is a disc swept
-along a segment: two segments on one line add up to the long one. In a periodic box a segment is left out where its particle was
-wrapped, which is where its ends are more than half of the box apart.
+Between two positions the path is curved as path_history.py says, and cut into pieces where the picture shows it. Positions are
+kept at fixed steps of the simulation. The joints of a chain are not visible, because a streak is a disc swept along a segment:
+two segments on one line add up to the long one. In a periodic box a segment is left out where its particle was wrapped, which is
+where its ends are more than half of the box apart.
 """
 
-from collections import deque
 from dataclasses import dataclass
 from types import SimpleNamespace
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from gen_art.particles.rows import LIFETIME, POSITION, RADIUS, VELOCITY
 from gen_art.preset.look import Ribbon
+from gen_art.renderer.path_history import MOTION, PastMotion, PathHistory
 
 __all__ = ["RibbonHistory", "Segment", "cut_by_plane"]
 
@@ -21,6 +22,8 @@ __all__ = ["RibbonHistory", "Segment", "cut_by_plane"]
 class Segment:
     """What the shading kernel reads as a system of streaks: from each particle's position at `time` back over `duration` seconds.
 
+    motion : (6, n) positions and velocities at `time`
+    past : the same at the older end
     width, light : factors of the look's own, at the newer end
     taper, tail : width and light at the older end, divided by those at the newer
     """
@@ -28,44 +31,37 @@ class Segment:
     system: SimpleNamespace
     time: float
     duration: float
+    motion: np.ndarray
+    past: PastMotion
     width: float
     light: float
     taper: float
     tail: float
 
 
-class RibbonHistory:
+class RibbonHistory(PathHistory):
     """The last positions of one system's particles."""
 
     def __init__(self, ribbon: Ribbon):
+        super().__init__(ribbon.points)
         self.ribbon = ribbon
-        self._positions: deque = deque(maxlen=ribbon.points)
-
-    def remember(self, system, time: float) -> None:
-        """Keep the particles' positions; a second call at the same moment does nothing."""
-        if not self._positions or self._positions[-1][0] < time:
-            n = int(system.count)
-            self._positions.append((time, np.array(system.id[:n]), np.array(system.floats[POSITION, :n])))
 
     def segments(self, system, time: float):
         """The ribbons at `time` as segments, newest first."""
         n, length = int(system.count), self.ribbon.length
-        newer, newer_time, has_past = np.array(system.floats[POSITION, :n]), time, np.ones(n, bool)
-        for older_time, ids, positions in reversed(self._positions):
-            if older_time >= newer_time:
-                continue
-            if time - newer_time >= length or not len(ids):
+        newer, newer_time = np.array(system.floats[MOTION, :n]), time
+        for older_time, older, known in self.before(system, time, unwrap=False):
+            if time - newer_time >= length:
                 return
-            index = np.minimum(np.searchsorted(ids, system.id[:n]), len(ids) - 1)
-            has_past &= ids[index] == system.id[:n]
-            older = np.where(has_past, positions[:, index], newer)
-            drawn = has_past if system.box is None else has_past & ~system.box.jumps(newer - older)
+            older = np.where(known, older, newer)
+            drawn = known if system.box is None else known & ~system.box.jumps((newer - older)[POSITION])
             yield self._segment(system, newer, older, drawn, newer_time, older_time, time)
             newer, newer_time = older, older_time
 
     def _segment(self, system, newer, older, drawn, newer_time: float, older_time: float, time: float) -> Segment:
         floats, n = np.array(system.floats), newer.shape[1]
-        floats[POSITION, :n], floats[VELOCITY, :n] = newer, (newer - older) / (newer_time - older_time)
+        floats[POSITION, :n] = newer[POSITION]
+        floats[VELOCITY, :n] = (newer - older)[POSITION] / (newer_time - older_time)
         floats[LIFETIME, :n][~drawn] = 0.0  # nothing is drawn without an earlier position, or across a periodic box
         birth = np.array(system.birth)
         birth[:n] = np.where(drawn, np.minimum(birth[:n], older_time), birth[:n])
@@ -79,7 +75,8 @@ class RibbonHistory:
             count=n, channels=system.channels, entries=system.entries, booked=system.booked,
         )  # fmt: skip
         taper, tail = end_width / max(width, 1e-9), end_light / max(light, 1e-9)
-        return Segment(system_copy, newer_time, newer_time - older_time, width, light, taper, tail)
+        past = PastMotion(np.array([older_time]), older[None], drawn[None])
+        return Segment(system_copy, newer_time, newer_time - older_time, newer, past, width, light, taper, tail)
 
 
 def cut_by_plane(segment: Segment, point, normal) -> None:

@@ -35,9 +35,12 @@ from gen_art.renderer.look_tables import (
     KIND,
     LENS,
     LIT,
+    MARGIN,
     NEAR,
     OPACITY,
     ORTHOGRAPHIC,
+    OVERLAP,
+    PIECES,
     POSITION,
     QUANTITIES,
     RAMP_CHANNEL,
@@ -59,9 +62,12 @@ from gen_art.renderer.look_tables import (
     STROBE_LO,
     TIME,
     WEIGHT,
+    WIDEST,
     WIDTH,
     LookTables,
 )
+from gen_art.renderer.piece_rows import NO_PIECES, PIECE_HEAD, PIECE_LIGHT, PIECE_OLD, PIECE_WIDTH
+from gen_art.renderer.spacing import NO_SPACING
 from gen_art.renderer.sprite import (
     ALPHA,
     AREA,
@@ -146,7 +152,8 @@ def _lanes(value):
 @ti.kernel
 def _shade(
     S: ti.types.ndarray(ndim=2), V: ti.types.ndarray(ndim=2), birth: F64, key: U2, id: L1, source: I1, tag_rows: I1,
-    acceleration: F1, booked: D2, n: ti.i32, C: F2, A: F2, ramps: F2, curves: F2, colours: F3, Q: F64,
+    acceleration: F1, booked: D2, n: ti.i32, C: F2, A: F2, ramps: F2, curves: F2, colours: F3, Q: F64, pieces: F2,
+    spacing: F1,
 ):  # fmt: skip
     """Project n particles, and give each its size, colour and light.
 
@@ -156,6 +163,8 @@ def _shade(
     A : (n, 8) columns LIT_... of lit particles, written for a lit look
     ramps, curves, colours : see LookTables
     Q : numbers of look_tables.kernel_numbers
+    pieces : (8, n) of piece_rows, for pieces of curved streaks
+    spacing : (n,) m, distances to neighbours, or (1,) where the look has no `spread`
     """
     ti.loop_config(block_dim=1)
     for block in range((n + BLOCK - 1) // BLOCK):
@@ -200,10 +209,22 @@ def _shade(
                 visible = exists & (ahead[j] < far) & ((ahead[j] >= near) | (kind == STREAK))
                 alive[j] = ti.select(exists, 1.0, 0.0)
                 visible_part[j] = ti.select(visible, 1.0, 0.0)
+            if Q[PIECES] > 0.5:  # their ends are given, and one moves from the old end to the head in a unit of time
+                for j in range(ti.min(LANES, n - i0)):
+                    i = i0 + j
+                    right[j], up[j], ahead[j] = (
+                        pieces[PIECE_HEAD, i],
+                        pieces[PIECE_HEAD + 1, i],
+                        pieces[PIECE_HEAD + 2, i],
+                    )
+                    v_right[j], v_up[j] = right[j] - pieces[PIECE_OLD, i], up[j] - pieces[PIECE_OLD + 1, i]
+                    v_ahead[j] = ahead[j] - pieces[PIECE_OLD + 2, i]
             if kind == STREAK:
                 for j in range(LANES):
                     if visible_part[j] > 0.0:
                         lapse = ti.min(ti.cast(Q[SHUTTER], ti.f32), ti.max(quantity[Q_SECONDS * LANES + j], 0.0))
+                        if Q[PIECES] > 0.5:
+                            lapse = 1.0
                         head = ti.Vector([right[j], up[j], ahead[j]])
                         old_end = head - ti.Vector([v_right[j], v_up[j], v_ahead[j]]) * lapse
                         near_low, near_high = _clip(head[2] - old_end[2], head[2] - near, 0.0, 1.0)
@@ -261,6 +282,11 @@ def _shade(
                             at = ti.min(ti.cast(t, ti.i32), TABLE - 2)
                             first = curves[k, at]
                             value[k * LANES + j] = first + (curves[k, at + 1] - first) * (t - ti.cast(at, ti.f32))
+            if Q[PIECES] > 0.5:
+                for j in range(ti.min(LANES, n - i0)):
+                    value[INTENSITY * LANES + j] *= pieces[PIECE_LIGHT, i0 + j]
+                    if Q[RIBBON] > 0.5:
+                        value[SIZE * LANES + j] *= pieces[PIECE_WIDTH, i0 + j]
             # radius in pixels, the area that its light is multiplied by, and its coverage
             radius, area, light, fog = _lanes(0.0), _lanes(0.0), _lanes(0.0), _lanes(1.0)
             optical_depth, coverage = _lanes(0.0), _lanes(0.0)
@@ -282,6 +308,14 @@ def _shade(
                 light[j] *= ti.select((Q[RIBBON] > 0.5) & (visible_part[j] > 0.0), 1.0, visible_part[j])
                 ratio = ti.cast(Q[CONSERVE], ti.f32) * pixels_per_unit[j] / ti.max(radius[j], 1e-30)
                 optical_depth[j] = value[OPACITY * LANES + j] * ti.select(Q[CONSERVE] > 0.0, ratio * ratio, 1.0)
+            if Q[OVERLAP] > 0.0:
+                distances = spacing.shape[0]
+                for j in range(LANES):
+                    distance = spacing[ti.min(i0 + j, distances - 1)] * ti.cast(Q[OVERLAP], ti.f32)
+                    wider = ti.max(distance * pixels_per_unit[j] / ti.max(radius[j], 1e-30), 1.0)
+                    wider = ti.min(wider, ti.cast(Q[WIDEST], ti.f32))
+                    radius[j], area[j] = radius[j] * wider, area[j] * (wider * wider)
+                    light[j], optical_depth[j] = light[j] / (wider * wider), optical_depth[j] / (wider * wider)
             if Q[STROBE_HI] > 0.0:
                 for j in range(LANES):
                     key_low, key_high = key[0, i0 + j], key[1, i0 + j]
@@ -367,8 +401,12 @@ def _shade(
                     s, e = ti.sqrt(radius[j] * radius[j] + 1.0 + circle * circle), 0.0
                     dx[j] = quantity[Q_SECONDS * LANES + j]  # an image's AGE and RANDOM
                     dy[j] = uniform01(key[0, i0 + j], key[1, i0 + j], 31)
+                if Q[PIECES] > 0.5 and Q[RIBBON] < 0.5:
+                    s = ti.max(s * pieces[PIECE_WIDTH, ti.min(i0 + j, n - 1)], MIN_FOOTPRINT)
                 footprint[j], edge[j] = s, e
-                margin = (ti.max(s, 1.0) + e) * 1.5 + ti.select(kind == STREAK, ti.max(abs(dx[j]), abs(dy[j])), 0.0)
+                margin = (ti.max(s, 1.0) + e) * ti.cast(Q[MARGIN], ti.f32) + ti.select(
+                    kind == STREAK, ti.max(abs(dx[j]), abs(dy[j])), 0.0
+                )
                 on_picture = (visible_part[j] > 0.0) & (px[j] > -margin) & (px[j] < width + margin)
                 on_picture = on_picture & (py[j] > -margin) & (py[j] < rows + margin)
                 has_light = (coverage[j] > 0.0) | (red[j] + green[j] + blue[j] > 0.0) | (Q[LIT] > 0.5)
@@ -422,13 +460,16 @@ class ProjectedParticles:
 
 
 def shade(
-    projected: ProjectedParticles, system, shading: LookTables, numbers: np.ndarray, acceleration=None, seen=None
-) -> None:
+    projected: ProjectedParticles, system, shading: LookTables, numbers: np.ndarray, acceleration=None, seen=None,
+    pieces=NO_PIECES, distances=NO_SPACING,
+) -> None:  # fmt: skip
     """Project a system's particles. For a lit look also fill `projected.lit`; the scattered light is added later.
 
     numbers : of look_tables.kernel_numbers
     acceleration : (n,) m/s^2, 0 unless given
     seen : (6, capacity) positions and velocities as the camera sees them; the particles' own unless given
+    pieces : (8, n) of piece_rows where the system's particles are pieces of curved streaks and numbers[PIECES] is 1
+    distances : (n,) m to the neighbours, of spacing.py, for a look with `spread`
     """
     n = int(system.count)
     projected.reserve(n, numbers[LIT] > 0.5)
@@ -438,4 +479,5 @@ def shade(
             shading.rows(system.sources),
             NO_ACCELERATION if acceleration is None else acceleration, system.booked if system.entries else NOTHING_BOOKED, n,
             projected.channels, projected.lit, shading.ramps, shading.curves, shading.colours, numbers,
+            pieces, distances,
         )  # fmt: skip

@@ -7,6 +7,7 @@ Kernel of a disc, per axis: g(t) = (1 - 0.3125 t^2)^8 (1 - t^2)^2, t = distance 
 at which the kernel becomes 0) is 3.3 standard deviations: a Gaussian that ends smoothly.
 A streak is a disc swept along a segment. Along its longer axis its profile is the integral of the kernel between the two ends;
 across that axis it is the kernel about the segment, with the covariance of the swept disc.
+A piece is a part of a curved streak: the same, but cut off at right angles, so that neighbours add up where they join.
 A sphere is an even disc of radius `footprint` whose rim falls to 0 over +-`edge`. What a lens makes of a point out of focus is
 drawn in the same way.
 
@@ -24,7 +25,7 @@ from gen_art.renderer.surfaces.hiding import BEFORE, BEHIND, place_among_surface
 __all__ = ["AREA", "profile", "profile_integral", "rim_profile", "smooth_step", "streak_profile", "write_sprites"]
 
 # kinds of sprites
-POINT, DISC, STREAK, SPHERE, PICTURE = range(5)
+POINT, DISC, STREAK, SPHERE, PICTURE, PIECE, ELLIPSE = range(7)
 KINDS = {
     "pixel": POINT,
     "point": POINT,
@@ -137,13 +138,68 @@ def streak_slope(dm, dn, footprint):
 
 
 @ti.func
+def piece_weight(along, n, centre, half_width, below, slope, span, footprint, tail):
+    """A piece's weight in a pixel: across it as a streak's, along it by the place of the pixel's foot on the segment.
+
+    along : distance along the longer axis of the pixel's middle from the old end, positive towards the head
+    n, centre : first coordinate of the pixel and that of the middle line, across
+    below : the smooth step at n, which is returned for the next pixel with the weight
+    """
+    above = smooth_step((n + 1.0 - centre) / half_width)
+    stretch = ti.sqrt(1.0 + slope * slope)
+    foot = along * stretch + (n + 0.5 - centre) * slope / stretch
+    return (above - below) * streak_profile(foot, span * stretch, footprint, tail), above
+
+
+@ti.func
+def piece_shape(x, y, dx, dy, footprint, tail, taper):
+    """A piece's slope, half width across at its head, sum of weights, and how far its light reaches from its ends."""
+    dm, dn, head_m, head_n = dx, dy, x, y
+    vertical = abs(dy) > abs(dx)
+    if vertical:
+        dm, dn, head_m, head_n = dy, dx, y, x
+    span, sign, slope = abs(dm), ti.select(dm > 0.0, 1.0, -1.0), dn / dm
+    stretch = ti.sqrt(1.0 + slope * slope)
+    # less the variance that a pixel's width adds
+    across = ti.sqrt(ti.max((footprint * stretch) ** 2 - 1.0 / (12.0 * KERNEL_VARIANCE), 0.0))
+    margin, half = streak_margin(span * stretch, footprint), ti.max(across, MIN_STREAK_FOOTPRINT)
+    reach_m = (margin + abs(slope) * half) / stretch + 1.0
+    reach_n = half + abs(slope) * reach_m + 1.0
+    total = 0.0
+    first = ti.cast(ti.floor(ti.min(head_m, head_m - dm) - reach_m), ti.i32)
+    last = ti.cast(ti.floor(ti.max(head_m, head_m - dm) + reach_m), ti.i32)
+    for m in range(first, last + 1):
+        c = ti.cast(m, ti.f32) + 0.5 - head_m
+        along = c * sign + span
+        centre, half_width = head_n + slope * c, piece_half_width(across, taper, along / span)
+        n0, n1 = ti.floor(centre - half_width), ti.floor(centre + half_width)
+        below = smooth_step((n0 - centre) / half_width)
+        for n in range(ti.cast(n0, ti.i32), ti.cast(n1, ti.i32) + 1):
+            w, above = piece_weight(
+                along, ti.cast(n, ti.f32), centre, half_width, below, slope * sign, span, footprint, tail
+            )
+            below = above
+            total += w
+    reach_x, reach_y = reach_m, reach_n
+    if vertical:
+        reach_x, reach_y = reach_n, reach_m
+    return slope, across, total, reach_x, reach_y
+
+
+@ti.func
+def piece_half_width(across, taper, head):
+    """Half the width across at a part of the length: 0 at the old end, 1 at the head."""
+    return ti.max(across * (taper + (1.0 - taper) * ti.min(ti.max(head, 0.0), 1.0)), MIN_STREAK_FOOTPRINT)
+
+
+@ti.func
 def rim_profile(distance, footprint, edge):
     """An even disc's weight at a distance from its centre: 1 inside, falling to 0 over footprint +- edge."""
     return 1.0 - smooth_step((distance - footprint) / edge)
 
 
 @ti.func
-def _rim_sum(x, y, footprint, edge):
+def rim_sum(x, y, footprint, edge):
     """The sum of `rim_profile` over all pixel centres; for a large disc its integral."""
     total = 3.14159265 * (footprint * footprint + edge * edge / 11.0)
     outer = footprint + edge
@@ -160,7 +216,7 @@ def _rim_sum(x, y, footprint, edge):
 
 
 @ti.func
-def _choose_level(footprint, random):
+def choose_level(footprint, random):
     """The level (framebuffer of 1 / 2^level of the size) in which a disc is drawn, and its footprint there.
 
     random : in 0..1, the sprite's own. It spreads the size at which sprites change level, so that no edge shows where they grow.
@@ -178,13 +234,14 @@ def _choose_level(footprint, random):
 @ti.kernel
 def _write_sprites(
     C: F2, start: ti.i32, n: ti.i32, P: F2, headers: H2, depths: F1, base: ti.i32, width: ti.i32, height: ti.i32,
-    kind: ti.i32, tail: ti.f32, taper: ti.f32, min_footprint: ti.f32, bounds: F3, pixel: ti.f32, parallel: ti.i32,
+    kind: ti.i32, ends: F2, min_footprint: ti.f32, bounds: F3, pixel: ti.f32, parallel: ti.i32,
 ):  # fmt: skip
     """Fill sprite rows base.. from particles start..start + n: the covered pixels, and the norm of the weights.
 
     C : (11, n) channels of the projected particles
     P : (n, 16) float rows of the sprites
     headers : (n, 6) integers of the sprites
+    ends : (2, n), or (2, 1) for all: a streak's brightness and width at its old end, divided by those at its head
     min_footprint : particles with a footprint of this many pixels or less are left out
     bounds, pixel, parallel : of SurfaceDepths; no rows of bounds where no surfaces are drawn
     """
@@ -192,6 +249,8 @@ def _write_sprites(
     for block in range((n + 2047) // 2048):
         for k in range(block * 2048, ti.min((block + 1) * 2048, n)):
             i, c = base + k, start + k
+            own = ti.min(c, ends.shape[1] - 1)
+            tail, taper = ends[0, own], ends[1, own]
             headers[i, TOP], headers[i, BOTTOM], headers[i, LEVEL], headers[i, KIND] = (
                 ti.i16(1),
                 ti.i16(0),
@@ -204,7 +263,7 @@ def _write_sprites(
             if bounds.shape[0] > 0 and footprint > min_footprint and footprint >= 0.0:
                 wide = ti.max(footprint + ti.max(edge, 0.0), 1.0)
                 thickness = wide / FOOTPRINT_PER_RADIUS * pixel * ti.select(parallel == 1, 1.0, C[DEPTH, c])
-                reach = wide + ti.select(kind == STREAK, ti.max(abs(dx), abs(dy)), 0.0)
+                reach = wide + ti.select((kind == STREAK) | (kind == PIECE), ti.max(abs(dx), abs(dy)), 0.0)
                 among = place_among_surfaces(bounds, x, y, reach, C[DEPTH, c], thickness)
                 if among == BEHIND:
                     footprint = HIDDEN
@@ -215,17 +274,22 @@ def _write_sprites(
                 left, right, top, bottom = x - 0.5, x + 0.5, y - 0.5, y + 0.5
                 if edge > 0.0:
                     drawn_kind = SPHERE
-                    P[i, NORM] = 1.0 / ti.max(_rim_sum(x, y, footprint, edge), 1e-30)
+                    P[i, NORM] = 1.0 / ti.max(rim_sum(x, y, footprint, edge), 1e-30)
                     left, right = x - footprint - edge, x + footprint + edge
                     top, bottom = y - footprint - edge, y + footprint + edge
                 elif footprint > 0.0 and ti.max(abs(dx), abs(dy)) < 1e-3:
                     drawn_kind = DISC
                     if partly_hidden == 0.0:  # smaller framebuffers have no depths of surfaces
-                        level, footprint = _choose_level(footprint, -edge)
+                        level, footprint = choose_level(footprint, -edge)
                     scale = 1.0 / ti.cast(1 << level, ti.f32)
                     x, y = x * scale, y * scale
                     P[i, NORM] = scale * scale / (axis_sum(x, footprint) * axis_sum(y, footprint))
                     left, right, top, bottom = x - footprint, x + footprint, y - footprint, y + footprint
+                elif footprint > 0.0 and kind == PIECE:
+                    slope, across, total, reach_x, reach_y = piece_shape(x, y, dx, dy, footprint, tail, taper)
+                    P[i, SLOPE], P[i, ACROSS], P[i, NORM] = slope, across, 1.0 / ti.max(total, 1e-30)
+                    left, right = ti.min(x, x - dx) - reach_x, ti.max(x, x - dx) + reach_x
+                    top, bottom = ti.min(y, y - dy) - reach_y, ti.max(y, y - dy) + reach_y
                 elif footprint > 0.0:
                     dm, dn, head = dx, dy, x
                     vertical = abs(dy) > abs(dx)

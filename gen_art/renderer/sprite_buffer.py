@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 
+from gen_art.renderer.elliptic_splat import write_ellipses
 from gen_art.renderer.sprite import BOTTOM, KIND, SPRITE_FLOATS, SPRITE_INTS, TOP, write_sprites
 from gen_art.renderer.sprite_image import NO_TEXELS, texels, write_image_sprites
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES
 
-__all__ = ["Sprites"]
+__all__ = ["Sprites", "streak_ends"]
 
 
 class Sprites:
@@ -46,13 +47,25 @@ class Sprites:
         self.count += n
         return base
 
-    def add(self, projected, kind: int, framebuffer, tail: float, taper: float, min_footprint: float) -> None:
-        """Append a system's particles, except those with a footprint of `min_footprint` pixels or less."""
+    def add(self, projected, kind: int, framebuffer, ends: np.ndarray, min_footprint: float) -> None:
+        """Append a system's particles, except those with a footprint of `min_footprint` pixels or less.
+
+        ends : (2, n) or (2, 1) float32, a streak's brightness and width at its old end, divided by those at its head
+        """
         n, base = projected.count, self._reserve(projected.count)
         if n:
             write_sprites(
                 projected.channels, 0, n, self.rows, self.headers, self.depths, base, framebuffer.width, framebuffer.height,
-                kind, tail, taper, min_footprint, *self._hiding,
+                kind, ends, min_footprint, *self._hiding,
+            )  # fmt: skip
+
+    def add_ellipses(self, projected, ellipses: np.ndarray, framebuffer) -> None:
+        """Append a system's discs, stretched to ellipses (3, n) of elliptic_splat.py."""
+        n, base = projected.count, self._reserve(projected.count)
+        if n:
+            write_ellipses(
+                projected.channels, ellipses, n, self.rows, self.headers, self.depths, base, framebuffer.width,
+                framebuffer.height, *self._hiding,
             )  # fmt: skip
 
     def add_images(self, projected, picture, framebuffer) -> None:
@@ -92,3 +105,8 @@ class Sprites:
         keys = np.where(bits >> 31, bits, ~bits & np.uint32(0x7FFFFFFF))  # ascending keys are descending depths
         order = np.argsort(keys.astype(np.uint16), kind="stable")  # a radix sort, 16 bits at a time
         return visible[order[np.argsort((keys >> 16).astype(np.uint16)[order], kind="stable")]]
+
+
+def streak_ends(tail: float, taper: float) -> np.ndarray:
+    """(2, 1): the brightness and the width of all streaks at their old ends, divided by those at their heads."""
+    return np.array([[tail], [taper]], np.float32)

@@ -14,6 +14,8 @@ The one-letter names in kernels are in docs/glossary.md.
 from functools import cache
 
 from gen_art.backend.runtime import kernel, ti
+from gen_art.renderer.elliptic_splat import draw_ellipse
+from gen_art.renderer.piece_splat import draw_piece
 from gen_art.renderer.sprite import (
     ACROSS,
     ALPHA,
@@ -24,6 +26,7 @@ from gen_art.renderer.sprite import (
     DX,
     DY,
     EDGE,
+    ELLIPSE,
     FIRST_TEXEL,
     FOOTPRINT,
     GREEN,
@@ -34,6 +37,7 @@ from gen_art.renderer.sprite import (
     MIN_STREAK_FOOTPRINT,
     NORM,
     PICTURE,
+    PIECE,
     POINT,
     RED,
     RIGHT,
@@ -308,6 +312,12 @@ def draw_kernel(kinds: frozenset, surfaces_hide: bool):
                         if ti.static(STREAK in kinds):
                             if kind == STREAK:
                                 _streak(P, i, tile, x, y, P[i, DX], P[i, DY], top, bottom)
+                        if ti.static(ELLIPSE in kinds):
+                            if kind == ELLIPSE:
+                                draw_ellipse(P, i, tile, x, y, top, bottom)
+                        if ti.static(PIECE in kinds):
+                            if kind == PIECE:
+                                draw_piece(P, i, tile, x, y, top, bottom, TILE)
                         if ti.static(SPHERE in kinds):
                             if kind == SPHERE:
                                 _sphere(P, i, tile, x, y, top, bottom)
