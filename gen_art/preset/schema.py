@@ -22,7 +22,7 @@ from gen_art.preset.look import Look
 from gen_art.preset.model import Model, about
 from gen_art.preset.registered import Many, class_schema, is_field, registry
 from gen_art.preset.sky import Sky
-from gen_art.preset.surface import GroundValue
+from gen_art.preset.surface import GroundValue, SurfaceLook
 from gen_art.preset.values import shown
 from gen_art.preset.wormhole import Wormhole
 from gen_art.registry import suggest
@@ -222,14 +222,17 @@ class Preset(Model):
 
     @property
     def files(self) -> list:
-        """The files that the preset names: of looks in the order of the systems, then of forces, fields and colliders."""
+        """The files that the preset names: of looks in the order of the systems, of ground, forces, fields, colliders."""
         looks = (system.look for system in self.systems.values())
         images = [look.picture.image for look in looks if look is not None and look.picture is not None]
         laws = [*self.forces, *self.medium.terms, *self.colliders]
         for system in self.systems.values():
             fields = system.medium.terms if system.medium is not None else ()
             laws += [*system.forces, *fields, *system.colliders]
-        return images + [v for law in laws for v in law.values.values() if isinstance(v, PresetFile)]
+        surfaces = [self.ground, *(law.values.get("look") for law in laws)]
+        maps = [look.image.file for look in surfaces if isinstance(look, SurfaceLook) and look.image is not None]
+        named = images + maps + [v for law in laws for v in law.values.values() if isinstance(v, PresetFile)]
+        return list(dict.fromkeys(named))
 
     @property
     def poster_time(self) -> float:

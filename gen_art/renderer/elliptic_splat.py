@@ -21,6 +21,7 @@ from gen_art.renderer.sprite import (
     ALPHA,
     BLUE,
     BOTTOM,
+    COARSE_VARIANCE,
     DEPTH,
     DISC,
     DX,
@@ -159,7 +160,7 @@ def _write_ellipses(
                         level, _footprint = choose_level(ti.sqrt(ti.max(mean - spread, 0.0)), -edge)
                     for k in range(level):  # less the variance that bilinear weights add
                         xx, xy, yy = 0.25 * xx, 0.25 * xy, 0.25 * yy
-                        xx, yy = xx - 1.0 / (6.0 * KERNEL_VARIANCE), yy - 1.0 / (6.0 * KERNEL_VARIANCE)
+                        xx, yy = xx - COARSE_VARIANCE / KERNEL_VARIANCE, yy - COARSE_VARIANCE / KERNEL_VARIANCE
                     kind = ti.select(ti.max(abs(xy), abs(xx - yy)) < ROUND * (xx + yy), DISC, ELLIPSE)
                     scale, wider = 1.0 / ti.cast(1 << level, ti.f32), KERNEL_VARIANCE / ROUND_VARIANCE
                     x, y, footprint, slope = x * scale, y * scale, ti.sqrt(wider * xx), xy / xx

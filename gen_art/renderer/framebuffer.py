@@ -9,7 +9,7 @@ from gen_art.backend.runtime import aligned, kernel, ti
 from gen_art.errors import MemoryRefused
 from gen_art.renderer import disc_splat, tiled_splat
 from gen_art.renderer.coarse_framebuffer import composite
-from gen_art.renderer.sprite import DISC, LEVEL
+from gen_art.renderer.sprite import DISC, ELLIPSE, LEVEL
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES
 from gen_art.renderer.tiled_splat import BIN, CHUNKS, kind_bits
@@ -19,6 +19,7 @@ __all__ = ["FrameBuffer", "splat"]
 # Where sprites hide each other, the order of drawing is cut into slices; in each slice the coarse framebuffers are drawn first.
 SLICES = 24
 DISCS = frozenset({DISC})
+OF_LEVELS = frozenset({DISC, ELLIPSE})  # the kinds that are drawn into coarse framebuffers where they are large
 PARALLEL_CLEAR = 2**24  # bytes of a framebuffer from which waking threads to clear it pays
 WIDE, CLEAR_PARTS = 16, 64  # floats of a vector; parts that threads clear
 FLOATS = ti.types.ndarray(ti.types.vector(WIDE, ti.f32), 1)
@@ -69,11 +70,13 @@ class FrameBuffer:
     def draw(self, sprites: Sprites, order: np.ndarray, level: int, kinds: frozenset) -> np.ndarray:
         """Draw those of the sprites that belong to this framebuffer's level; returns which bins they touch, (down, across) bool.
 
-        kinds : the kinds of the sprites; larger discs than those of level 0 are the only sprites of the other levels
+        kinds : the kinds of the sprites
         Raises MemoryRefused when the sprites touch 2^31 bins or more in all.
         """
         all_seen = sprites.hidden_by is NOTHING_HIDES
-        if level or (all_seen and kinds == DISCS):
+        if level:
+            kinds = kinds & OF_LEVELS
+        if kinds == DISCS and (level or all_seen):
             return self._draw(sprites, order, level, DISCS, by_vectors=True)
         if all_seen and not sprites.layered and DISC in kinds:  # light is added in any order
             discs = self._draw(sprites, order, level, DISCS, by_vectors=True)

@@ -59,6 +59,7 @@ MIN_RIM = 0.75  # pixels: smallest half width of an even disc's rim
 LEVEL_FOOTPRINT = 8.0  # pixels of footprint from which a disc is drawn at half the size; from twice that, a quarter
 MAX_LEVEL = 3
 KERNEL_VARIANCE = 0.0903  # of the kernel of footprint 1
+COARSE_VARIANCE = 3.0 / 16.0  # that the weights 3/4 and 1/4 add when a framebuffer is composited, in its pixels squared
 MIN_STREAK_FOOTPRINT = 1.15  # MIN_FOOTPRINT for a streak, whose weights are integrals over pixels
 INTEGRAL_FOOTPRINT = 64.0  # pixels of footprint from which a kernel's sum is its integral (to 1e-6)
 
@@ -227,7 +228,7 @@ def choose_level(footprint, random):
         footprint *= 0.5
         level += 1
         # less the variance that bilinear weights add
-        footprint = ti.sqrt(footprint * footprint - 1.0 / (6.0 * KERNEL_VARIANCE))
+        footprint = ti.sqrt(footprint * footprint - COARSE_VARIANCE / KERNEL_VARIANCE)
     return level, footprint
 
 

@@ -102,11 +102,15 @@ def test_any_motion_gives_finite_light(camera, size):
 
 
 def test_an_ellipse_reaches_into_the_picture():
-    """A long one whose middle lies outside: as in a larger picture. Mutant: the margin of a disc."""
+    """A long one whose middle lies outside: as in a larger picture, but for the border, where coarse pixels have no neighbours.
+
+    Mutant: the margin of a disc.
+    """
     look, velocity = {"radius": 20.0, "stretch": {"time": 1.0, "most": 16}}, [[2000, 0, 0]]
     inside = paint(look, [[270, 0, 0]], velocity)
     larger = paint(look, [[270, 0, 0]], velocity, size=(800, 240))[:, 200:600]
-    assert inside[..., 0].max() > 0 and np.allclose(inside, larger, atol=1e-6 * larger.max())
+    inner = (slice(None), slice(0, -8))
+    assert inside[inner][..., 0].max() > 0 and np.allclose(inside[inner], larger[inner], atol=1e-6 * larger.max())
 
 
 def test_only_discs_stretch():

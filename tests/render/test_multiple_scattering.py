@@ -153,7 +153,7 @@ def test_who_follows_light_and_who_does_not():
     assert Lighting.of(KeyLight(scatter="full")).scatter is None
     assert Lighting.of(KeyLight(scatter=0.5), of_scene=True).scatter == 0.5
     given = {"version": 1, "clock": {"duration": 1, "fps": 30, "step": "1/60"}, "systems": {"a": {"look": {}}}}
-    with pytest.raises(PresetError, match=r"light\.scatter: must be one of full"):
+    with pytest.raises(PresetError, match=r"light\.scatter: must be `full` or a number"):
         ga.load_preset({**given, "light": {"scatter": "often"}})
 
 

@@ -129,8 +129,8 @@ def interpolation_error(footprint):
     """The largest error, of the kernel's peak, where it is sampled at every second pixel and interpolated by 3/4 and 1/4."""
     worst, coarse = 0.0, np.arange(-64, 64) * 2.0
     for centre in np.linspace(0, 2, 33):
-        # the weights have a variance of 2/3 of a pixel squared
-        samples = kernel_profile((coarse - centre) / np.sqrt(footprint**2 - 2 / 3 / KERNEL_VARIANCE))
+        # the weights have a variance of 3/4 of a pixel squared
+        samples = kernel_profile((coarse - centre) / np.sqrt(footprint**2 - 3 / 4 / KERNEL_VARIANCE))
         samples *= kernel_profile((coarse - centre) / footprint).sum() / samples.sum()
         right = 0.75 * samples + 0.25 * np.roll(samples, -1)
         left = 0.75 * samples + 0.25 * np.roll(samples, 1)

@@ -71,7 +71,7 @@ def test_smoke_keeps_its_extinction():
 
 @pytest.mark.parametrize("overlap, most", [(0.5, 64), (2.0, 64), (0.01, 64), (1.0, 1.7)])
 def test_the_radius_is_the_distance_within_its_bounds(overlap, most):
-    """By the variance of a lone particle's light; a framebuffer of half the size adds up to half a percent. Mutants: the larger of both bounds; the distance without `overlap`."""
+    """By the variance of a lone particle's light. Mutants: the larger of both bounds; the distance without `overlap`."""
     reach, radius = 12.0, 4.0
     p = paint({"radius": radius, "spread": {"reach": reach, "overlap": overlap, "most": most}}, [[0.3, 0.2, 0]])[..., 0]
     x = np.arange(SIZE[0]) + 0.5 - 200.3
