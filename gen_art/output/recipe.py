@@ -62,8 +62,7 @@ def _file_entries(files) -> list[dict]:
     for file in files:
         entry = {"path": str(file), "sha256": sha256(file.place)}
         size = file.place.stat().st_size
-        is_new = all(other["path"] != entry["path"] for other in entries)
-        if is_new and size <= min(LARGEST_FILE, room):
+        if size <= min(LARGEST_FILE, room):
             room -= size
             entry = {**entry, "data": base64.b64encode(zlib.compress(file.place.read_bytes(), 9)).decode("ascii")}
         entries.append(entry)
@@ -187,17 +186,12 @@ def find_files(recipe: dict, folders, scratch: Path | None = None) -> Path:
     try:
         return _folder_of(files, folders)
     except UsageError:
-        if scratch is None or not all(file.get("data") or _is_repeated(files, k) for k, file in enumerate(files)):
+        if scratch is None or not all(file.get("data") for file in files):
             raise
     for file in files:
         if "data" in file:
             _unpack(file, scratch)
     return scratch
-
-
-def _is_repeated(files: list[dict], k: int) -> bool:
-    """Whether file k is also listed before k: a preset may name a file several times."""
-    return any(file["sha256"] == files[k]["sha256"] and file["path"] == files[k]["path"] for file in files[:k])
 
 
 def _unpack(file: dict, folder: Path) -> None:
@@ -214,7 +208,7 @@ def _unpack(file: dict, folder: Path) -> None:
 
 def _folder_of(files: list[dict], folders) -> Path:
     """The first folder that holds all files with their bytes."""
-    expected = {file["path"]: file["sha256"] for file in files}  # a preset may name a file several times
+    expected = {file["path"]: file["sha256"] for file in files}
     differs = None
     for folder in folders:
         found = {name: _digest(folder, name) for name in expected}

@@ -222,7 +222,7 @@ class Preset(Model):
 
     @property
     def files(self) -> list:
-        """The files that the preset names: of looks in the order of the systems, of ground, forces, fields, colliders."""
+        """The files that the preset names, each once: of looks in the order of the systems, then of ground and laws."""
         looks = (system.look for system in self.systems.values())
         images = [look.picture.image for look in looks if look is not None and look.picture is not None]
         laws = [*self.forces, *self.medium.terms, *self.colliders]

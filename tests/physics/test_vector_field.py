@@ -115,7 +115,7 @@ def test_in_a_preset_the_file_lies_in_its_folder_and_is_part_of_the_recipe(tmp_p
     path = tmp_path / "piece.yaml"
     path.write_text(PRESET.replace("FILE", "flow.npy"))
     preset = ga.load_preset(str(path))
-    assert [file["path"] for file in make_recipe(preset)["files"]] == ["flow.npy", "flow.npy"]
+    assert [file["path"] for file in make_recipe(preset)["files"]] == ["flow.npy"]
     ga.Simulation(preset).step(2)
     for wrong, words in (
         ("../flow.npy", "own folder"),
