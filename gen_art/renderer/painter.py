@@ -230,6 +230,8 @@ class Painter:
         if look.waves is not None and self._surfaces is not None:
             depths = self._surfaces.depths[:, :, 0]
         self._film.take(self.framebuffer.pixels, look.roughness > 0.0 or look.waves is not None, depths)
+        if look.roughness > 0.0 and look.waves is None and look.puddles is None:
+            self._film.blur(view, normal, look.roughness)
         return self._film
 
     @property

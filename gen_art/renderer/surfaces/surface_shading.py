@@ -10,7 +10,7 @@ from gen_art.renderer.sky_table import sky_radiance
 from gen_art.renderer.surfaces.collider_rays import in_start_frame
 from gen_art.renderer.surfaces.glow_light import DULL, glow_at
 from gen_art.renderer.surfaces.liquid_shadow import liquid_light
-from gen_art.renderer.surfaces.mirror_film import mirrored_light
+from gen_art.renderer.surfaces.mirror_film import LEVELS, blurred_light, mirrored_light
 from gen_art.renderer.surfaces.photon_cells import photon_light
 from gen_art.renderer.surfaces.reflection import ANGLES, SMOOTH, fresnel_of, microfacets
 from gen_art.renderer.surfaces.scene_numbers import (
@@ -290,31 +290,38 @@ def mirror_film_at(scene: ti.template(), rough, flat, n, view, column, row, dept
     flat : the mirror's unit normal; n : that of its waves; depth : of the mirror along the line of sight
     """
     N = ti.static(scene.N)
-    nv = ti.min(ti.max(flat.dot(view), 1e-4), 1.0)
-    # the slopes of facets have the standard deviation alpha / sqrt(2); a reflected ray turns by twice the angle
-    spread = 1.4142135 * rough * rough * N[SCALE]
-    up = ti.Vector([flat.dot(vector_at(N, RIGHT)), -flat.dot(vector_at(N, UP))])
-    length = up.norm()
-    cosine, sine = 0.0, 1.0
-    if length > 1e-6:
-        cosine, sine = up[0] / length, up[1] / length
-    x, y, inside = ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5, 1.0
-    if ti.static(scene.mapped):
-        # a slope towards the viewer turns the ray in the plane of the view, one across it out of that plane by nv
-        towards = view - flat * flat.dot(view)
-        towards /= ti.max(towards.norm(), 1e-6)
-        leaning = (n - flat * n.dot(flat)) / ti.max(n.dot(flat), 1e-3)
-        height = ti.abs(nv + 2.0 * leaning.dot(towards))  # of the mirrored ray; one that goes down meets another wave
-        along, aside = N[SCALE] * (nv - height), 2.0 * N[SCALE] * nv * leaning.dot(flat.cross(towards))
-        move = ti.Vector([along * cosine - aside * sine, along * sine + aside * cosine])
-        # the ray turns at the mirror: what stands close behind it moves less
-        beyond = _way_beyond(scene, x, y, depth)
-        beyond = _way_beyond(scene, x + beyond * move[0], y + beyond * move[1], depth)
-        x, y, spread = x + beyond * move[0], y + beyond * move[1], spread * beyond
-        # past the film's border the sky alone is mirrored
-        beside = ti.min(ti.min(x, N[WIDTH] - x), ti.min(y, N[ROWS] - y))
-        inside = ti.min(ti.max(1.0 + beside / (0.05 * N[ROWS]), 0.0), 1.0)
-    return inside * mirrored_light(scene.T, scene.levels, scene.G, x, y, spread, spread * nv, cosine, sine)
+    x, y, result = ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5, ti.Vector([0.0, 0.0, 0.0, 0.0])
+    if scene.levels[LEVELS, 2] > 0:
+        result = blurred_light(scene.T, scene.levels, x, y)
+    else:
+        nv = ti.min(ti.max(flat.dot(view), 1e-4), 1.0)
+        # the slopes of facets have the standard deviation alpha / sqrt(2); a reflected ray turns by twice the angle
+        spread = 1.4142135 * rough * rough * N[SCALE]
+        up = ti.Vector([flat.dot(vector_at(N, RIGHT)), -flat.dot(vector_at(N, UP))])
+        length = up.norm()
+        cosine, sine = 0.0, 1.0
+        if length > 1e-6:
+            cosine, sine = up[0] / length, up[1] / length
+        inside = 1.0
+        if ti.static(scene.mapped):
+            # a slope towards the viewer turns the ray in the plane of the view, one across it out of that plane by nv
+            towards = view - flat * flat.dot(view)
+            towards /= ti.max(towards.norm(), 1e-6)
+            leaning = (n - flat * n.dot(flat)) / ti.max(n.dot(flat), 1e-3)
+            height = ti.abs(
+                nv + 2.0 * leaning.dot(towards)
+            )  # of the mirrored ray; one that goes down meets another wave
+            along, aside = N[SCALE] * (nv - height), 2.0 * N[SCALE] * nv * leaning.dot(flat.cross(towards))
+            move = ti.Vector([along * cosine - aside * sine, along * sine + aside * cosine])
+            # the ray turns at the mirror: what stands close behind it moves less
+            beyond = _way_beyond(scene, x, y, depth)
+            beyond = _way_beyond(scene, x + beyond * move[0], y + beyond * move[1], depth)
+            x, y, spread = x + beyond * move[0], y + beyond * move[1], spread * beyond
+            # past the film's border the sky alone is mirrored
+            beside = ti.min(ti.min(x, N[WIDTH] - x), ti.min(y, N[ROWS] - y))
+            inside = ti.min(ti.max(1.0 + beside / (0.05 * N[ROWS]), 0.0), 1.0)
+        result = inside * mirrored_light(scene.T, scene.levels, scene.G, x, y, spread, spread * nv, cosine, sine)
+    return result
 
 
 @ti.func
