@@ -18,21 +18,24 @@ from gen_art.backend.runtime import kernel, ti
 from gen_art.colliders.base import Collider
 from gen_art.colliders.surface import distance_and_normal, nearest_distance, rotated_about, to_start_frame
 from gen_art.integrators.kernel_terms import KernelTerms
+from gen_art.renderer.surfaces.collider_sets import holds, with_collider
 
 __all__ = [
     "ColliderTerms",
     "cast_by",
     "collider_distances",
+    "cone_contact",
     "first_hit",
     "in_start_frame",
     "ray_in_start_frame",
     "side_hit",
     "surface_exit",
     "surface_normal",
+    "without_itself",
 ]
 
 F1, F2 = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.f32, 2)
-_NEWTON_STEPS, _MARCH_STEPS = 64, 400
+_NEWTON_STEPS, _MARCH_STEPS, _CONE_STEPS = 64, 400, 100
 _PARALLEL = 1e-6  # slope of the distance along a ray from which on the ray counts as leaving a convex solid
 
 
@@ -146,28 +149,66 @@ def side_hit(entry: ti.template(), q: ti.template(), side, o, d, low, high, tole
 
 
 @ti.func
-def first_hit(entries: ti.template(), Q: ti.template(), origin, direction, time, low, high, tolerance, per_length):
+def cone_contact(entry: ti.template(), q: ti.template(), o, d, radius, tangent, far):
+    """(signed distance of the collider's first side from o, distance along a ray at which the cone about it may reach it).
+
+    The second is `far` where no point of the cone reaches it before that.
+    o, d : in the collider's frame at time 0; radius : of the cone at o; tangent : by which it grows per length
+
+    The distance less the cone's radius falls by 1 + tangent per length at most; for a convex collider it is convex.
+    """
+    at_start = entry.collider.distance(o, q, 0)
+    f, t, steps = at_start - radius, 0.0, 0
+    while f > 1e-3 * (radius + tangent * t) and steps < _CONE_STEPS:
+        steps += 1
+        slope = -(1.0 + tangent)
+        if ti.static(entry.collider.convex):
+            slope = entry.collider.gradient(o + d * t, q, 0).dot(d) - tangent
+        t -= f / ti.min(slope, -_PARALLEL)
+        if slope > -_PARALLEL or t >= far:
+            t, steps = far, _CONE_STEPS
+        else:
+            f = entry.collider.distance(o + d * t, q, 0) - radius - tangent * t
+    return at_start, t
+
+
+@ti.func
+def first_hit(
+    entries: ti.template(), Q: ti.template(), origin, direction, time, low, high, tolerance, per_length, among
+):  # fmt: skip
     """(distance along the ray, surface, facet) of the first surface that a ray enters, or (high, -1, 0).
 
+    among : the set of the colliders that it may enter, as of collider_sets.py
     facet : of a side with flat faces, 0, 1 or 2: the axis that the face lies across
     """
     nearest, surface, facet = high, -1, 0
-    for entry in ti.static(entries):
-        q = parameters(Q, entry.collider, entry.offset)
-        o, d = ray_in_start_frame(entry, q, origin, direction, time)
-        for side in range(entry.collider.sides):
-            t = side_hit(entry, q, side, o, d, low, nearest, tolerance, per_length)
-            if t < nearest:
-                inside = 1
-                if ti.static(entry.collider.sides > 1):  # one side's surface goes on beyond the edges of the others
-                    inside = ti.cast(
-                        entry.collider.nearest(o + d * t, q) >= -4.0 * (tolerance + per_length * t), ti.i32
-                    )
-                if inside == 1:
-                    nearest, surface, facet = t, entry.first_surface + side, 0
-                    if ti.static(entry.collider.faceted):
-                        facet = _largest_axis(entry.collider.gradient(o + d * t, q, side))
+    for k, entry in ti.static(enumerate(entries)):
+        if holds(among, k):
+            q = parameters(Q, entry.collider, entry.offset)
+            o, d = ray_in_start_frame(entry, q, origin, direction, time)
+            for side in range(entry.collider.sides):
+                t = side_hit(entry, q, side, o, d, low, nearest, tolerance, per_length)
+                if t < nearest:
+                    inside = 1
+                    if ti.static(entry.collider.sides > 1):  # one side's surface goes on beyond the edges of the others
+                        inside = ti.cast(
+                            entry.collider.nearest(o + d * t, q) >= -4.0 * (tolerance + per_length * t), ti.i32
+                        )
+                    if inside == 1:
+                        nearest, surface, facet = t, entry.first_surface + side, 0
+                        if ti.static(entry.collider.faceted):
+                            facet = _largest_axis(entry.collider.gradient(o + d * t, q, side))
     return nearest, surface, facet
+
+
+@ti.func
+def without_itself(entries: ti.template(), colliders, surface):
+    """A set of colliders without the one that has the surface, if it is a convex solid: it shadows itself nowhere else."""
+    result = colliders
+    for k, entry in ti.static(enumerate(entries)):
+        if surface == entry.first_surface and ti.static(entry.collider.convex and entry.collider.sides == 1):
+            result &= ~with_collider(ti.i64(0), k)
+    return result
 
 
 @ti.func

@@ -12,6 +12,7 @@ from gen_art.backend.kernel_views import particle as arrays
 from gen_art.backend.runtime import kernel, ti
 from gen_art.colliders.plane import Plane
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms, first_hit
+from gen_art.renderer.surfaces.collider_sets import every_collider
 from gen_art.renderer.surfaces.draw_sheets import middle_distance, trace_face
 from gen_art.renderer.surfaces.ray_tree import light_along, shows_edges
 from gen_art.renderer.surfaces.scene_numbers import (
@@ -27,6 +28,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
 )
 from gen_art.renderer.surfaces.solids import NEVER, solid_facet, solid_hit
 from gen_art.renderer.surfaces.surface_layers import LAYER_FLOATS, layers_of_surface
+from gen_art.renderer.surfaces.tile_colliders import colliders_in_tile, tile_casters
 from gen_art.renderer.surfaces.tiles import BIN, FACETS, SUBPIXELS, TILE, TILES, ray_limits, subpixel
 
 __all__ = ["draw_kernel"]
@@ -51,15 +53,15 @@ def _middle_ray(N: ti.template(), column, row):
 
 
 @ti.func
-def _collider_hit(entries: ti.template(), scene: ti.template(), o, d):
-    """(distance along a ray, owner) of the nearest collider, or (NEVER, -1); exact to 1/250 of a pixel."""
+def _collider_hit(entries: ti.template(), scene: ti.template(), among, o, d):
+    """(distance along a ray, owner) of the nearest of some colliders, or (NEVER, -1); exact to 1/250 of a pixel."""
     N = ti.static(scene.N)
     per_length, tolerance = 0.0, 0.004 / N[SCALE]
     if N[PARALLEL] < 0.5:
         per_length, tolerance = tolerance, 1e-7
     low, high = ray_limits(N, o, d)
     t, surface, facet = first_hit(
-        entries, scene.Q, o + vector_at(N, CAMERA), d, N[TIME], low, high, tolerance, per_length
+        entries, scene.Q, o + vector_at(N, CAMERA), d, N[TIME], low, high, tolerance, per_length, among
     )
     owner = surface * FACETS + facet
     if surface < 0:
@@ -72,14 +74,16 @@ def _trace_colliders(
     entries: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), ox, oy,
     distance: ti.template(), owner: ti.template(),
 ):  # fmt: skip
-    """Fill a tile's rays with the nearest colliders.
+    """Fill a tile's rays, which meet nothing so far, with the nearest colliders.
 
     One ray a pixel first, with a border of a pixel around the tile; all rays only where these meet different surfaces, or one
     that shows others sharply.
     """
     N = ti.static(scene.N)
     middle_t, middle_owner, differ = ti.Vector([NEVER] * _WITH_BORDER), ti.Vector([-1] * _WITH_BORDER), 0
-    k = 0
+    among, k = colliders_in_tile(entries, scene, ox, oy), 0
+    if among == 0:
+        k = _WITH_BORDER + _RAYS
     while k < _WITH_BORDER + _RAYS:  # one loop, so that a collider is compiled once
         r = k - _WITH_BORDER
         p = r // SUBPIXELS
@@ -99,7 +103,7 @@ def _trace_colliders(
             if again == 1:
                 o, d = _subpixel_ray(N, ox + p % TILE, oy + p // TILE, r % SUBPIXELS)
         if again == 1:
-            t, who = _collider_hit(entries, scene, o, d)
+            t, who = _collider_hit(entries, scene, among, o, d)
             if r < 0:
                 middle_t[k], middle_owner[k] = t, who
                 if who != middle_owner[0]:
@@ -236,6 +240,9 @@ def draw_kernel(
                         box = _box_in_tile(face_rectangles, j, ox, oy, width, rows)
                         if box[0] <= box[1] and box[2] <= box[3]:
                             trace_face(scene, j, first_face + j, box, ox, oy, distance, owner)
+                casters = every_collider()
+                if ti.static(surfaces > 0 and shaded):
+                    casters = tile_casters(entries, scene, ox, oy, distance, owner)
                 nearest, farthest = NEVER, -NEVER
                 for p in range(TILE * TILE):
                     column, row = ox + p % TILE, oy + p // TILE
@@ -279,7 +286,18 @@ def draw_kernel(
                             if who >= 0 and earlier == 0:
                                 if ti.static(shaded):
                                     total += share * light_along(
-                                        entries, surfaces, follows, scene, who // FACETS, t, column, row, o, d, depth
+                                        entries,
+                                        surfaces,
+                                        follows,
+                                        scene,
+                                        who // FACETS,
+                                        t,
+                                        column,
+                                        row,
+                                        o,
+                                        d,
+                                        depth,
+                                        casters,
                                     )
                                 covered += share
                                 if ti.static(layered):

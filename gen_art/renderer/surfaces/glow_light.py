@@ -10,6 +10,7 @@ The one-letter names in kernels are in docs/glossary.md.
 """
 
 from gen_art.backend.runtime import ti
+from gen_art.renderer.surfaces.collider_sets import ALL_COLLIDERS
 from gen_art.renderer.surfaces.lamp_shadows import collider_shadow, set_bits, solid_shadow
 from gen_art.renderer.surfaces.light_tree import (
     FIRST,
@@ -172,6 +173,7 @@ def _share_of_lamp(scene: ti.template(), lamp, x, pixel):
         distance,
         scene.near_disc,
         GLOW_POINTS,
+        ti.i64(ALL_COLLIDERS),
     )
     reach = ti.max(abs(to_lamp[0]) + abs(to_lamp[2]), 1e-30)
     ratio = -to_lamp[0] / reach  # the direction from the lamp to the place

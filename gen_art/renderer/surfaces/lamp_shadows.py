@@ -19,7 +19,8 @@ from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
 from gen_art.maths.array_functions import cos, sin
 from gen_art.renderer.surfaces.cell_lists import cell_lists
-from gen_art.renderer.surfaces.collider_rays import cast_by, ray_in_start_frame, side_hit
+from gen_art.renderer.surfaces.collider_rays import cast_by, cone_contact, ray_in_start_frame, side_hit
+from gen_art.renderer.surfaces.collider_sets import holds
 from gen_art.renderer.surfaces.solids import BOUND, HALF, solid_hit
 
 __all__ = ["LAMP_POINTS", "ShadowBins", "solid_shadow", "collider_shadow", "lamp_disc", "set_bits"]
@@ -32,7 +33,6 @@ _UMBRAS = (
     4.0  # a ball's half-shadow is followed until it is this many radii wide, where the ball hides 1/16 of the lamp
 )
 _RIM = 24  # of the lamp's points, those along its rim
-_CONE_STEPS = 100
 _DEPTHS = 4  # places inside a collider at which a ray is tested for a full shadow
 
 
@@ -141,13 +141,13 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
 @ti.func
 def collider_shadow(
     entries: ti.template(), Q: ti.template(), x, to_lamp, side, up, tangent, half_pixel, time, far, D: ti.template(),
-    points
+    points, casters
 ):  # fmt: skip
-    """The set of the lamp's points that colliders hide from x."""
+    """The set of the lamp's points that some colliders hide from x; casters : the set of these."""
     hidden = ti.i64(0)
-    for entry in ti.static(entries):
+    for j, entry in ti.static(enumerate(entries)):
         if ti.static(cast_by(entry)):
-            if hidden != ti.i64(_ALL):
+            if hidden != ti.i64(_ALL) and holds(casters, j):
                 q = parameters(Q, entry.collider, entry.offset)
                 o, d = ray_in_start_frame(entry, q, x, to_lamp, time)
                 reaches, low = _reaches_cone(entry, q, o, d, tangent, half_pixel, far)
@@ -165,24 +165,11 @@ def collider_shadow(
 
 @ti.func
 def _reaches_cone(entry: ti.template(), q: ti.template(), o, d, tangent, half_pixel, far):
-    """Whether a collider reaches into the cone of rays about a ray: (0 no, 1 in part, 2 it hides the lamp; from where on).
-
-    The distance less the cone's radius falls by 1 + tangent per length at most; for a convex collider it is convex.
-    """
-    state, t, steps = 1, 0.0, 0
-    f = entry.collider.distance(o, q, 0) - half_pixel
-    if f < -half_pixel:  # the ray starts inside
+    """Whether a collider reaches into the cone of rays about a ray: (0 no, 1 in part, 2 it hides the lamp; from where on)."""
+    at_start, t = cone_contact(entry, q, o, d, half_pixel, tangent, far)
+    state = ti.select(t < far, 1, 0)
+    if at_start < 0.0:  # the ray starts inside
         state = 2
-    while f > 1e-3 * half_pixel and steps < _CONE_STEPS:
-        steps += 1
-        slope = -(1.0 + tangent)
-        if ti.static(entry.collider.convex):
-            slope = entry.collider.gradient(o + d * t, q, 0).dot(d) - tangent
-        t -= f / ti.min(slope, -1e-6)
-        if slope > -1e-6 or t >= far:
-            state, steps = 0, _CONE_STEPS
-        else:
-            f = entry.collider.distance(o + d * t, q, 0) - half_pixel - tangent * t
     if state == 1:
         # deeper inside than the cone is wide, no ray of the cone gets past
         depth = 2.0 * (half_pixel + tangent * t)

@@ -11,6 +11,7 @@ The one-letter names in kernels are in docs/glossary.md.
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp, log
 from gen_art.renderer.surfaces.collider_rays import first_hit, surface_exit, surface_normal
+from gen_art.renderer.surfaces.collider_sets import ALL_COLLIDERS, every_collider
 from gen_art.renderer.surfaces.draw_sheets import sheet_material
 from gen_art.renderer.surfaces.reflection import fresnel_of
 from gen_art.renderer.surfaces.scene_numbers import CAMERA, MIRROR, PARALLEL, SCALE, SKY_CELL, TIME, vector_at
@@ -106,7 +107,16 @@ def nearest_hit(entries: ti.template(), surfaces: ti.template(), scene: ti.templ
     t, who = NEVER, -1
     if ti.static(surfaces > 0):
         t, who, _ = first_hit(
-            entries, scene.Q, o + vector_at(N, CAMERA), d, N[TIME], 0.0, NEVER, 0.01 * pixel, 0.004 / N[SCALE]
+            entries,
+            scene.Q,
+            o + vector_at(N, CAMERA),
+            d,
+            N[TIME],
+            0.0,
+            NEVER,
+            0.01 * pixel,
+            0.004 / N[SCALE],
+            ti.i64(ALL_COLLIDERS),
         )
     near, i = nearest_solid(scene, o, d, t)
     if i >= 0:
@@ -169,12 +179,13 @@ def _put(waiting: ti.template(), count, o, d, share, length, inside):
 @ti.func
 def light_along(
     entries: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), owner, distance, column,
-    row, origin, direction, depth,
+    row, origin, direction, depth, casters,
 ):  # fmt: skip
     """The radiance (3,) along a camera's ray that meets `owner` at `distance`.
 
     follows : whether rays go on to what a surface reflects and refracts; else it reflects the sky and its mirror alone
     depth : distance along the line of sight
+    casters : (2,) the sets of colliders that may hide the lamp and the sky from where the ray ends
     """
     N, M = ti.static(scene.N, scene.M)
     per_length, same_everywhere = 1.0 / N[SCALE], N[PARALLEL]  # of a pixel's side
@@ -224,8 +235,11 @@ def light_along(
                     gas = air_between(scene, d, t)
                     result += share * ti.Vector([gas[0], gas[1], gas[2]])
                     share *= gas[3]
+                hiding = every_collider()
+                if followed == 1 and who < surfaces + scene.B.shape[0]:
+                    hiding = casters
                 own, mirrored, around, entering = surface_light(
-                    entries, scene, m, x, n, -d, albedo, through, emission, clear, pixel, detail
+                    entries, scene, m, x, n, -d, albedo, through, emission, clear, pixel, detail, who, hiding
                 )
                 result += share * own
                 mirrored *= share

@@ -21,9 +21,12 @@ from gen_art.colliders.capsule import Capsule
 from gen_art.colliders.sphere import Sphere
 from gen_art.colliders.surface import rotated_about, to_start_frame
 from gen_art.renderer.surfaces.collider_rays import cast_by
+from gen_art.renderer.surfaces.collider_sets import holds
 from gen_art.renderer.surfaces.scene_numbers import CAMERA, SHADOWS, TIME, vector_at
 
-__all__ = ["mean_radius", "open_sky_share", "sky_occluders"]
+__all__ = ["FARTHEST_OCCLUDER", "mean_radius", "open_sky_share", "sky_occluders"]
+
+FARTHEST_OCCLUDER = 12.0  # mean radii: farther away a collider hides less than 1/169 of the sky
 
 
 def mean_radius(collider: Collider) -> float:
@@ -78,19 +81,22 @@ def _hidden_by_ball(cosine, h2):
 
 
 @ti.func
-def open_sky_share(entries: ti.template(), scene: ti.template(), x, n):
-    """The share of the sky's light that colliders leave to a surface at x (relative to the camera) with the normal n."""
+def open_sky_share(entries: ti.template(), scene: ti.template(), x, n, occluders):
+    """The share of the sky's light that colliders leave to a surface at x (relative to the camera) with the normal n.
+
+    occluders : the set of the colliders that may hide it
+    """
     N = ti.static(scene.N)
     share = 1.0
     if N[SHADOWS] > 0.5:
         for k, entry in ti.static(enumerate(entries)):
             if ti.static(cast_by(entry)):
                 radius = scene.occluders[k, 0]
-                if radius > 0.0:
+                if radius > 0.0 and holds(occluders, k):
                     q = parameters(scene.Q, entry.collider, entry.offset)
                     y, axis, angle = to_start_frame(entry.collider, q, x + vector_at(N, CAMERA), N[TIME])
                     f = ti.max(entry.collider.distance(y, q, 0), 0.0)
-                    if f < 12.0 * radius:  # farther away it hides less than 1/169
+                    if f < FARTHEST_OCCLUDER * radius:
                         g = entry.collider.gradient(y, q, 0)
                         if ti.static(entry.collider.rotates):
                             g = rotated_about(g, axis, angle)

@@ -90,11 +90,12 @@ def _smoke_depth(N: ti.template(), depth: ti.template(), place):
 
 
 @ti.func
-def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel):
+def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel, casters):
     """The share of the lamp's light that reaches x (relative to the camera) past colliders, solids and smoke.
 
     scene : view of the kernel's arrays; its `with_sheets` says whether there is any cloth
     pixel : side of a pixel at x, in world units
+    casters : the set of the colliders that may hide the lamp
     """
     share = 1.0
     N = ti.static(scene.N)
@@ -114,6 +115,7 @@ def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel):
             N[SHADOW_REACH],
             scene.D,
             LAMP_POINTS,
+            casters,
         )
         i = ti.cast(ti.floor((place.dot(side) - N[BIN_CORNER]) / N[BIN_CELL]), ti.i32)
         j = ti.cast(ti.floor((place.dot(up) - N[BIN_CORNER + 1]) / N[BIN_CELL]), ti.i32)

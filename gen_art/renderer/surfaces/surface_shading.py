@@ -7,7 +7,7 @@ The one-letter names in kernels are in docs/glossary.md.
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp
 from gen_art.renderer.sky_table import sky_radiance
-from gen_art.renderer.surfaces.collider_rays import in_start_frame
+from gen_art.renderer.surfaces.collider_rays import in_start_frame, without_itself
 from gen_art.renderer.surfaces.glow_light import DULL, glow_at
 from gen_art.renderer.surfaces.liquid_shadow import liquid_light
 from gen_art.renderer.surfaces.mirror_film import LEVELS, blurred_light, mirrored_light
@@ -149,7 +149,8 @@ def layer_shares(M: ti.template(), E: ti.template(), m, nv):
 
 @ti.func
 def surface_light(
-    entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, clear, pixel, detail
+    entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, clear, pixel, detail,
+    who, casters,
 ):  # fmt: skip
     """The light from x towards the viewer, in parts: (own, mirrored, around, entering).
 
@@ -165,6 +166,8 @@ def surface_light(
     clear : how far from x the sky's light is taken, so that what lies at x does not hide it
     pixel : side of a pixel at x, in world units
     detail : of surface_detail
+    who : the collider's surface, or another number
+    casters : (2,) the sets of colliders that may hide the lamp and the sky
     """
     N, M, E = ti.static(scene.N, scene.M, scene.E)
     to_lamp = vector_at(N, TO_LAMP)
@@ -173,13 +176,16 @@ def surface_light(
     if ti.static(scene.with_sheets):
         lit = nl > 0.0 or through.max() > 0.0
     if lit:
-        share = lamp_share(entries, scene, x + n * ti.select(nl > 0.0, 0.6 * pixel, -0.6 * pixel), pixel)
+        hiding = casters[0]
+        if nl > N[LAMP_TANGENT]:
+            hiding = without_itself(entries, hiding, who)
+        share = lamp_share(entries, scene, x + n * ti.select(nl > 0.0, 0.6 * pixel, -0.6 * pixel), pixel, hiding)
         if share > 0.0:
             place = x + vector_at(N, CAMERA) + n * N[LIQUID_BIAS]
             passed = liquid_light(N, scene.liquid_first, scene.liquid_depths, scene.D, place, pixel)
     sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * clear)
     if ti.static(scene.occluded):
-        sky *= open_sky_share(entries, scene, x, n)
+        sky *= open_sky_share(entries, scene, x, n, without_itself(entries, casters[1], who))
     shining = through * 0.0  # what comes through from the other side
     if ti.static(scene.with_sheets):
         if through.max() > 0.0:
