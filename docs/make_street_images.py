@@ -140,13 +140,15 @@ def cafe(rng):
         cx, cy = lamp * METRE, SIDE - 2.34 * METRE
         inside.line([cx, cy - 60, cx, cy], fill=(30, 16, 8), width=3)
         inside.pieslice([cx - 26, cy - 22, cx + 26, cy + 22], 180, 360, fill=(255, 236, 180))
-    for guest, tall in ((1.75, 1.62), (3.55, 1.5), (3.05, 1.45), (6.2, 1.6)):
-        cx, head = guest * METRE, SIDE - tall * METRE
-        inside.ellipse([cx - 14, head - 18, cx + 14, head + 18], fill=(22, 11, 6))
-        inside.polygon(
-            [(cx - 11, head + 12), (cx + 11, head + 12), (cx + 34, head + 46), (cx + 36, SIDE - 0.7 * METRE),
-             (cx - 36, SIDE - 0.7 * METRE), (cx - 34, head + 46)], fill=(20, 10, 6),
-        )  # fmt: skip
+    for guest, tall, hat in ((1.75, 1.66, 1), (3.55, 1.5, 0), (3.02, 1.46, 0), (6.25, 1.62, 1)):
+        cx, head, dark_form = guest * METRE, SIDE - tall * METRE, (24, 11, 5)
+        inside.ellipse([cx - 13, head - 17, cx + 13, head + 17], fill=dark_form)
+        if hat:
+            inside.rectangle([cx - 23, head - 13, cx + 23, head - 9], fill=dark_form)
+            inside.rectangle([cx - 13, head - 26, cx + 13, head - 10], fill=dark_form)
+        shoulders = [(cx - 7, head + 8), (cx + 7, head + 8), (cx + 9, head + 24), (cx + 31, head + 33), (cx + 38, head + 60)]
+        arms = [(cx + 40, SIDE - 0.7 * METRE), (cx - 40, SIDE - 0.7 * METRE), (cx - 38, head + 60), (cx - 31, head + 33)]
+        inside.polygon([*shoulders, *arms, (cx - 9, head + 24)], fill=dark_form)
     room_light = room_light.filter(ImageFilter.GaussianBlur(2.2))  # steam on the glass
     for x0, y0, x1, y1 in glass:
         box(draw, x0 - 0.07, y0 - 0.07, x1 + 0.07, y1 + 0.07, (58, 84, 74))

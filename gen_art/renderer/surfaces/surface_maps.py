@@ -1,7 +1,7 @@
 """What varies over the surface of a collider: images of its colour, light and relief, puddles, and the waves of water.
 
-Images, reliefs and puddles are squares of texels with all their smaller versions (a mipmap), repeated along two axes of the collider. A
-pixel's footprint is covered by a few samples along its longer side, each as wide as its shorter side.
+Images, reliefs and puddles are squares of texels with all their smaller versions (a mipmap), repeated along two axes of the
+collider. A pixel's footprint is covered by a few samples along its longer side, each as wide as its shorter side.
 
 Waves are a sum of sines that travel as gravity and capillary waves on deep water: w^2 = g k + (s / rho) k^3, w their angular
 frequency, k the wave number, s the surface tension and rho the density of water. What is shorter than a pixel makes the
