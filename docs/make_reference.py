@@ -120,6 +120,7 @@ DOCUMENTED = {  # class: heading of its table
     surface.SurfaceLook: "look: of a collider",
     surface.Checker: "checker: of a surface",
     surface.SurfaceImage: "image: of a surface",
+    surface.Relief: "relief: of a surface",
     surface.Puddles: "puddles: of a surface",
     surface.Waves: "waves: of a surface",
     surface.Finish: "finish: of a look",

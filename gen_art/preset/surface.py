@@ -16,6 +16,7 @@ __all__ = [
     "Finish",
     "Ground",
     "Puddles",
+    "Relief",
     "SurfaceImage",
     "SurfaceLook",
     "Waves",
@@ -54,6 +55,25 @@ class SurfaceImage(Model):
     @classmethod
     def from_short(cls, value: Any) -> Any:
         return value if isinstance(value, (SurfaceImage, dict)) else {"file": value}
+
+
+class Relief(Model):
+    """Heights from the grey values of an image, repeated as an `image` is. They turn the light; the surface itself stays even.
+
+    What is smaller than a pixel makes the surface rougher, and puddles level it.
+    """
+
+    file: Annotated[PresetFile, ImageFile] = about(..., "image in the preset's folder or below")
+    size: Annotated[float, Within(0, MOST_SIZE, open_low=True)] = about(1.0, "width of the image", unit="m")
+    depth: Annotated[float, Within(-MOST_SIZE, MOST_SIZE)] = about(
+        0.01, "how far white stands out from black; below 0 it is a hollow", unit="m"
+    )
+
+    short_form = {"type": "string", "description": "the image's file"}
+
+    @classmethod
+    def from_short(cls, value: Any) -> Any:
+        return value if isinstance(value, (Relief, dict)) else {"file": value}
 
 
 class Puddles(Model):
@@ -126,6 +146,7 @@ class SurfaceLook(Finish):
     albedo: ColourValue = about("#8c8c8c", "the part of the light that is scattered, by colour")
     checker: Checker | None = about(None, "a checker of the albedo and a second colour")
     image: SurfaceImage | None = about(None, "an image instead of the albedo")
+    relief: Relief | None = about(None, "heights from an image: cobbles, bricks, bark")
     puddles: Puddles | None = about(None, "puddles of water: for a `plane` or the `ground`")
     waves: Waves | None = about(None, "waves on water: for a `plane` or the `ground`")
     mirror: bool = about(
@@ -135,8 +156,17 @@ class SurfaceLook(Finish):
     )
     emission: ColourValue = about("black", "colour of the light that the surface emits")
     emission_intensity: Light = about(1.0, "brightness of that light")
+    emission_image: SurfaceImage | None = about(
+        None,
+        "an image of that light, instead of `emission`: lit windows, a sign; `emission_intensity` is a factor on it",
+    )
 
     short_form = {"type": ["boolean", "string", "array"], "description": "true, or a colour: the albedo"}
+
+    @property
+    def files(self) -> list[PresetFile]:
+        """The images that it names."""
+        return [named.file for named in (self.image, self.emission_image, self.relief) if named is not None]
 
     @classmethod
     def from_short(cls, value: Any) -> Any:

@@ -34,8 +34,9 @@ from gen_art.renderer.surfaces.scene_numbers import (
     vector_at,
 )
 from gen_art.renderer.surfaces.solids import NEVER
+from gen_art.renderer.surfaces.surface_detail import IOR, ROUGHNESS
 from gen_art.renderer.surfaces.surface_layers import LAYER_FLOATS, layers_of_place
-from gen_art.renderer.surfaces.surface_shading import IOR, ROUGHNESS, air_between, layer_shares, surface_light
+from gen_art.renderer.surfaces.surface_shading import air_between, layer_shares, surface_light
 from gen_art.renderer.surfaces.tiles import SUBPIXELS, TILE
 
 __all__ = ["LIQUID_NUMBERS", "draw_liquid_kernel"]

@@ -38,8 +38,8 @@ from gen_art.renderer.surfaces.scene_numbers import (
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters, filled
 from gen_art.renderer.surfaces.solid_grid import SolidGrid
 from gen_art.renderer.surfaces.solids import BOUND, MATERIAL
+from gen_art.renderer.surfaces.surface_detail import IOR, PER_LENGTH, TRANSMISSION
 from gen_art.renderer.surfaces.surface_light import lamp_share
-from gen_art.renderer.surfaces.surface_shading import IOR, PER_LENGTH, TRANSMISSION
 
 __all__ = ["caustic_photons"]
 

@@ -17,20 +17,17 @@ from gen_art.renderer.surfaces.reflection import fresnel_of
 from gen_art.renderer.surfaces.scene_numbers import CAMERA, MIRROR, PARALLEL, SCALE, SKY_CELL, TIME, vector_at
 from gen_art.renderer.surfaces.solid_grid import far_side, nearest_solid
 from gen_art.renderer.surfaces.solids import ALBEDO, EMITTED, MATERIAL, NEVER, solid_normal
-from gen_art.renderer.surfaces.surface_shading import (
+from gen_art.renderer.surfaces.surface_detail import (
     EMISSION,
     IOR,
     METAL,
     PER_LENGTH,
     ROUGHNESS,
     TRANSMISSION,
-    air_between,
-    background,
-    mirror_film_at,
     row_vector,
     surface_detail,
-    surface_light,
 )
+from gen_art.renderer.surfaces.surface_shading import air_between, background, mirror_film_at, surface_light
 
 __all__ = [
     "TRACED_ROUGHNESS",
@@ -59,7 +56,7 @@ def surface_point(entries: ti.template(), surfaces: ti.template(), scene: ti.tem
 
     who : a surface, from `surfaces` on a solid, and after them a face of cloth, which is smooth: its place is not quite x
     through, clear : see surface_light
-    flat : the normal without waves; detail : of surface_detail
+    flat : the normal without waves and relief; detail : of surface_detail
     """
     N, B = ti.static(scene.N, scene.B)
     n, place, m, albedo, through, emission, clear = d, x, 0, d, d * 0.0, d, N[SKY_CELL]
@@ -79,7 +76,7 @@ def surface_point(entries: ti.template(), surfaces: ti.template(), scene: ti.tem
     flat, detail = n, ti.Vector([0.0, scene.M[m, ROUGHNESS], 0.0])
     if who < surfaces:
         if ti.static(surfaces > 0):
-            albedo, n, detail = surface_detail(entries, scene, who, m, x, flat, d, pixel)
+            albedo, n, emission, detail = surface_detail(entries, scene, who, m, x, flat, d, pixel)
     return n, place, m, albedo, through, emission, clear, flat, detail
 
 

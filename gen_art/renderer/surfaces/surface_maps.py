@@ -1,7 +1,7 @@
-"""What varies over the surface of a collider: an image, puddles, and the waves of water.
+"""What varies over the surface of a collider: images of its colour, light and relief, puddles, and the waves of water.
 
-Images and puddles are squares of texels with all their smaller versions (a mipmap), repeated along two axes of the collider. A
-pixel's footprint is covered by a few samples along its longer side, each as wide as its shorter side.
+Images, reliefs and puddles are squares of texels with all their smaller versions (a mipmap), repeated along two axes of the
+collider. A pixel's footprint is covered by a few samples along its longer side, each as wide as its shorter side.
 
 Waves are a sum of sines that travel as gravity and capillary waves on deep water: w^2 = g k + (s / rho) k^3, w their angular
 frequency, k the wave number, s the surface tension and rho the density of water. What is shorter than a pixel makes the
@@ -48,7 +48,8 @@ F2 = ti.types.ndarray(ti.f32, 2)
 class SurfaceMaps(NamedTuple):
     """The maps of the surfaces of a scene.
 
-    texels : (n, 4) float32, linear premultiplied light of images, and the wet part in the fourth number of puddles
+    texels : (n, 4) float32, linear premultiplied light of images; the wet part in the fourth number of puddles; of a relief the
+        slopes to the right and down, and the sum of their squares
     waves : (m, 4) float32: the two wave numbers (1/m), the slope's amplitude, the phase at the picture's time
     """
 
@@ -56,10 +57,10 @@ class SurfaceMaps(NamedTuple):
     waves: np.ndarray
 
     @classmethod
-    def of(cls, looks, table: np.ndarray, columns: tuple[int, int, int], time: float) -> "SurfaceMaps":
+    def of(cls, looks, table: np.ndarray, columns: tuple[int, int, int, int, int], time: float) -> "SurfaceMaps":
         """The maps of the looks of a scene; `table` gets where those of each material are.
 
-        columns : of the image's numbers, the puddles' and the waves' (their first row and their number)
+        columns : of the numbers of the image, the puddles, the light, the relief and the waves (their first row and their number)
         """
         chains: list[np.ndarray] = []
         waves: list[np.ndarray] = []
@@ -72,8 +73,14 @@ class SurfaceMaps(NamedTuple):
             if look.puddles is not None:
                 side = look.puddles.size * _PUDDLE_PERIOD
                 _note(row, columns[1], chains, puddle_texels(look.puddles), side, side)
+            if look.emission_image is not None:
+                chain, ratio = image_texels(look.emission_image.file.place)
+                _note(row, columns[2], chains, chain, look.emission_image.size, look.emission_image.size * ratio)
+            if look.relief is not None:
+                chain, height = relief_texels(look.relief.file.place, look.relief.size, look.relief.depth)
+                _note(row, columns[3], chains, chain, look.relief.size, height)
             if look.waves is not None:
-                row[columns[2]], row[columns[2] + 1] = sum(map(len, waves)), _WAVES
+                row[columns[4]], row[columns[4] + 1] = sum(map(len, waves)), _WAVES
                 waves.append(wave_rows(look.waves, time))
         return cls(
             np.concatenate(chains) if chains else NO_MAPS.texels, np.concatenate(waves) if waves else NO_MAPS.waves
@@ -117,6 +124,29 @@ def image_texels(place) -> tuple[np.ndarray, float]:
         for c in range(4)
     ]
     return _chain(np.stack(resized, axis=2).astype(np.float64)), height / width
+
+
+@lru_cache(8)
+def relief_texels(place, size: float, depth: float) -> tuple[np.ndarray, float]:
+    """The chain of the slopes of a relief, (n, 4) as in SurfaceMaps, and the height of its image in metres.
+
+    The image's grey value, 0..1, times `depth` is how far the surface stands out.
+    """
+    from PIL import Image
+
+    pixels = read_picture(place, str(place), "L")
+    height, width = pixels.shape[:2]
+    side = min(1 << max(round(math.log2(max(width, height))), 0), SIDE)
+    values = np.asarray(
+        Image.fromarray(pixels.reshape(height, width).astype(np.float32)).resize((side, side), Image.Resampling.BOX)
+    )
+    out = values.astype(np.float64) * (depth / 255.0)
+    texels = np.zeros((side, side, 4))
+    for axis, metres in ((1, size), (0, size * height / width)):
+        step = metres / side
+        texels[..., 1 - axis] = (np.roll(out, -1, axis) - np.roll(out, 1, axis)) / (2.0 * step)
+    texels[..., 2] = texels[..., 0] ** 2 + texels[..., 1] ** 2
+    return _chain(texels), size * height / width
 
 
 @lru_cache(8)

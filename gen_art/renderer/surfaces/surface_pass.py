@@ -27,23 +27,26 @@ from gen_art.renderer.surfaces.sky_occlusion import sky_occluders
 from gen_art.renderer.surfaces.solid_grid import SolidGrid
 from gen_art.renderer.surfaces.solid_rows import mean_areas, pixel_rectangles
 from gen_art.renderer.surfaces.solids import BOUND, MATERIAL
-from gen_art.renderer.surfaces.surface_layers import NO_LAYERS, SurfaceLayers
-from gen_art.renderer.surfaces.surface_maps import SurfaceMaps
-from gen_art.renderer.surfaces.surface_shading import (
+from gen_art.renderer.surfaces.surface_detail import (
     CHECKER,
     DAMP,
     EMISSION,
     IMAGE,
     IOR,
+    LIGHT,
+    LIGHT_FACTOR,
     MATERIAL_FLOATS,
     METAL,
     PER_LENGTH,
     PUDDLES,
+    RELIEF,
     ROUGHNESS,
     SECOND_ALBEDO,
     TRANSMISSION,
     WAVES,
 )
+from gen_art.renderer.surfaces.surface_layers import NO_LAYERS, SurfaceLayers
+from gen_art.renderer.surfaces.surface_maps import SurfaceMaps
 from gen_art.renderer.surfaces.tiles import BIN, SUBPIXELS, TILE
 from gen_art.renderer.surfaces.view_problems import check_camera, check_distances
 
@@ -119,7 +122,7 @@ class SurfacePass:
                 self._checked = True
         looks = [*(look for _, look in scene.surfaces), *finishes]
         table = np.stack([_material(look) for look in looks])
-        maps = SurfaceMaps.of(looks, table, (IMAGE, PUDDLES, WAVES), time)
+        maps = SurfaceMaps.of(looks, table, (IMAGE, PUDDLES, LIGHT, RELIEF, WAVES), time)
         shares = np.stack([reflected_share(look.roughness, look.ior) for look in looks])
         cloth = casters.sheets
         sky = _sky_light(casters, table, hidden_by, scene.shadows) if shaded else NO_SKY
@@ -198,4 +201,5 @@ def _material(look: Finish) -> np.ndarray:
             row[SECOND_ALBEDO : SECOND_ALBEDO + 3], row[CHECKER] = linear(look.checker.color), look.checker.size
         row[DAMP] = 0.0 if look.puddles is None else look.puddles.damp
         row[EMISSION : EMISSION + 3] = linear(look.emission) * look.emission_intensity
+        row[LIGHT_FACTOR] = look.emission_intensity
     return row

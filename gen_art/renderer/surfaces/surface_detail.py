@@ -1,0 +1,131 @@
+"""What varies over a surface, as means over a pixel: its albedo, its light, its roughness, and the normal of waves and relief.
+
+The one-letter names in kernels are in docs/glossary.md.
+"""
+
+from gen_art.backend.runtime import ti
+from gen_art.renderer.surfaces.collider_rays import in_start_frame
+from gen_art.renderer.surfaces.scene_numbers import CAMERA, RIGHT, TIME, UP, vector_at
+from gen_art.renderer.surfaces.surface_maps import MAP_FLOATS, map_at, wave_slope
+
+__all__ = ["LIGHT_FACTOR", "MATERIAL_FLOATS", "row_vector", "surface_detail"]
+
+# a material's row: albedo, second albedo, side of the checker's squares or 0, roughness, refractive index, metal, emission,
+# transmission, 1 / attenuation_distance, the numbers of the maps of its image, puddles, light and relief, first row and number
+# of its waves, how damp it is between puddles, and the factor on its light map
+SECOND_ALBEDO, CHECKER, ROUGHNESS, IOR, METAL, EMISSION, TRANSMISSION, PER_LENGTH = 3, 6, 7, 8, 9, 10, 13, 14
+IMAGE, PUDDLES, LIGHT, RELIEF, WAVES = (15 + k * MAP_FLOATS for k in range(5))
+DAMP, LIGHT_FACTOR = WAVES + 2, WAVES + 3
+MATERIAL_FLOATS = LIGHT_FACTOR + 1
+_MAPS = 4  # of a material, in the order of their columns
+_WET_ROUGHNESS = 0.02  # of a puddle
+
+
+@ti.func
+def row_vector(A: ti.template(), i, k):
+    """The three numbers of row i from column k on."""
+    return ti.Vector([A[i, k], A[i, k + 1], A[i, k + 2]])
+
+
+@ti.func
+def _checker(position, change_x, change_y, size):
+    """The share of a checker's second colour in a pixel: the mean over the box that the pixel's edges span.
+
+    position : (2,) in the world; change_x, change_y : (2,) from one pixel to the next
+    Source: Quilez, Filtering the checkerboard pattern.
+    """
+    value = 1.0
+    for c in ti.static(range(2)):
+        x = position[c] / size
+        w = ti.max((abs(change_x[c]) + abs(change_y[c])) / size, 1e-4)
+        low, high = 0.5 * (x - 0.5 * w), 0.5 * (x + 0.5 * w)
+        value *= 2.0 * (abs(low - ti.floor(low) - 0.5) - abs(high - ti.floor(high) - 0.5)) / w
+    return 0.5 - 0.5 * value
+
+
+@ti.func
+def _on_axes(n, v):
+    """(2,) the components of v to the right and down, as someone sees them who looks at a surface with the normal n.
+
+    They lie along the two axes along which the surface extends most; of a level one, right is x and down is z.
+    """
+    result = ti.Vector([v[0], v[2]])
+    if abs(n[0]) > abs(n[1]) and abs(n[0]) >= abs(n[2]):
+        result = ti.Vector([ti.select(n[0] > 0.0, -v[2], v[2]), -v[1]])
+    elif abs(n[2]) > abs(n[1]) and abs(n[2]) > abs(n[0]):
+        result = ti.Vector([ti.select(n[2] > 0.0, v[0], -v[0]), -v[1]])
+    return result
+
+
+@ti.func
+def _tangent(east, south, a, b):
+    """The vector (3,) in the plane of two vectors, east and south, whose products with them are a and b."""
+    ee, es, ss = east.dot(east), east.dot(south), south.dot(south)
+    determinant = ti.max(ee * ss - es * es, 1e-7 * ee * ss + 1e-30)
+    return (east * (ss * a - es * b) + south * (ee * b - es * a)) / determinant
+
+
+@ti.func
+def surface_detail(entries: ti.template(), scene: ti.template(), who, m, x, n, d, pixel):
+    """What varies over a collider, as means over a pixel: (albedo, normal, emission, detail).
+
+    who : the surface; x : position relative to the camera; n : unit normal
+    d : direction of the ray that meets x; pixel : side of a pixel at x, in world units
+    normal : unit normal of the waves and of the relief
+    detail : (3,) the wet part, the roughness, and the mean square slope of waves that are shorter than a pixel
+    """
+    N, M = ti.static(scene.N, scene.M)
+    albedo, normal, detail = row_vector(M, m, 0), n, ti.Vector([0.0, M[m, ROUGHNESS], 0.0])
+    emission = row_vector(M, m, EMISSION)
+    patterned = M[m, CHECKER] > 0.0
+    if ti.static(scene.mapped):
+        for k in range(_MAPS):
+            patterned = patterned or M[m, IMAGE + k * MAP_FLOATS + 1] > 0.0
+        patterned = patterned or M[m, WAVES + 1] > 0.0
+    if patterned:
+        # from one pixel to the next: across the view, then along the ray back to the plane that touches the surface
+        slope = d.dot(n)
+        slope = ti.select(abs(slope) < 1e-4, -1e-4, slope)
+        side, up = vector_at(N, RIGHT) * pixel, vector_at(N, UP) * pixel
+        to_east, to_south = side - d * (side.dot(n) / slope), up - d * (up.dot(n) / slope)
+        place, facing, east, south = in_start_frame(
+            entries, scene.Q, who, x + vector_at(N, CAMERA), n, to_east, to_south, N[TIME]
+        )
+        at, right, down = _on_axes(facing, place), _on_axes(facing, east), _on_axes(facing, south)
+        if M[m, CHECKER] > 0.0:
+            share = _checker(at, right, down, M[m, CHECKER])
+            albedo += (row_vector(M, m, SECOND_ALBEDO) - albedo) * share
+        if ti.static(scene.mapped):
+            image, wet, relief = ti.Vector([0.0, 0.0, 0.0, 0.0]), 0.0, ti.Vector([0.0, 0.0, 0.0, 0.0])
+            for k in range(_MAPS):  # one loop, so that a map is compiled once
+                found = map_at(scene.images, M, m, IMAGE + k * MAP_FLOATS, at, right, down)
+                if k == 0:
+                    image = found
+                elif k == 1:
+                    wet = found[3]
+                elif k == 2:
+                    light = ti.Vector([found[0], found[1], found[2]]) * M[m, LIGHT_FACTOR]
+                    emission = emission * (1.0 - found[3]) + light
+                else:
+                    relief = found
+            albedo = albedo * (1.0 - image[3]) + ti.Vector([image[0], image[1], image[2]])
+            if M[m, PUDDLES + 1] > 0.0:
+                damp = M[m, DAMP] * (1.0 - wet) + wet
+                albedo *= 1.0 - 0.5 * damp  # water in its pores darkens what is rough (Lekner and Dorf, 1988)
+                detail[0] = wet
+                detail[1] = detail[1] * (1.0 - 0.5 * M[m, DAMP]) * (1.0 - wet) + _WET_ROUGHNESS * wet
+            if M[m, RELIEF + 1] > 0.0:
+                dry = 1.0 - detail[0]  # water is level, whatever lies below it
+                a, b = dry * relief[0], dry * relief[1]
+                uphill = _tangent(to_east, to_south, a * right[0] + b * right[1], a * down[0] + b * down[1])
+                normal = (n - uphill).normalized()
+                # the slopes that the pixel does not show one by one make it rougher (Olano and Baker, LEAN mapping, 2010)
+                hidden = ti.max(dry * dry * relief[2] - a * a - b * b, 0.0)
+                detail[1] = ti.min(ti.sqrt(ti.sqrt(detail[1] ** 4 + hidden)), 1.0)
+            if M[m, WAVES + 1] > 0.0:
+                waves = wave_slope(scene.waves, M, m, WAVES, at, right, down)
+                # `right` is x and `down` is z on a level surface; waves are for those
+                normal = (normal - ti.Vector([waves[0], 0.0, waves[1]])).normalized()
+                detail[1] = ti.sqrt(ti.sqrt(detail[1] ** 4 + waves[2]))
+                detail[2] = waves[2]
+    return albedo, normal, emission, detail
