@@ -34,6 +34,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     vector_at,
 )
 from gen_art.renderer.surfaces.sky_occlusion import open_sky_share
+from gen_art.renderer.surfaces.surface_axes import on_axes, pixel_steps
 from gen_art.renderer.surfaces.surface_light import lamp_share, sky_at
 from gen_art.renderer.surfaces.surface_maps import MAP_FLOATS, map_at, mean_reflected, wave_slope
 
@@ -76,20 +77,6 @@ def _checker(position, change_x, change_y, size):
 
 
 @ti.func
-def _on_axes(n, v):
-    """(2,) the components of v to the right and down, as someone sees them who looks at a surface with the normal n.
-
-    They lie along the two axes along which the surface extends most; of a level one, right is x and down is z.
-    """
-    result = ti.Vector([v[0], v[2]])
-    if abs(n[0]) > abs(n[1]) and abs(n[0]) >= abs(n[2]):
-        result = ti.Vector([ti.select(n[0] > 0.0, -v[2], v[2]), -v[1]])
-    elif abs(n[2]) > abs(n[1]) and abs(n[2]) > abs(n[0]):
-        result = ti.Vector([ti.select(n[2] > 0.0, v[0], -v[0]), -v[1]])
-    return result
-
-
-@ti.func
 def surface_detail(entries: ti.template(), scene: ti.template(), who, m, x, n, d, pixel):
     """What varies over a collider, as means over a pixel: (albedo, normal, detail).
 
@@ -104,14 +91,10 @@ def surface_detail(entries: ti.template(), scene: ti.template(), who, m, x, n, d
     if ti.static(scene.mapped):
         patterned = patterned or M[m, IMAGE + 1] > 0.0 or M[m, PUDDLES + 1] > 0.0 or M[m, WAVES + 1] > 0.0
     if patterned:
-        # from one pixel to the next: across the view, then along the ray back to the plane that touches the surface
-        slope = d.dot(n)
-        slope = ti.select(abs(slope) < 1e-4, -1e-4, slope)
-        side, up = vector_at(N, RIGHT) * pixel, vector_at(N, UP) * pixel
-        east, south = side - d * (side.dot(n) / slope), up - d * (up.dot(n) / slope)
+        east, south = pixel_steps(N, n, d, pixel)
         place, facing = x + vector_at(N, CAMERA), n
         place, facing, east, south = in_start_frame(entries, scene.Q, who, place, facing, east, south, N[TIME])
-        at, right, down = _on_axes(facing, place), _on_axes(facing, east), _on_axes(facing, south)
+        at, right, down = on_axes(facing, place), on_axes(facing, east), on_axes(facing, south)
         if M[m, CHECKER] > 0.0:
             share = _checker(at, right, down, M[m, CHECKER])
             albedo += (row_vector(M, m, SECOND_ALBEDO) - albedo) * share
