@@ -67,7 +67,9 @@ def flag(columns=600, rows=400, width=1.5, height=1.0):
     x, y = (u + 0.5) * width / columns, (v + 0.5) * height / rows  # m
     wave = 0.0012 * bumps((1, columns), 1, 24, 21)
     first, second = 0.42 + wave, 0.58 + 0.0012 * bumps((1, columns), 1, 24, 22)
-    teal, cream, red, canvas = (np.array(c) / 255 for c in ([22, 84, 104], [226, 215, 190], [186, 54, 36], [222, 212, 190]))
+    teal, cream, red, canvas = (
+        np.array(c) / 255 for c in ([22, 84, 104], [226, 215, 190], [186, 54, 36], [222, 212, 190])
+    )
     stripe = np.where((y < first)[..., None], teal, np.where((y < second)[..., None], cream, red))
     shade = np.ones((rows, columns))
     # cloth that lies double at hems and seams lets less light through
