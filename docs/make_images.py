@@ -27,7 +27,7 @@ def save(pixels, name, colours=0):
     """A PNG of (rows, columns, 3) in 0..1 with a palette of this many colours, or of (rows, columns, 4) as it is."""
     image = Image.fromarray((np.clip(pixels, 0, 1) * 255 + 0.5).astype(np.uint8))
     if pixels.shape[2] == 3:
-        image = image.quantize(colours, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+        image = image.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     image.save(PRESETS / name, optimize=True)
 
 
@@ -74,9 +74,9 @@ def flag(columns=600, rows=400, width=1.5, height=1.0):
     shade = np.ones((rows, columns))
     # cloth that lies double at hems and seams lets less light through
     hem = np.minimum(np.minimum(y, height - y), width - x)
-    shade *= np.where(hem < 0.024, 0.74, 1.0)
+    shade *= np.where(hem < 0.024, 0.82, 1.0)
     for seam in (first, second):
-        shade *= np.where(np.abs(y - seam) < 0.010, 0.76, 1.0)
+        shade *= np.where(np.abs(y - seam) < 0.010, 0.84, 1.0)
     stitch_x, stitch_y = (np.floor(x / 0.006) % 2 == 0), (np.floor(y / 0.006) % 2 == 0)
     for offset in (0.007, -0.007):
         for seam in (first, second):
@@ -105,4 +105,4 @@ def flag(columns=600, rows=400, width=1.5, height=1.0):
 if __name__ == "__main__":
     save(roof_tiles(), "roof_tiles.png", 48)
     save(wood_grain(), "course/wood_grain.png")
-    save(flag(), "course/flag.png", 40)
+    save(flag(), "course/flag.png", 48)

@@ -70,11 +70,15 @@ def test_an_image_lies_along_the_threads_of_cloth(in_folder, side, want):
 
 
 def test_an_image_on_cloth_far_away_has_its_mean_colour(in_folder):
-    """(1/2, 1/2, 1/2), where many repeats fall into a pixel. Mutant: the finest texels everywhere."""
+    """A grey of 1/2, where many repeats fall into a pixel; the sky's light on cloth is right to 6%.
+
+    Mutant: the finest texels everywhere, which show the image's colours.
+    """
     image_file(in_folder)
     camera = {**FROM_ABOVE, "height": 4}
     got = picture(systems=cloth(**painted(0.011)), light=EVEN, camera=camera, size=(32, 32))
-    assert np.abs(got[4:28, 4:28, :3] - 0.5).max() < 0.02
+    inside = got[4:28, 4:28, :3]
+    assert np.abs(inside - 0.5).max() < 0.06 * 0.5 + 1e-3 and np.ptp(inside, axis=2).max() < 0.003
 
 
 @pytest.mark.parametrize("edge", [0.0, 0.2, 0.5, 1.0, 7.0])
