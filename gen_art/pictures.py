@@ -71,7 +71,7 @@ def _with_8_bits(image: Any) -> Any:
     if image.mode.startswith("I;16"):
         return Image.fromarray((np.asarray(image) >> 8).astype(np.uint8))
     if image.mode == "P":
-        return image.convert(image.palette.mode)
+        return image.convert("RGBA" if "transparency" in image.info else image.palette.mode)
     if image.mode in ("L", "LA", "RGB", "RGBA"):
         return image
     return image.convert("L" if image.mode == "1" else "RGB")

@@ -25,6 +25,7 @@ class Net:
     share : (m,), each spring's part of the stiffness and of the damping
     edges : named groups of points, for pinning
     faces : (k, 3), indices of the points of each triangle of a sheet; none for chains and ropes
+    place : (n, 2) m, to the right and down on a sheet at rest; none for chains and ropes
     """
 
     position: np.ndarray
@@ -33,6 +34,7 @@ class Net:
     share: np.ndarray
     edges: dict[str, np.ndarray]
     faces: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), np.int64))
+    place: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
 
     def springs(self, stiffness: float, damping: float = 0.0, method: str = "explicit", **more):
         """The interaction for a ParticleSystem whose first particles are these points, in this order; `more` as of Springs."""
@@ -123,7 +125,9 @@ def cloth(
         "none": k[:0, 0], "top": k[0], "bottom": k[-1], "left": k[:, 0], "right": k[:, -1],
         "corners": k[0, [0, -1]], "four corners": k[[0, 0, -1, -1], [0, -1, 0, -1]],
     }  # fmt: skip
-    return Net(x, pairs, rest, share, edges, _triangles(k))
+    lengths = [float(np.sqrt((side * side).sum())) for side in sides]
+    place = np.stack([u.ravel() * lengths[0], v.ravel() * lengths[1]], axis=1)
+    return Net(x, pairs, rest, share, edges, _triangles(k), place)
 
 
 def _triangles(k: np.ndarray) -> np.ndarray:

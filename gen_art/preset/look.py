@@ -338,6 +338,11 @@ class Look(Model):
         None, "with `draw: cloth`, the albedo of the side that is not seen with column 0 on the left; both sides have the "
         "`albedo` when left out"
     )  # fmt: skip
+    edge: NotNegative = about(
+        0.0,
+        "with `draw: body`, the radius to which edges of boxes are rounded; the bodies themselves keep sharp ones",
+        unit="m",
+    )
     translucency: Fraction = about(
         0.0, "with `draw: cloth`, the part of the scattered light that leaves on the other side: 0.3 is thin cotton"
     )
@@ -422,6 +427,10 @@ class Look(Model):
             raise UsageError("what goes through a liquid stands in `liquid`: leave out `transmission`")
         if (self.shapes or self.is_liquid) and (self.trail is not None or self.light is not None):
             raise UsageError(f"draw: {self.draw} has no {'trail' if self.trail else 'light of its own'}: leave it out")
+        if self.finish.image is not None and self.draw not in ("body", "cloth"):
+            raise UsageError("`finish.image` needs draw: body or draw: cloth")
+        if self.draw != "body" and (self.edge > 0.0 or (self.finish.image is not None and self.finish.image.shifted)):
+            raise UsageError(f"`{'edge' if self.edge > 0.0 else 'finish.image.shifted'}` needs draw: body")
         if self.draw == "cloth":
             fields = type(self).model_fields
             sizes = ("length", "pixels", "radius", "size", "tail", "taper", "width")

@@ -22,7 +22,7 @@ from gen_art.preset.look import Look
 from gen_art.preset.model import Model, about
 from gen_art.preset.registered import Many, class_schema, is_field, registry
 from gen_art.preset.sky import Sky
-from gen_art.preset.surface import GroundValue, SurfaceLook
+from gen_art.preset.surface import Finish, GroundValue
 from gen_art.preset.values import shown
 from gen_art.preset.wormhole import Wormhole
 from gen_art.registry import suggest
@@ -223,14 +223,19 @@ class Preset(Model):
     @property
     def files(self) -> list:
         """The files that the preset names, each once: of looks in the order of the systems, then of ground and laws."""
-        looks = (system.look for system in self.systems.values())
+        looks = [system.look for system in self.systems.values()]
         images = [look.picture.image for look in looks if look is not None and look.picture is not None]
         laws = [*self.forces, *self.medium.terms, *self.colliders]
         for system in self.systems.values():
             fields = system.medium.terms if system.medium is not None else ()
             laws += [*system.forces, *fields, *system.colliders]
         surfaces = [self.ground, *(law.values.get("look") for law in laws)]
+<<<<<<< HEAD
         maps = [file for look in surfaces if isinstance(look, SurfaceLook) for file in look.files]
+=======
+        surfaces += [look.finish for look in looks if look is not None]
+        maps = [look.image.file for look in surfaces if isinstance(look, Finish) and look.image is not None]
+>>>>>>> flag
         named = images + maps + [v for law in laws for v in law.values.values() if isinstance(v, PresetFile)]
         return list(dict.fromkeys(named))
 

@@ -43,12 +43,14 @@ class Checker(Model):
 class SurfaceImage(Model):
     """An image on a surface, repeated. Its colours take the place of the albedo; where it is transparent, the albedo shows.
 
-    It lies along the two axes of the collider that the surface faces least; on a floor its upper side points to -z.
+    It lies along the two axes of the collider that the surface faces least; on a floor its upper side points to -z. On a body it
+    lies along the body's axes with its middle on the middle of each side, on cloth with its upper left corner on row 0, column 0.
     A file's name sets the `file`.
     """
 
     file: Annotated[PresetFile, ImageFile] = about(..., "image in the preset's folder or below")
     size: Annotated[float, Within(0, MOST_SIZE, open_low=True)] = about(1.0, "width of the image", unit="m")
+    shifted: bool = about(False, "with `draw: body`, whether each body shows another part of the image")
 
     short_form = {"type": "string", "description": "the image's file"}
 
@@ -133,6 +135,10 @@ class Finish(Model):
     attenuation_distance: Annotated[float, Within(0, MOST_SIZE, open_low=True)] | None = about(
         None, "the length inside after which the albedo's part of the light is left; when left out, all of it", unit="m"
     )
+    image: SurfaceImage | None = about(
+        None, "an image instead of the albedo; of looks, for `draw: body` and `draw: cloth` alone"
+    )
+
     short_form = {"type": ["number", "string"]}
 
     @classmethod
@@ -145,8 +151,11 @@ class SurfaceLook(Finish):
 
     albedo: ColourValue = about("#8c8c8c", "the part of the light that is scattered, by colour")
     checker: Checker | None = about(None, "a checker of the albedo and a second colour")
+<<<<<<< HEAD
     image: SurfaceImage | None = about(None, "an image instead of the albedo")
     relief: Relief | None = about(None, "heights from an image: cobbles, bricks, bark")
+=======
+>>>>>>> flag
     puddles: Puddles | None = about(None, "puddles of water: for a `plane` or the `ground`")
     waves: Waves | None = about(None, "waves on water: for a `plane` or the `ground`")
     mirror: bool = about(

@@ -45,7 +45,7 @@ from gen_art.renderer.surfaces.liquid_shadow import NO_LIQUID
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
-from gen_art.renderer.surfaces.sheet_rows import SheetSystem, sheet_of
+from gen_art.renderer.surfaces.sheet_rows import SheetSystem, places_on_sheet, sheet_of
 from gen_art.renderer.surfaces.solid_rows import SolidSystem, shapes_of
 from gen_art.renderer.surfaces.surface_layers import SurfaceLayers
 from gen_art.renderer.surfaces.surface_pass import SurfacePass
@@ -393,11 +393,16 @@ class Painter:
                 if look.draw == "cloth":
                     faces = sheet_of(name, sim.members[name].interactions, system)
                     positions = system.floats[POSITION, : projected.count]
-                    sheets.append(SheetSystem(look, projected.used, columns, positions, faces, velocities))
+                    places = None
+                    if look.finish.image is not None:
+                        places = places_on_sheet(name, sim.members[name].emitters, system)
+                    sheets.append(SheetSystem(look, projected.used, columns, positions, faces, velocities, places))
                 elif solid:
                     shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
                     glows = name in self.scene.glow
-                    solids.append(SolidSystem(look.finish, projected.used, columns, velocities, shapes, glows))
+                    solids.append(
+                        SolidSystem(look.finish, projected.used, columns, velocities, shapes, glows, look.edge)
+                    )
                 elif look.is_liquid:
                     liquids.append(LiquidSystem(look.liquid, look.liquid_finish, projected, velocities))
                 elif light is not None and projected.count:

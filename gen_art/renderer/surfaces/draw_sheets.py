@@ -3,6 +3,7 @@
 The one-letter names in kernels are in docs/glossary.md.
 """
 
+# ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from gen_art.backend.runtime import ti
 from gen_art.renderer.surfaces.scene_numbers import (
     FORWARD,
@@ -20,11 +21,15 @@ from gen_art.renderer.surfaces.sheet_rows import (
     EMITTED,
     HAS_BACK,
     NORMAL,
+    ON_SHEET,
     PLACE,
     SHEET_MATERIAL,
     TRANSLUCENCY,
     VIEW,
 )
+from gen_art.renderer.surfaces.surface_axes import pixel_steps
+from gen_art.renderer.surfaces.surface_images import has_image, image_over
+from gen_art.renderer.surfaces.surface_shading import IMAGE
 from gen_art.renderer.surfaces.tiles import FACETS, SUBPIXELS, TILE, ray_limits, subpixel
 from gen_art.renderer.surfaces.triangles import corner, depth_of, edge_functions, edges_at, triangle_crossed
 
@@ -98,10 +103,29 @@ def sheet_velocity(scene: ti.template(), velocities: ti.template(), j, x):
 
 
 @ti.func
-def sheet_material(scene: ti.template(), j, x, view):
+def _image_on_sheet(scene: ti.template(), i, m, albedo, w, g, sides, view, pixel):
+    """The albedo (3,) of a sheet under its material's image.
+
+    i : corners of the triangle; w : their weights; g : normal of the triangle, twice as long as its area is large
+    sides : (3, 3), rows: the side opposite to each corner
+    """
+    V = ti.static(scene.V)
+    east, south = pixel_steps(scene.N, g.normalized(), -view, pixel)
+    at, right, down = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
+    for c in ti.static(range(3)):
+        place = ti.Vector([V[i[c], ON_SHEET], V[i[c], ON_SHEET + 1]])
+        side = ti.Vector([sides[c, 0], sides[c, 1], sides[c, 2]])
+        at += place * w[c]
+        right += place * (east.cross(side).dot(g) / g.dot(g))
+        down += place * (south.cross(side).dot(g) / g.dot(g))
+    return image_over(scene, m, IMAGE, albedo, at, right, down)
+
+
+@ti.func
+def sheet_material(scene: ti.template(), j, x, view, pixel):
     """What cloth is like where a ray meets triangle j at x (relative to the camera).
 
-    view : unit vector to the camera
+    view : unit vector to the camera; pixel : side of a pixel at x, in world units
     Returns (unit normal towards the camera, x moved onto the smooth sheet, row of the material, the part of the light that is
     scattered on this side, the part that comes through, emission). Of the albedo A with the translucency T, (1 - T) A is
     scattered and T A goes to the other side; with two colours, T times the lesser of the two does.
@@ -130,12 +154,16 @@ def sheet_material(scene: ti.template(), j, x, view):
     moved = x
     outwards = ti.select((n.dot(vector_at(N, TO_LAMP)) >= 0.0) == front, 1.0, -1.0)  # the side of the lamp
     for c in ti.static(range(3)):
-        m = corner(V, i[c], NORMAL) * outwards
-        moved += m * (w[c] * ti.max((corner(V, i[c], PLACE) - x).dot(m), 0.0))
+        out = corner(V, i[c], NORMAL) * outwards
+        moved += out * (w[c] * ti.max((corner(V, i[c], PLACE) - x).dot(out), 0.0))
+    m = ti.cast(L[k, SHEET_MATERIAL], ti.i32)
+    if ti.static(scene.mapped):
+        if has_image(scene.M, m, IMAGE) and g.dot(g) > 0.0:
+            albedo = _image_on_sheet(scene, i, m, albedo, w, g, ti.Matrix.rows([q - r, r - p, p - q]), view, pixel)
     here, other = albedo, albedo
     if L[k, HAS_BACK] > 0.5:
         back = corner(L, k, BACK)
         here, other = ti.select(front, albedo, back), ti.select(front, back, albedo)
     through = L[k, TRANSLUCENCY] * ti.min(here, other)
     scattered = here * (1.0 - L[k, TRANSLUCENCY])
-    return n, moved, ti.cast(L[k, SHEET_MATERIAL], ti.i32), scattered, through, emission
+    return n, moved, m, scattered, through, emission

@@ -17,8 +17,14 @@ from gen_art.renderer.surfaces.reflection import fresnel_of
 from gen_art.renderer.surfaces.scene_numbers import CAMERA, MIRROR, PARALLEL, SCALE, SKY_CELL, TIME, vector_at
 from gen_art.renderer.surfaces.solid_grid import far_side, nearest_solid
 from gen_art.renderer.surfaces.solids import ALBEDO, EMITTED, MATERIAL, NEVER, solid_normal
+<<<<<<< HEAD
 from gen_art.renderer.surfaces.surface_detail import (
+=======
+from gen_art.renderer.surfaces.surface_images import has_image, image_on_solid
+from gen_art.renderer.surfaces.surface_shading import (
+>>>>>>> flag
     EMISSION,
+    IMAGE,
     IOR,
     METAL,
     PER_LENGTH,
@@ -63,11 +69,14 @@ def surface_point(entries: ti.template(), surfaces: ti.template(), scene: ti.tem
     if who >= surfaces + B.shape[0]:
         if ti.static(scene.with_sheets):
             clear *= 2.0  # a sheet lies in two layers of the grid's nodes, blurred by one more
-            n, place, m, albedo, through, emission = sheet_material(scene, who - surfaces - B.shape[0], x, -d)
+            n, place, m, albedo, through, emission = sheet_material(scene, who - surfaces - B.shape[0], x, -d, pixel)
     elif who >= surfaces:
         i = who - surfaces
         n, m = solid_normal(B, i, x), ti.cast(B[i, MATERIAL], ti.i32)
         albedo, emission = row_vector(B, i, ALBEDO), row_vector(B, i, EMITTED)
+        if ti.static(scene.mapped):
+            if has_image(scene.M, m, IMAGE):
+                albedo = image_on_solid(scene, i, m, IMAGE, albedo, x, n, d, pixel)
     else:
         if ti.static(surfaces > 0):
             n = surface_normal(entries, scene.Q, who, x + vector_at(N, CAMERA), N[TIME])

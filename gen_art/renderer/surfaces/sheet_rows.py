@@ -12,12 +12,12 @@ from gen_art.renderer.shading import LIT_ALBEDO, LIT_EXTINCTION
 from gen_art.renderer.sprite import ALPHA, BLUE, RED
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 
-__all__ = ["CORNER_FLOATS", "SheetSystem", "Sheets", "face_rectangles", "sheet_of"]
+__all__ = ["CORNER_FLOATS", "SheetSystem", "Sheets", "face_rectangles", "places_on_sheet", "sheet_of"]
 
 # a corner's row: its place along the camera's axes, along the lamp's (two across, then towards it) and along the world's, each
-# relative to the camera; normal, albedo, emission
-VIEW, LAMP, PLACE, NORMAL, ALBEDO, EMITTED = 0, 3, 6, 9, 12, 15
-CORNER_FLOATS = 18
+# relative to the camera; normal, albedo, emission, place on the sheet at rest
+VIEW, LAMP, PLACE, NORMAL, ALBEDO, EMITTED, ON_SHEET = 0, 3, 6, 9, 12, 15, 18
+CORNER_FLOATS = 20
 # a sheet's row: its material, translucency, whether its back has an albedo of its own, that albedo
 SHEET_MATERIAL, TRANSLUCENCY, HAS_BACK, BACK, SHEET_FLOATS = 0, 1, 2, 3, 6
 # numbers of the grid across the lamp's direction: least place, side of a cell, cells along both, place nearest to the lamp
@@ -39,6 +39,29 @@ def sheet_of(name: str, interactions, state) -> np.ndarray:
     )
 
 
+def places_on_sheet(name: str, emissions, state) -> np.ndarray:
+    """(n, 2) m, to the right and down, where on the cloth of its emitter at rest each particle of a system lies.
+
+    Raises UsageError if none of the emissions lays a cloth.
+    """
+    ids, source = state.id[: state.count].astype(np.int64), state.source[: state.count]
+    places, known, first = np.zeros((state.count, 2)), False, 0
+    for emission in emissions:
+        for k, kind in enumerate(emission.kinds):
+            net = getattr(kind.scripted, "net", None)
+            if net is not None:
+                mine = source == emission.first_source + k
+                if len(net.place) and mine.any():
+                    places[mine] = net.place[ids[mine] - first]
+                    known = True
+                first += len(net.position)
+    if not known and state.count:
+        raise UsageError(
+            f"systems.{name}.look.finish.image: an image lies on the `cloth:` of an emitter, and '{name}' has none"
+        )
+    return places
+
+
 @dataclass(frozen=True)
 class SheetSystem:
     """The cloth of one system, as its particles are shaded.
@@ -49,6 +72,7 @@ class SheetSystem:
     positions : (3, n) m, of the particles
     faces : (k, 3), particles at the corners of the triangles
     velocities : (3, n) m/s
+    places : (n, 2) m, to the right and down on the sheet at rest, or None if its look has no image
     """
 
     look: Look
@@ -57,6 +81,7 @@ class SheetSystem:
     positions: np.ndarray
     faces: np.ndarray
     velocities: np.ndarray
+    places: np.ndarray | None = None
 
     @cached_property
     def seen(self) -> np.ndarray:
@@ -111,6 +136,8 @@ class Sheets:
             area = np.maximum(system.channels[ALPHA, used], 1e-30)[:, None]
             rows[:, ALBEDO : ALBEDO + 3] = system.columns[used, LIT_ALBEDO] / area
             rows[:, EMITTED : EMITTED + 3] = system.channels[RED : BLUE + 1, used].T / area
+            if system.places is not None:
+                rows[:, ON_SHEET : ON_SHEET + 2] = system.places[used]
             corners.append(rows)
             faces.append(np.column_stack([triangles + first, np.full(len(triangles), k)]))
             looks.append(_look_row(system.look, first_material + k))

@@ -9,10 +9,22 @@ from gen_art.interactions.base import Shapes
 from gen_art.preset.surface import Finish
 from gen_art.renderer.shading import LIT_ALBEDO, LIT_EXTINCTION, LIT_POSITION, LIT_RADIUS
 from gen_art.renderer.sprite import ALPHA, BLUE, RED
-from gen_art.renderer.surfaces.solids import ALBEDO, AXES, BOUND, CENTER, EMITTED, HALF, MATERIAL, RADIUS, SOLID_FLOATS
+from gen_art.renderer.surfaces.solids import (
+    ALBEDO,
+    AXES,
+    BOUND,
+    CENTER,
+    EMITTED,
+    HALF,
+    IMAGE_PLACE,
+    MATERIAL,
+    RADIUS,
+    SOLID_FLOATS,
+)
 
 __all__ = ["SolidSystem", "mean_areas", "pixel_rectangles", "shapes_of", "solid_rows"]
 
+_EVEN = (0.7548776662466927, 0.5698402909980532)  # whose multiples lie evenly in a square (Roberts, 2018)
 _EXACT = 2.0**24  # pixels beyond which a rectangle of the picture is cut
 _WHERE = {"body": "rigid bodies (interactions: {rigid: {}})", "thread": "springs (interactions: {springs: ...})"}
 
@@ -26,6 +38,7 @@ class SolidSystem:
     columns : (n, 8) LIT_... of shading.py
     shapes : of bodies or threads; balls if None
     glows : whether it lights the others
+    edge : m, radius to which the edges of boxes are rounded
     velocities : (3, n) m/s, of the particles
     """
 
@@ -35,6 +48,7 @@ class SolidSystem:
     velocities: np.ndarray
     shapes: Shapes | None = None
     glows: bool = False
+    edge: float = 0.0
 
 
 def shapes_of(name: str, draw: str, interactions, state) -> Shapes:
@@ -69,11 +83,20 @@ def solid_rows(systems: list[SolidSystem], first_material: int, view) -> np.ndar
             rows[:, HALF : HALF + 3], rows[:, AXES : AXES + 9] = shapes.half[here], shapes.axes[here].reshape(-1, 9)
             own = np.isfinite(shapes.radius[here])
             rows[own, RADIUS] = shapes.radius[here][own]
+            if system.edge > 0.0:
+                rounded = np.where(
+                    own & (rows[:, RADIUS] == 0.0), np.minimum(system.edge, shapes.half[here].min(axis=1)), 0.0
+                )
+                rows[:, HALF : HALF + 3] -= rounded[:, None]
+                rows[:, RADIUS] += rounded
         half = rows[:, HALF : HALF + 3]
         rows[:, BOUND] = np.sqrt((half * half).sum(axis=1)) + rows[:, RADIUS]
         rows[:, ALBEDO : ALBEDO + 3] = columns[:, LIT_ALBEDO] / area[:, None]
         rows[:, EMITTED : EMITTED + 3] = (system.channels[RED : BLUE + 1, particle] / area).T
         rows[:, MATERIAL] = first_material + k
+        rows[:, IMAGE_PLACE : IMAGE_PLACE + 2] = 0.5
+        if system.finish.image is not None and system.finish.image.shifted:
+            rows[:, IMAGE_PLACE : IMAGE_PLACE + 2] += np.mod(np.outer(particle + 1.0, _EVEN), 1.0)
         found.append(rows)
     return np.concatenate(found)
 

@@ -5,25 +5,28 @@ The one-letter names in kernels are in docs/glossary.md.
 
 from gen_art.backend.runtime import ti
 
-__all__ = ["NEVER", "SOLID_FLOATS", "solid_facet", "solid_hit", "solid_normal"]
+__all__ = ["NEVER", "SOLID_FLOATS", "along_axes", "row_vector", "solid_facet", "solid_hit", "solid_normal"]
 
 # a solid's row: centre relative to the camera, radius of the rounding, half extents inside it, its axes in the world (rows),
-# albedo, emission, row of its material, radius of the ball around it
-CENTER, RADIUS, HALF, AXES, ALBEDO, EMITTED, MATERIAL, BOUND = 0, 3, 4, 7, 16, 19, 22, 23
-SOLID_FLOATS = 24
+# albedo, emission, row of its material, radius of the ball around it, where on its image the middles of its sides lie (in images)
+CENTER, RADIUS, HALF, AXES, ALBEDO, EMITTED, MATERIAL, BOUND, IMAGE_PLACE = 0, 3, 4, 7, 16, 19, 22, 23, 24
+SOLID_FLOATS = 26
 NEVER = 1e30  # distance along a ray that meets nothing
 _NEWTON_STEPS = 24
 
 
 @ti.func
-def _vector(B: ti.template(), i, k):
+def row_vector(B: ti.template(), i, k):
+    """The three numbers of row i from column k on."""
     return ti.Vector([B[i, k], B[i, k + 1], B[i, k + 2]])
 
 
 @ti.func
-def _local(B: ti.template(), i, v):
+def along_axes(B: ti.template(), i, v):
     """A direction along the solid's axes."""
-    return ti.Vector([_vector(B, i, AXES).dot(v), _vector(B, i, AXES + 3).dot(v), _vector(B, i, AXES + 6).dot(v)])
+    return ti.Vector(
+        [row_vector(B, i, AXES).dot(v), row_vector(B, i, AXES + 3).dot(v), row_vector(B, i, AXES + 6).dot(v)]
+    )
 
 
 @ti.func
@@ -32,14 +35,14 @@ def solid_hit(B: ti.template(), i, o, d, from_inside: ti.template()):
 
     from_inside : whether a ray that starts inside meets it, at 0
     """
-    c, radius = _vector(B, i, CENTER) - o, B[i, RADIUS]
+    c, radius = row_vector(B, i, CENTER) - o, B[i, RADIUS]
     along = c.dot(d)
     aside = c - d * along
     inside = B[i, BOUND] * B[i, BOUND] - aside.dot(aside)
     result = NEVER
     if inside > 0.0:
         reach = ti.sqrt(inside)
-        half = _vector(B, i, HALF)
+        half = row_vector(B, i, HALF)
         if half.max() == 0.0:
             if along > reach:
                 result = along - reach
@@ -47,7 +50,7 @@ def solid_hit(B: ti.template(), i, o, d, from_inside: ti.template()):
                 result = 0.0
         elif along + reach > 0.0:
             # from the point of the ray that is nearest to the centre, where float32 is exact enough
-            p, v = -_local(B, i, aside), _local(B, i, d)
+            p, v = -along_axes(B, i, aside), along_axes(B, i, d)
             low, high, outer = -reach, reach, half + radius
             for k in ti.static(range(3)):
                 inverse = 1.0 / ti.select(abs(v[k]) > 1e-12, v[k], 1e-12)
@@ -86,9 +89,9 @@ def solid_hit(B: ti.template(), i, o, d, from_inside: ti.template()):
 @ti.func
 def solid_facet(B: ti.template(), i, x):
     """Of a box without rounding, the axis of its own that the face at x lies across; 0 for other solids."""
-    result, half = 0, _vector(B, i, HALF)
+    result, half = 0, row_vector(B, i, HALF)
     if half.max() > 0.0 and B[i, RADIUS] == 0.0:
-        beyond = abs(_local(B, i, x - _vector(B, i, CENTER))) - half
+        beyond = abs(along_axes(B, i, x - row_vector(B, i, CENTER))) - half
         for k in ti.static(range(1, 3)):
             if beyond[k] > ti.max(beyond[0], beyond[3 - k]):
                 result = k
@@ -98,10 +101,10 @@ def solid_facet(B: ti.template(), i, x):
 @ti.func
 def solid_normal(B: ti.template(), i, x):
     """The unit normal at a point of the surface, relative to the camera."""
-    r = x - _vector(B, i, CENTER)
-    n, half = r, _vector(B, i, HALF)
+    r = x - row_vector(B, i, CENTER)
+    n, half = r, row_vector(B, i, HALF)
     if half.max() > 0.0:
-        local = _local(B, i, r)
+        local = along_axes(B, i, r)
         q, m = abs(local) - half, local * 0.0
         if B[i, RADIUS] > 0.0:
             for k in ti.static(range(3)):
@@ -112,5 +115,5 @@ def solid_normal(B: ti.template(), i, x):
                 if found == 0 and q[k] == q.max():
                     m[k] = ti.select(local[k] < 0.0, -1.0, 1.0)
                     found = 1
-        n = _vector(B, i, AXES) * m[0] + _vector(B, i, AXES + 3) * m[1] + _vector(B, i, AXES + 6) * m[2]
+        n = row_vector(B, i, AXES) * m[0] + row_vector(B, i, AXES + 3) * m[1] + row_vector(B, i, AXES + 6) * m[2]
     return n.normalized()

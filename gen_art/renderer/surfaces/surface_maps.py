@@ -65,11 +65,11 @@ class SurfaceMaps(NamedTuple):
         chains: list[np.ndarray] = []
         waves: list[np.ndarray] = []
         for row, look in zip(table, looks):
-            if not isinstance(look, SurfaceLook):
-                continue
             if look.image is not None:
                 chain, ratio = image_texels(look.image.file.place)
                 _note(row, columns[0], chains, chain, look.image.size, look.image.size * ratio)
+            if not isinstance(look, SurfaceLook):
+                continue
             if look.puddles is not None:
                 side = look.puddles.size * _PUDDLE_PERIOD
                 _note(row, columns[1], chains, puddle_texels(look.puddles), side, side)
