@@ -1,8 +1,6 @@
-"""The light of emitting particles on surfaces: closed formulas, direct sums, shadows, and the same bytes on any number of threads."""
+"""The light of emitting particles on surfaces: closed formulas, direct sums, shadows."""
 
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -283,34 +281,3 @@ def test_unknown_systems_are_sentences():
     sim = ga.Simulation(preset())
     with pytest.raises(ga.UsageError, match=r"light\.glow names 'fire', and there is no such system"):
         ga.render_frame(sim, (8, 8), light={"glow": "fire"})
-
-
-_PICTURE = """
-import hashlib
-import gen_art as ga
-from gen_art.backend import runtime
-
-runtime.init(threads={threads})
-look = {{"draw": "disc", "radius": 0.05, "emission": {{"color": {{"by": "y", "range": "0..2", "gradient": "magma"}}}}}}
-given = ga.load_preset({{
-    "version": 1, "clock": {{"duration": 1, "fps": 30, "step": "1/120"}}, "ground": {{"roughness": 0.3}},
-    "colliders": {{"sphere": {{"center": [0.6, 0.4, 0], "radius": 0.4, "look": "white"}}}}, "light": {{"glow": "flame"}},
-    "systems": {{"flame": {{"emitters": {{"all": {{"count": 5000, "shape": {{"ball": 0.5, "center": [-0.3, 0.6, 0]}}}}}}, "look": look}},
-        "smoke": {{"particle": {{"radius": 0.1}}, "emitters": {{"all": {{"count": 3000, "shape": {{"ball": 0.4, "center": [0, 1.6, 0]}}}}}},
-                  "look": {{"draw": "disc", "blend": "alpha", "opacity": 0.05}}}}}},
-    "camera": {{"position": [0, 1, 4], "target": [0, 0.5, 0]}},
-}})
-sim = ga.Simulation(given)
-sim.step(3)
-print(hashlib.sha256(ga.render_frame(sim, (160, 120)).tobytes()).hexdigest())
-"""
-
-
-def test_the_same_bytes_on_any_number_of_threads():
-    made = {
-        subprocess.run(
-            [sys.executable, "-c", _PICTURE.format(threads=k)], capture_output=True, text=True, check=True
-        ).stdout
-        for k in (1, 2, 4)
-    }
-    assert len(made) == 1

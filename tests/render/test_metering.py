@@ -1,9 +1,6 @@
 """Automatic exposure: the meter counts light by light, smoothing looks back a fixed time, and both repeat to the bit."""
 
 import math
-import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -105,21 +102,3 @@ def test_an_exposed_picture_has_its_key():
     assert DevelopSpec(auto_exposure={"key": 0.3}).auto_exposure == spec.auto_exposure
     with pytest.raises(ValueError, match="range of an exposure must lie within"):
         AutoExposure(range="-100..0")
-
-
-def test_threads_change_no_bit(tmp_path):
-    script = """
-import sys, numpy as np
-from gen_art.backend import runtime
-runtime.init("cpu", int(sys.argv[1]))
-from gen_art.renderer.auto_exposure import metered_stops
-print(*(metered_stops(np.random.default_rng(7).exponential(1.0, (h, w, 4)).astype(np.float32)).hex() for h, w in ((180, 320), (37, 61))))
-"""
-    said = [
-        subprocess.run(
-            [sys.executable, "-c", script, str(n)], capture_output=True, text=True, check=True, env=dict(os.environ)
-        ).stdout
-        for n in (1, 4)
-    ]
-    linear = np.random.default_rng(7).exponential(1.0, (180, 320, 4)).astype(np.float32)
-    assert said[0] == said[1] and said[0].split()[0] == metered_stops(linear).hex()

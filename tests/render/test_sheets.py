@@ -1,8 +1,6 @@
 """Cloth in the picture: its light on both sides against closed formulas, its shadow, and what lies between its triangles."""
 
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -374,37 +372,3 @@ def test_what_is_no_cloth_is_a_sentence():
             ga.interactions.Springs([[0, 1], [1, 2]], 1.0, faces=faces)
     with pytest.raises(ga.UsageError, match="faces go with pairs"):
         ga.interactions.Springs(faces=[[0, 1, 2]])
-
-
-_PICTURE = """
-import hashlib
-import gen_art as ga
-from gen_art.backend import runtime
-
-runtime.init(threads={threads})
-given = ga.load_preset({{
-    "version": 1, "clock": {{"duration": 1, "fps": 30, "step": "1/120"}}, "sky": {{"sun": 40}},
-    "ground": {{"mirror": True, "roughness": 0.2}}, "forces": {{"gravity": [0, -9.81, 0]}},
-    "systems": {{
-        "flag": {{
-            "particle": {{"mass": 0.01}}, "interactions": {{"springs": {{"stiffness": 10, "damping": 0.01}}}},
-            "emitters": {{"sheet": {{"cloth": {{"corner": [-0.5, 1.2, 0], "columns": 24, "rows": 20, "pinned": "corners"}}}}}},
-            "look": {{"draw": "cloth", "translucency": 0.3, "back": "red"}},
-        }},
-    }},
-    "camera": {{"position": [1, 1.5, 3], "target": [0, 0.6, 0]}},
-}})
-sim = ga.Simulation(given)
-sim.step(24)
-print(hashlib.sha256(ga.render_frame(sim, (200, 120)).tobytes()).hexdigest())
-"""
-
-
-def test_any_number_of_threads_draws_the_same_bytes():
-    found = {
-        subprocess.run(
-            [sys.executable, "-c", _PICTURE.format(threads=n)], capture_output=True, text=True, check=True
-        ).stdout
-        for n in (1, 2, 4)
-    }
-    assert len(found) == 1 and len(found.pop().strip()) == 64

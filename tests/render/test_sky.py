@@ -1,10 +1,6 @@
 """The sky under the picture: its table, gradients, the formula of compositing, the sun's disc, and what must not change."""
 
-import hashlib
 import math
-import os
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -286,31 +282,6 @@ def test_frames_stills_and_trails_show_the_preset_s_sky(tmp_path):
     picture = Playback(trailing, (96, 54), "f32", None).picture(6)
     assert picture[0, 0] == pytest.approx([*linear("#88aaff"), 1.0], rel=1e-6)
     assert picture[..., 0].max() > 1.02 * linear("#88aaff")[0], "the trail over it"
-
-
-SCRIPT = """
-import hashlib, sys
-from gen_art.backend import runtime
-runtime.init(threads=int(sys.argv[1]))
-from tests.render.test_sky import CAMERA, paint, state
-from gen_art.preset.look import Look
-from gen_art.preset.sky import Sky
-look = Look(draw="disc", radius=0.5, blend="alpha", opacity=0.5)
-picture = paint(Sky(sun={"height": 4, "azimuth": 3}, stars=True), CAMERA, (161, 91), look, a=state([[0, 0.6, 0]]))
-print(hashlib.sha256(picture.tobytes()).hexdigest())
-"""
-
-
-def test_one_thread_and_two_give_the_same_bytes():
-    found = set()
-    for threads in ("1", "2"):
-        run = subprocess.run(
-            [sys.executable, "-c", SCRIPT, threads], capture_output=True, text=True, cwd=ROOT,
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
-        )  # fmt: skip
-        assert run.returncode == 0, run.stderr
-        found.add(run.stdout)
-    assert len(found) == 1 and len(next(iter(found)).strip()) == 2 * hashlib.sha256().digest_size
 
 
 # the key

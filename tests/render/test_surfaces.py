@@ -1,8 +1,6 @@
 """Surfaces in the picture: their light against closed formulas, where they are, and what they hide."""
 
 import math
-import subprocess
-import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -48,7 +46,8 @@ def test_a_matte_plane_has_the_radiance_of_lambert(angle):
     got = picture(ground=matte([0.5, 0.25, 1.0]), light=light)
     irradiance = 4 * math.pi * 0.7 * math.cos(down)
     albedo = [((c + 0.055) / 1.055) ** 2.4 for c in (0.5, 0.25, 1.0)]  # of sRGB
-    assert got[24, 32, :3] == pytest.approx(np.array(albedo) * irradiance / math.pi, rel=0.01)
+    # float32: the lamp's direction is off by 6e-8, which at 80 degrees is 4e-7 of its cosine
+    assert got[24, 32, :3] == pytest.approx(np.array(albedo) * irradiance / math.pi, rel=1e-5)
     assert got[24, 32, 3] == 1.0
 
 
@@ -86,7 +85,8 @@ def test_a_smooth_black_plane_reflects_an_even_sky_as_fresnel_says(angle):
     even = {"intensity": 0, "ambient_intensity": 1.0}
     ground = {"albedo": "black", "roughness": 0, "ior": 1.5}
     got = picture(ground=ground, light=even, camera=camera, size=(33, 33))[16, 16, 0]
-    assert got == pytest.approx(float(fresnel(math.cos(a), 1.5)), abs=1e-4)
+    # within a pixel of 5e-4 rad the share changes evenly, but for its curvature of 50 at most: 50 (5e-4)^2 / 24
+    assert got == pytest.approx(float(fresnel(math.cos(a), 1.5)), abs=1e-5)
 
 
 def test_the_reflecting_layer_takes_no_more_than_arrives():
@@ -105,8 +105,12 @@ def test_a_checker_is_grey_from_afar_and_exact_near_by():
     )
     assert set(np.unique(np.round(near[::5, 3::5, 0], 4))) <= {0.0, 1.0}
     assert near[20, 28, 0] != pytest.approx(near[20, 36, 0])  # the two sides of x = 0
-    far = picture(ground=ground, light=light, camera={"position": [0, 800, 1], "target": [0, 0, 0], "up": [0, 0, -1]})
-    assert np.abs(far[..., 0] - 0.5).max() < 0.02
+    far = picture(
+        ground=ground, light=light, camera={"position": [0, 800, 1], "target": [0, 0, 0], "up": [0, 0, -1], "fov": 20}
+    )
+    # the mean over a box w squares wide is off by at most 1 / w along each axis, and their product counts half
+    pixel = 2 * 800 * math.tan(math.radians(10)) / SIZE[1]
+    assert np.abs(far[..., 0] - 0.5).max() < 0.5 * (0.5 / pixel) ** 2 + 1e-4
 
 
 def half_disc(x):
@@ -131,7 +135,8 @@ def test_the_shadow_of_an_edge_and_its_half_shadow():
     seen = x > 0.02
     edge = x[seen][np.argmin(np.abs(row[seen] - 0.5))]
     assert abs(edge - math.tan(tilt)) < 1.5 * pixel  # half a pixel to the sample, and the pixel that is asked for
-    assert np.abs(row - expected)[seen].max() < 0.05
+    # n even points on the lamp tell the part on one side of a line to n^(-3/4)
+    assert np.abs(row - expected)[seen].max() < 64**-0.75 + 1e-3
     width = np.ptp(x[seen & (row > 0.02) & (row < 0.98)])
     wanted = np.ptp(x[seen & (expected > 0.02) & (expected < 0.98)])
     assert width == pytest.approx(wanted, rel=0.05)
@@ -265,11 +270,13 @@ def test_surfaces_hide_what_is_behind_them(draw):
 
 
 def test_a_disc_fades_where_it_enters_the_ground():
-    camera = {"position": [0, 0.0001, 6], "target": [0, 0, 0], "fov": 20}
+    """Half of a disc in the ground is hidden: above and below its middle, the shares that are seen add up to 1. Mutant: a cut before
+    or behind the middle. A sprite of radius 0.2 at 6 m sees the ground's depth fall off by 0.2 / 6 unevenly, to either side."""
+    camera = {"position": [0, 1.5, 6], "target": [0, 0, 0], "fov": 20}
     light = {"intensity": 0, **DARK}
     free = picture(systems=dot(0.0, "disc"), light=light, camera=camera)
-    cut = picture(systems=dot(0.0, "disc"), light=light, camera={**camera, "position": [0, 1.5, 6]}, ground=matte())
-    assert 0.3 < cut[..., 0].sum() / free[..., 0].sum() < 0.9
+    cut = picture(systems=dot(0.0, "disc"), light=light, camera=camera, ground=matte())
+    assert cut[..., 0].sum() / free[..., 0].sum() == pytest.approx(0.5, abs=0.2 / 6)
 
 
 def test_a_box_is_seen_from_inside():
@@ -348,16 +355,54 @@ def test_what_cannot_be_drawn_is_a_sentence(keys, words):
         picture(**keys)
 
 
-def test_an_sdf_that_is_no_distance_is_refused():
+@pytest.mark.parametrize("what,words", [
+    ("steep", "changes by 3 .* must not by more than 1"), ("slanted", "changes by 1.5 .* must not by more than 1"),
+    ("flat", "changes by 0.05 .* a distance changes by 1"), ("broken", "is not a number near"),
+])  # fmt: skip
+def test_an_sdf_that_is_no_distance_is_refused(what, words):
+    """A plane that leans along (1, 1, 1) changes by 1.5 / sqrt(3) < 1 along each axis: a mutant that probes the axes alone passes it."""
     from gen_art.backend.runtime import ti
 
     @ti.func
     def steep(x):
         return 3.0 * (x.norm() - 0.5)
 
-    system = ga.ParticleSystem([[0, 9, 0]], colliders=[ga.colliders.SDF(steep, look="red")])
-    with pytest.raises(PresetError, match="must not by more than 1"):
+    @ti.func
+    def slanted(x):
+        return 1.5 * (x[0] + x[1] + x[2]) / ti.sqrt(3.0)
+
+    @ti.func
+    def flat(x):
+        return 0.05 * (x.norm() - 0.5)
+
+    @ti.func
+    def broken(x):
+        return ti.sqrt(x[0] - 0.5)
+
+    function = {"steep": steep, "slanted": slanted, "flat": flat, "broken": broken}[what]
+    system = ga.ParticleSystem([[0, 9, 0]], colliders=[ga.colliders.SDF(function, look="red")])
+    with pytest.raises(PresetError, match=words):
         ga.render_frame(ga.Simulation({"far": system}, dt=0.01), SIZE, ga.Camera(position=(0, 0, 5)))
+
+
+def test_distances_of_shapes_with_edges_and_of_small_grids_are_taken():
+    """A box has a distance whose differences along two axes belong to two faces at its edges; beyond a grid nothing changes."""
+    from gen_art.backend.runtime import ti
+    from gen_art.renderer.surfaces.collider_rays import ColliderTerms
+    from gen_art.renderer.surfaces.view_problems import check_distances
+
+    @ti.func
+    def box(x):
+        return ti.max(abs(x[0]), abs(x[1]), abs(x[2])) - 0.5
+
+    place = np.stack(np.meshgrid(*[np.linspace(-0.1, 0.1, 9)] * 3, indexing="ij"), axis=-1)
+    corners = {"min": (-0.1, -0.1, -0.1), "max": (0.1, 0.1, 0.1)}
+    ball = ga.colliders.SDF(np.linalg.norm(place, axis=-1) - 0.07, look="red", **corners)
+    low = ga.colliders.SDF(0.05 * (np.linalg.norm(place, axis=-1) - 0.07), look="red", **corners)
+    view = ga.Camera(position=(0, 0, 5)).at(0.0)
+    check_distances(ColliderTerms([ga.colliders.SDF(box, look="red"), ball]), view, 0.0)
+    with pytest.raises(PresetError, match=r"changes by 0.05 .* a distance changes by 1"):
+        check_distances(ColliderTerms([low]), view, 0.0)
 
 
 def test_a_script_gives_light_ground_and_looks():
@@ -402,43 +447,7 @@ def test_fog_of_the_sky_needs_one():
     far = picture(
         ground="black", light={"intensity": 0, **DARK}, sky="#8090a0", camera={**camera, "position": [0, 1, 900]}
     )
-    assert far[30, 32, :3] == pytest.approx(far[2, 2, :3], rel=0.01)
-
-
-_PICTURE = """
-import hashlib, sys
-import gen_art as ga
-from gen_art.backend import runtime
-
-runtime.init(threads={threads})
-given = ga.load_preset({{
-    "version": 1, "clock": {{"duration": 1, "fps": 30, "step": "1/120"}}, "sky": {{"sun": 40}},
-    "ground": {{"mirror": True, "roughness": 0.2, "checker": 0.3}},
-    "colliders": {{"sphere": {{"center": [0, 0.4, 0], "radius": 0.4, "look": {{"metal": 1, "roughness": 0.1}}}}}},
-    "systems": {{
-        "beads": {{
-            "particle": {{"radius": 0.05}}, "emitters": {{"all": {{"count": 300, "shape": {{"sphere": 1.0, "center": [0, 0.6, 0]}}}}}},
-            "look": {{"draw": "sphere", "blend": "opaque"}},
-        }},
-        "smoke": {{
-            "emitters": {{"all": {{"count": 500, "shape": {{"box": [2, 1, 2]}}}}}}, "particle": {{"radius": 0.2}},
-            "look": {{"draw": "disc", "blend": "alpha", "opacity": 0.2}},
-        }},
-    }},
-    "camera": {{"position": [2, 1.5, 3], "target": [0, 0.4, 0]}},
-}})
-print(hashlib.sha256(ga.render_frame(ga.Simulation(given), (200, 120)).tobytes()).hexdigest())
-"""
-
-
-def test_any_number_of_threads_draws_the_same_bytes():
-    found = {
-        subprocess.run(
-            [sys.executable, "-c", _PICTURE.format(threads=n)], capture_output=True, text=True, check=True
-        ).stdout
-        for n in (1, 2, 4)
-    }
-    assert len(found) == 1 and len(found.pop().strip()) == 64
+    assert far[30, 32, :3] == pytest.approx(far[2, 2, :3], rel=1e-5)
 
 
 EVEN = {"intensity": 0, "ambient_intensity": 1.0}
@@ -472,7 +481,11 @@ def test_an_orthographic_camera_sees_solids_behind_it():
 
 
 def test_thin_rods_take_little_of_the_sky():
-    """Five rods of 4 x 0.02 x 0.02 m hide about a hundredth of the sky from the ground below."""
+    """Five rods of 4 x 0.02 x 0.02 m hide little of the sky from the ground below.
+
+    A long rod of width w at the height h, x to the side, hides w h^2 / (2 (h^2 + x^2)^(3/2)): together, five that are h = 0.5 apart hide
+    4% below and between them, and a square rod's mean width is 4 / pi of its side.
+    """
     rods = {
         "rods": {
             "integrator": "leapfrog", "interactions": {"rigid": {}},
@@ -483,7 +496,7 @@ def test_thin_rods_take_little_of_the_sky():
     got = picture(
         systems=rods, ground=matte(), light=EVEN, camera={"position": [0, 3, 4], "target": [0, 0, 1.2], "fov": 20}
     )
-    assert np.median(got[..., 0]) > 0.9
+    assert 1 - 1.3 * 0.04 < np.median(got[..., 0]) < 1 - 0.01
 
 
 def test_threads_without_particles_are_nothing():

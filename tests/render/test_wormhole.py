@@ -2,9 +2,6 @@
 
 import hashlib
 import math
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -208,27 +205,6 @@ def test_a_film_shows_the_still_of_its_moment():
     steps = [film.step_of(k / 30) for k in range(25)]
     frames = [np.array(frame) for frame, _ in film.pictures(steps)]
     assert np.array_equal(frames[24], picture((48, 27), 24 / 30, systems=systems, **more))
-
-
-SCRIPT = """
-import hashlib, sys
-import gen_art as ga
-from gen_art.output.playback import Playback
-preset = ga.load_preset("wormhole", overrides={"knobs.rate": 4000, "clock.preroll": 2})
-playback = Playback(preset, (96, 54), "f32", int(sys.argv[1]))
-print(hashlib.sha256(playback.picture(playback.step_of(2.5)).tobytes()).hexdigest())
-"""
-
-
-def test_the_bytes_are_those_of_any_number_of_threads():
-    found = set()
-    for threads in (1, 2, 4):
-        run = subprocess.run(
-            [sys.executable, "-c", SCRIPT, str(threads)], capture_output=True, text=True, cwd=ROOT,
-            env={**os.environ, "PYTHONPATH": str(ROOT)}, check=True,
-        )  # fmt: skip
-        found.add(run.stdout.split()[-1])
-    assert len(found) == 1
 
 
 def test_a_still_is_written_with_both_skies(tmp_path):
