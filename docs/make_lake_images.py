@@ -29,7 +29,11 @@ def gull(lift, tip, lean, name, side=128):
     along = np.linspace(0, 1, 80)
     for hand in (-1, 1):
         x = hand * along * (1.0 - 0.12 * abs(tip))
-        bend = np.where(along < 0.42, lift * np.sin(along / 0.42 * np.pi / 2), lift + (tip - lift) * (np.maximum(along - 0.42, 0) / 0.58) ** 1.3)
+        bend = np.where(
+            along < 0.42,
+            lift * np.sin(along / 0.42 * np.pi / 2),
+            lift + (tip - lift) * (np.maximum(along - 0.42, 0) / 0.58) ** 1.3,
+        )
         y = bend + lean * x
         half = 0.05 * (1 - along) ** 0.55 + 0.006
         half = half * np.where(along < 0.42, 1.0, 0.9)

@@ -230,12 +230,8 @@ class Preset(Model):
             fields = system.medium.terms if system.medium is not None else ()
             laws += [*system.forces, *fields, *system.colliders]
         surfaces = [self.ground, *(law.values.get("look") for law in laws)]
-<<<<<<< HEAD
-        maps = [file for look in surfaces if isinstance(look, SurfaceLook) for file in look.files]
-=======
         surfaces += [look.finish for look in looks if look is not None]
-        maps = [look.image.file for look in surfaces if isinstance(look, Finish) and look.image is not None]
->>>>>>> flag
+        maps = [file for look in surfaces if isinstance(look, Finish) for file in look.files]
         named = images + maps + [v for law in laws for v in law.values.values() if isinstance(v, PresetFile)]
         return list(dict.fromkeys(named))
 

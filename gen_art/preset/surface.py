@@ -141,6 +141,11 @@ class Finish(Model):
 
     short_form = {"type": ["number", "string"]}
 
+    @property
+    def files(self) -> list[PresetFile]:
+        """The images that it names."""
+        return [] if self.image is None else [self.image.file]
+
     @classmethod
     def from_short(cls, value: Any) -> Any:
         return value if isinstance(value, (Finish, dict)) else {"roughness": value}
@@ -151,11 +156,7 @@ class SurfaceLook(Finish):
 
     albedo: ColourValue = about("#8c8c8c", "the part of the light that is scattered, by colour")
     checker: Checker | None = about(None, "a checker of the albedo and a second colour")
-<<<<<<< HEAD
-    image: SurfaceImage | None = about(None, "an image instead of the albedo")
     relief: Relief | None = about(None, "heights from an image: cobbles, bricks, bark")
-=======
->>>>>>> flag
     puddles: Puddles | None = about(None, "puddles of water: for a `plane` or the `ground`")
     waves: Waves | None = about(None, "waves on water: for a `plane` or the `ground`")
     mirror: bool = about(
@@ -175,7 +176,7 @@ class SurfaceLook(Finish):
     @property
     def files(self) -> list[PresetFile]:
         """The images that it names."""
-        return [named.file for named in (self.image, self.emission_image, self.relief) if named is not None]
+        return super().files + [named.file for named in (self.emission_image, self.relief) if named is not None]
 
     @classmethod
     def from_short(cls, value: Any) -> Any:

@@ -1,6 +1,5 @@
 """Bad input: a message that fits a screen, the right exit status, nothing written, at once."""
 
-
 import pytest
 
 from tests.preset.piece import TEXT

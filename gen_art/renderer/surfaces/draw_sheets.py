@@ -28,8 +28,8 @@ from gen_art.renderer.surfaces.sheet_rows import (
     VIEW,
 )
 from gen_art.renderer.surfaces.surface_axes import pixel_steps
+from gen_art.renderer.surfaces.surface_detail import IMAGE
 from gen_art.renderer.surfaces.surface_images import has_image, image_over
-from gen_art.renderer.surfaces.surface_shading import IMAGE
 from gen_art.renderer.surfaces.tiles import FACETS, SUBPIXELS, TILE, ray_limits, subpixel
 from gen_art.renderer.surfaces.triangles import corner, depth_of, edge_functions, edges_at, triangle_crossed
 

@@ -16,13 +16,8 @@ from gen_art.renderer.surfaces.draw_sheets import sheet_material
 from gen_art.renderer.surfaces.reflection import fresnel_of
 from gen_art.renderer.surfaces.scene_numbers import CAMERA, MIRROR, PARALLEL, SCALE, SKY_CELL, TIME, vector_at
 from gen_art.renderer.surfaces.solid_grid import far_side, nearest_solid
-from gen_art.renderer.surfaces.solids import ALBEDO, EMITTED, MATERIAL, NEVER, solid_normal
-<<<<<<< HEAD
+from gen_art.renderer.surfaces.solids import ALBEDO, EMITTED, MATERIAL, NEVER, row_vector, solid_normal
 from gen_art.renderer.surfaces.surface_detail import (
-=======
-from gen_art.renderer.surfaces.surface_images import has_image, image_on_solid
-from gen_art.renderer.surfaces.surface_shading import (
->>>>>>> flag
     EMISSION,
     IMAGE,
     IOR,
@@ -30,9 +25,9 @@ from gen_art.renderer.surfaces.surface_shading import (
     PER_LENGTH,
     ROUGHNESS,
     TRANSMISSION,
-    row_vector,
     surface_detail,
 )
+from gen_art.renderer.surfaces.surface_images import has_image, image_on_solid
 from gen_art.renderer.surfaces.surface_shading import air_between, background, mirror_film_at, surface_light
 
 __all__ = [

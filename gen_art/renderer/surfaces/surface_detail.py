@@ -5,10 +5,12 @@ The one-letter names in kernels are in docs/glossary.md.
 
 from gen_art.backend.runtime import ti
 from gen_art.renderer.surfaces.collider_rays import in_start_frame
-from gen_art.renderer.surfaces.scene_numbers import CAMERA, RIGHT, TIME, UP, vector_at
+from gen_art.renderer.surfaces.scene_numbers import CAMERA, TIME, vector_at
+from gen_art.renderer.surfaces.solids import row_vector
+from gen_art.renderer.surfaces.surface_axes import on_axes, pixel_steps
 from gen_art.renderer.surfaces.surface_maps import MAP_FLOATS, map_at, wave_slope
 
-__all__ = ["LIGHT_FACTOR", "MATERIAL_FLOATS", "row_vector", "surface_detail"]
+__all__ = ["LIGHT_FACTOR", "MATERIAL_FLOATS", "surface_detail"]
 
 # a material's row: albedo, second albedo, side of the checker's squares or 0, roughness, refractive index, metal, emission,
 # transmission, 1 / attenuation_distance, the numbers of the maps of its image, puddles, light and relief, first row and number
@@ -19,12 +21,6 @@ DAMP, LIGHT_FACTOR = WAVES + 2, WAVES + 3
 MATERIAL_FLOATS = LIGHT_FACTOR + 1
 _MAPS = 4  # of a material, in the order of their columns
 _WET_ROUGHNESS = 0.02  # of a puddle
-
-
-@ti.func
-def row_vector(A: ti.template(), i, k):
-    """The three numbers of row i from column k on."""
-    return ti.Vector([A[i, k], A[i, k + 1], A[i, k + 2]])
 
 
 @ti.func
@@ -41,20 +37,6 @@ def _checker(position, change_x, change_y, size):
         low, high = 0.5 * (x - 0.5 * w), 0.5 * (x + 0.5 * w)
         value *= 2.0 * (abs(low - ti.floor(low) - 0.5) - abs(high - ti.floor(high) - 0.5)) / w
     return 0.5 - 0.5 * value
-
-
-@ti.func
-def _on_axes(n, v):
-    """(2,) the components of v to the right and down, as someone sees them who looks at a surface with the normal n.
-
-    They lie along the two axes along which the surface extends most; of a level one, right is x and down is z.
-    """
-    result = ti.Vector([v[0], v[2]])
-    if abs(n[0]) > abs(n[1]) and abs(n[0]) >= abs(n[2]):
-        result = ti.Vector([ti.select(n[0] > 0.0, -v[2], v[2]), -v[1]])
-    elif abs(n[2]) > abs(n[1]) and abs(n[2]) > abs(n[0]):
-        result = ti.Vector([ti.select(n[2] > 0.0, v[0], -v[0]), -v[1]])
-    return result
 
 
 @ti.func
@@ -83,15 +65,11 @@ def surface_detail(entries: ti.template(), scene: ti.template(), who, m, x, n, d
             patterned = patterned or M[m, IMAGE + k * MAP_FLOATS + 1] > 0.0
         patterned = patterned or M[m, WAVES + 1] > 0.0
     if patterned:
-        # from one pixel to the next: across the view, then along the ray back to the plane that touches the surface
-        slope = d.dot(n)
-        slope = ti.select(abs(slope) < 1e-4, -1e-4, slope)
-        side, up = vector_at(N, RIGHT) * pixel, vector_at(N, UP) * pixel
-        to_east, to_south = side - d * (side.dot(n) / slope), up - d * (up.dot(n) / slope)
+        to_east, to_south = pixel_steps(N, n, d, pixel)
         place, facing, east, south = in_start_frame(
             entries, scene.Q, who, x + vector_at(N, CAMERA), n, to_east, to_south, N[TIME]
         )
-        at, right, down = _on_axes(facing, place), _on_axes(facing, east), _on_axes(facing, south)
+        at, right, down = on_axes(facing, place), on_axes(facing, east), on_axes(facing, south)
         if M[m, CHECKER] > 0.0:
             share = _checker(at, right, down, M[m, CHECKER])
             albedo += (row_vector(M, m, SECOND_ALBEDO) - albedo) * share

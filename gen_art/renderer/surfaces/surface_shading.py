@@ -7,10 +7,7 @@ The one-letter names in kernels are in docs/glossary.md.
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp
 from gen_art.renderer.sky_table import sky_radiance
-<<<<<<< HEAD
-from gen_art.renderer.surfaces.collider_rays import in_start_frame, without_itself
-=======
->>>>>>> street
+from gen_art.renderer.surfaces.collider_rays import without_itself
 from gen_art.renderer.surfaces.glow_light import DULL, glow_at
 from gen_art.renderer.surfaces.liquid_shadow import liquid_light
 from gen_art.renderer.surfaces.mirror_film import LEVELS, blurred_light, mirrored_light
@@ -36,11 +33,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
     vector_at,
 )
 from gen_art.renderer.surfaces.sky_occlusion import open_sky_share
-<<<<<<< HEAD
 from gen_art.renderer.surfaces.surface_detail import IOR, METAL, ROUGHNESS, TRANSMISSION, WAVES
-=======
-from gen_art.renderer.surfaces.surface_axes import on_axes, pixel_steps
->>>>>>> flag
 from gen_art.renderer.surfaces.surface_light import lamp_share, sky_at
 from gen_art.renderer.surfaces.surface_maps import mean_reflected
 
@@ -53,71 +46,6 @@ _FOUR_PI = 12.566370614359172
 
 
 @ti.func
-<<<<<<< HEAD
-=======
-def row_vector(A: ti.template(), i, k):
-    """The three numbers of row i from column k on."""
-    return ti.Vector([A[i, k], A[i, k + 1], A[i, k + 2]])
-
-
-@ti.func
-def _checker(position, change_x, change_y, size):
-    """The share of a checker's second colour in a pixel: the mean over the box that the pixel's edges span.
-
-    position : (2,) in the world; change_x, change_y : (2,) from one pixel to the next
-    Source: Quilez, Filtering the checkerboard pattern.
-    """
-    value = 1.0
-    for c in ti.static(range(2)):
-        x = position[c] / size
-        w = ti.max((abs(change_x[c]) + abs(change_y[c])) / size, 1e-4)
-        low, high = 0.5 * (x - 0.5 * w), 0.5 * (x + 0.5 * w)
-        value *= 2.0 * (abs(low - ti.floor(low) - 0.5) - abs(high - ti.floor(high) - 0.5)) / w
-    return 0.5 - 0.5 * value
-
-
-@ti.func
-def surface_detail(entries: ti.template(), scene: ti.template(), who, m, x, n, d, pixel):
-    """What varies over a collider, as means over a pixel: (albedo, normal, detail).
-
-    who : the surface; x : position relative to the camera; n : unit normal
-    d : direction of the ray that meets x; pixel : side of a pixel at x, in world units
-    normal : unit normal of the waves
-    detail : (3,) the wet part, the roughness, and the mean square slope of waves that are shorter than a pixel
-    """
-    N, M = ti.static(scene.N, scene.M)
-    albedo, normal, detail = row_vector(M, m, 0), n, ti.Vector([0.0, M[m, ROUGHNESS], 0.0])
-    patterned = M[m, CHECKER] > 0.0
-    if ti.static(scene.mapped):
-        patterned = patterned or M[m, IMAGE + 1] > 0.0 or M[m, PUDDLES + 1] > 0.0 or M[m, WAVES + 1] > 0.0
-    if patterned:
-        east, south = pixel_steps(N, n, d, pixel)
-        place, facing = x + vector_at(N, CAMERA), n
-        place, facing, east, south = in_start_frame(entries, scene.Q, who, place, facing, east, south, N[TIME])
-        at, right, down = on_axes(facing, place), on_axes(facing, east), on_axes(facing, south)
-        if M[m, CHECKER] > 0.0:
-            share = _checker(at, right, down, M[m, CHECKER])
-            albedo += (row_vector(M, m, SECOND_ALBEDO) - albedo) * share
-        if ti.static(scene.mapped):
-            image = map_at(scene.images, M, m, IMAGE, at, right, down)
-            albedo = albedo * (1.0 - image[3]) + ti.Vector([image[0], image[1], image[2]])
-            if M[m, PUDDLES + 1] > 0.0:
-                wet = map_at(scene.images, M, m, PUDDLES, at, right, down)[3]
-                damp = M[m, DAMP] * (1.0 - wet) + wet
-                albedo *= 1.0 - 0.5 * damp  # water in its pores darkens what is rough (Lekner and Dorf, 1988)
-                detail[0] = wet
-                detail[1] = detail[1] * (1.0 - 0.5 * M[m, DAMP]) * (1.0 - wet) + _WET_ROUGHNESS * wet
-            if M[m, WAVES + 1] > 0.0:
-                waves = wave_slope(scene.waves, M, m, WAVES, at, right, down)
-                # `right` is x and `down` is z on a level surface; waves are for those
-                normal = (n - ti.Vector([waves[0], 0.0, waves[1]])).normalized()
-                detail[1] = ti.sqrt(ti.sqrt(detail[1] ** 4 + waves[2]))
-                detail[2] = waves[2]
-    return albedo, normal, detail
-
-
-@ti.func
->>>>>>> flag
 def layer_shares(M: ti.template(), E: ti.template(), m, nv):
     """A, B and C of reflection.py (3,): what the layer of a material reflects of light from all sides.
 
