@@ -29,7 +29,11 @@ def gull(lift, tip, lean, name, side=128):
     along = np.linspace(0, 1, 80)
     for hand in (-1, 1):
         x = hand * along * (1.0 - 0.12 * abs(tip))
-        bend = np.where(along < 0.42, lift * np.sin(along / 0.42 * np.pi / 2), lift + (tip - lift) * (np.maximum(along - 0.42, 0) / 0.58) ** 1.3)
+        bend = np.where(
+            along < 0.42,
+            lift * np.sin(along / 0.42 * np.pi / 2),
+            lift + (tip - lift) * (np.maximum(along - 0.42, 0) / 0.58) ** 1.3,
+        )
         y = bend + lean * x
         half = 0.05 * (1 - along) ** 0.55 + 0.006
         half = half * np.where(along < 0.42, 1.0, 0.9)
@@ -74,7 +78,7 @@ def reeds(name, side=512):
 
 
 def shore(name, seed, height, rough, fade, side=1024):
-    """A far shore above the middle of the picture and the same upside down below it, where water hides it: so a mirror shows it right.
+    """A far shore, and the same upside down below the middle of the picture, where water hides it and a mirror shows it.
 
     height : of the land, in sides; rough : of its outline, as trees make it; fade : how much of the right it leaves free
     """

@@ -146,8 +146,19 @@ def cafe(rng):
         if hat:
             inside.rectangle([cx - 23, head - 13, cx + 23, head - 9], fill=dark_form)
             inside.rectangle([cx - 13, head - 26, cx + 13, head - 10], fill=dark_form)
-        shoulders = [(cx - 7, head + 8), (cx + 7, head + 8), (cx + 9, head + 24), (cx + 31, head + 33), (cx + 38, head + 60)]
-        arms = [(cx + 40, SIDE - 0.7 * METRE), (cx - 40, SIDE - 0.7 * METRE), (cx - 38, head + 60), (cx - 31, head + 33)]
+        shoulders = [
+            (cx - 7, head + 8),
+            (cx + 7, head + 8),
+            (cx + 9, head + 24),
+            (cx + 31, head + 33),
+            (cx + 38, head + 60),
+        ]
+        arms = [
+            (cx + 40, SIDE - 0.7 * METRE),
+            (cx - 40, SIDE - 0.7 * METRE),
+            (cx - 38, head + 60),
+            (cx - 31, head + 33),
+        ]
         inside.polygon([*shoulders, *arms, (cx - 9, head + 24)], fill=dark_form)
     room_light = room_light.filter(ImageFilter.GaussianBlur(2.2))  # steam on the glass
     for x0, y0, x1, y1 in glass:
@@ -192,7 +203,12 @@ def main():
     rng = np.random.default_rng(7)
     house, panes = front(rng)
     coffee, coffee_light = cafe(rng)
-    lit = [(panes[2], WARM, 0.75, 0.0), (panes[1], DIM, 0.7, 8.0), (panes[4], COOL, 0.4, 8.0), (panes[3], WARM, 0.7, 16.0)]
+    lit = [
+        (panes[2], WARM, 0.75, 0.0),
+        (panes[1], DIM, 0.7, 8.0),
+        (panes[4], COOL, 0.4, 8.0),
+        (panes[3], WARM, 0.7, 16.0),
+    ]
     lit += [(panes[5], WARM, 0.8, 0.0), (panes[0], DIM, 0.6, 16.0), (panes[5], DIM, 0.7, 16.0)]
     windows = shine(3 * SIDE, lit, rng).resize((3 * SIDE // 2, SIDE // 2), Image.Resampling.BOX)
     turned = lambda image: Image.fromarray(np.roll(np.asarray(image), image.height // 2, axis=0))  # noqa: E731
