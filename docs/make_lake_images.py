@@ -78,7 +78,7 @@ def reeds(name, side=512):
 
 
 def shore(name, seed, height, rough, fade, side=1024):
-    """A far shore above the middle of the picture and the same upside down below it, where water hides it: so a mirror shows it right.
+    """A far shore, and the same upside down below the middle of the picture, where water hides it and a mirror shows it.
 
     height : of the land, in sides; rough : of its outline, as trees make it; fade : how much of the right it leaves free
     """

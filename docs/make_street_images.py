@@ -16,7 +16,7 @@ FOLDER = ROOT / "presets" / "course"
 FONT = ROOT / "gen_art" / "fonts" / "DejaVuSansCondensed-subset.ttf"
 METRE = 128  # pixels
 SIDE = 8 * METRE
-WARM, DIM, COOL = (255, 196, 110), (226, 134, 60), (150, 180, 220)
+WARM, DIM, COOL = (255, 176, 92), (226, 120, 52), (150, 180, 220)
 
 
 def box(draw, x0, y0, x1, y1, fill):
