@@ -105,4 +105,4 @@ def flag(columns=600, rows=400, width=1.5, height=1.0):
 if __name__ == "__main__":
     save(roof_tiles(), "roof_tiles.png", 48)
     save(wood_grain(), "course/wood_grain.png")
-    save(flag(), "course/flag.png", 48)
+    save(flag(), "course/flag.png", 120)
