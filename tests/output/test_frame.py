@@ -252,11 +252,8 @@ def test_a_search_that_runs_away_begins_again_outside_or_stays(monkeypatch):
     def lost_once(*given):
         return search(*given) if tried else lost(*given)
 
-    through = piece(
-        path=[{"time": 0, "position": [0, 0, 2]}, {"time": 1, "position": [0, 0, -2], "target": [0, 0, -9]}]
-    )
     monkeypatch.setattr(fitting, "_search", lost_once)
-    fit = fitting.fit_of(through, (320, 180))
+    fit = fitting.fit_of(piece(position=[0, 0, 2]), (320, 180))
     assert np.isfinite(fit.move).all() and 1 < fit.factor < 1e3 and tried == [1.0]
     monkeypatch.setattr(fitting, "_search", lost)
     with pytest.warns(ga.AdviceWarning, match="no distance was found .* stays where it is"):
