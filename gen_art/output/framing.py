@@ -53,6 +53,7 @@ class Framing:
         """Sentences about a subject that is cut off or small."""
         if self.film is None:
             return ["nothing is seen in the film: give a system a `look` with light, or move the camera"]
+        remedy = f"; {REMEDY}" if self.fit is None else ""
         found = []
         for where, shown in (("the film", self.film), (f"the still at {self.still_time:.6g} s", self.still)):
             if shown is None:
@@ -61,12 +62,12 @@ class Framing:
             if shown.cut > CUT:
                 found.append(
                     f"in {where} {_percent(shown.cut)} of the subject's light is outside the frame at {shown.time:.3g} s: move "
-                    f"the camera back or its target, or leave it so if the picture is meant to be filled; {REMEDY}"
+                    f"the camera back or its target, or leave it so if the picture is meant to be filled{remedy}"
                 )
             if max(shown.height, shown.width) < SMALL:
                 found.append(
                     f"in {where} the subject takes {shown.height:.0%} of the height and {shown.width:.0%} of the width: bring "
-                    f"the camera nearer, or give a smaller fov or height; {REMEDY}"
+                    f"the camera nearer, or give a smaller fov or height{remedy}"
                 )
         return found
 

@@ -29,6 +29,7 @@ AIR = 0.1  # part of the picture that stays free at each side
 FIRST_STEPS, STEPS, CLOSE = 3, 30, 1e-3  # fewest and most rounds, and the relative change at which they end
 NEARLY = 0.05  # relative change after the last round from which on the place is doubtful
 LEAST, MOST = 1e-12, 1e12  # of the factor
+CUT = 0.02  # part of the subject's light that may be outside a picture, besides its stray part
 REWEIGHTED = 60  # rounds of Lawson's algorithm
 SIDEWAYS = 0.03  # part of the best seen direction from which on a direction is seen from the side well enough to centre along it
 
@@ -65,13 +66,39 @@ def fit_camera(moments: Sequence[Moment], camera: Camera, aspect: float, frame: 
     """
     moments = [moment for moment in moments if len(moment.points)]
     views = [camera.at(moment.time) for moment in moments]
-    move, factor = _middle(moments, views), 1.0
+    move, factor, found = _search(moments, views, aspect, frame, 1.0)
+    if not found:
+        warnings.warn(f"camera.frame: {NOTHING}, so the camera stays where it is", AdviceWarning, stacklevel=2)
+        return Fit()
+    if not _is_shown(moments, views, move, factor, aspect, frame.stray):
+        # a path may begin among the points, where those behind the camera lead the search away: come from outside
+        move, factor, found = _search(moments, views, aspect, frame, _outside(moments, views))
+    if not _is_shown(moments, views, move, factor, aspect, frame.stray):
+        warnings.warn(
+            "camera.frame: no distance was found at which the subject is in the picture in the whole film, so the camera stays "
+            "where it is: leave out `frame`, or name another subject by its `of`",
+            AdviceWarning,
+            stacklevel=2,
+        )
+        return Fit()
+    return _rounded(move, factor, _half_height(views[0]) * factor)
+
+
+def _outside(moments: Sequence[Moment], views: Sequence[CameraView]) -> float:
+    """A factor with which the camera is outside of what is seen, however its path turns."""
+    points = np.concatenate([m.points for m in moments])
+    reach = float(np.ptp(np.quantile(points, [0.01, 0.99], axis=0), axis=0).max())
+    return min(max(4.0 * reach / min(view.distance for view in views), 1.0), MOST)
+
+
+def _search(moments, views, aspect: float, frame: Frame, factor: float) -> tuple[np.ndarray, float, bool]:
+    """The move of the target and the factor, from a first factor on, and whether anything is seen."""
+    move = _middle(moments, views)
     for step in range(STEPS):
         shown = [_moved(view, move, factor) for view in views]
         found = counted(extent_of(seen_points(m, v, aspect), frame.stray) for m, v in zip(moments, shown))
         if not found:
-            warnings.warn(f"camera.frame: {NOTHING}, so the camera stays where it is", AdviceWarning, stacklevel=2)
-            return Fit()
+            return move, factor, False
         extents, seen_by = list(found.values()), [shown[k] for k in found]
         move_on = _centring(extents, seen_by, aspect)
         move, before = move + move_on, factor
@@ -87,9 +114,17 @@ def fit_camera(moments: Sequence[Moment], camera: Camera, aspect: float, frame: 
                 "camera.frame: no distance was found at which the subject has its size, so it may be cut off or small: look "
                 "at the film's ends, or give the camera `position` and `target` instead",
                 AdviceWarning,
-                stacklevel=2,
+                stacklevel=3,
             )
-    return _rounded(move, factor, _half_height(views[0]) * factor)
+    return move, factor, True
+
+
+def _is_shown(moments, views, move: np.ndarray, factor: float, aspect: float, stray: float) -> bool:
+    """Whether all but the stray part of what is seen, and CUT of it, is in the picture at every moment."""
+    if not (np.isfinite(move).all() and LEAST < factor < MOST):
+        return False
+    shown = (extent_of(seen_points(m, _moved(v, move, factor), aspect), stray) for m, v in zip(moments, views))
+    return all(extent.cut <= stray + CUT for extent in counted(shown).values())
 
 
 def _has_size(moments: Sequence[Moment]) -> bool:

@@ -240,6 +240,27 @@ def test_a_size_that_is_not_found_says_so(monkeypatch):
         fitting.fit_of(piece(position=[0, 0, 4000]), (320, 180))
 
 
+def test_a_search_that_runs_away_begins_again_outside_or_stays(monkeypatch):
+    """A first search that ends nowhere leaves no trace in the fit. If no search finds a place, the camera stays where it is, and the
+    advice does not name `frame`, which the camera has. Mutant: what was found is not looked at."""
+    search, tried = fitting._search, []
+
+    def lost(moments, views, aspect, frame, factor):
+        tried.append(factor)
+        return np.full(3, 1e40), 1e12, True
+
+    def lost_once(*given):
+        return search(*given) if tried else lost(*given)
+
+    monkeypatch.setattr(fitting, "_search", lost_once)
+    fit = fitting.fit_of(piece(position=[0, 0, 2]), (320, 180))
+    assert np.isfinite(fit.move).all() and 1 < fit.factor < 1e3 and tried == [1.0]
+    monkeypatch.setattr(fitting, "_search", lost)
+    with pytest.warns(ga.AdviceWarning, match="no distance was found .* stays where it is"):
+        framing = framing_of(piece(position=[0, 0, 2]), (320, 180))
+    assert framing.fit == Fit() and framing.advice and not any("frame: auto" in sentence for sentence in framing.advice)
+
+
 def test_what_is_dark_does_not_count_and_a_dark_film_says_so():
     lamp = {
         "emitters": {"e": {"count": 20, "shape": {"sphere": {"center": [60, 0, 0], "radius": 1}}}},

@@ -43,6 +43,23 @@ def test_its_light_lies_near_its_plane(normal):
     assert got[near].sum() > 0.7 * got.sum() and got[height > math.sin(math.radians(50))].max() < 1e-3
 
 
+@pytest.mark.parametrize("width", [2, 8])
+def test_its_width_is_that_of_its_light(width):
+    """The root mean square of the height above the plane is that of a Gaussian, but for its wider part, the bulge at the core and the
+    limit of a sphere. Mutants: half and twice the width."""
+    d = directions(8000)
+    got = light(d, width=width, dust=0)
+    height = math.degrees(math.asin(math.sqrt((got * d[:, 1] ** 2).sum() / got.sum())))
+    assert 0.8 * width < height < 1.4 * width
+
+
+def test_a_normal_has_any_length_and_a_core_any_height():
+    """Only directions count: of the normal, and of the core's part in the plane. Mutants: a normal or a core that is taken as it is."""
+    d = directions(2000)
+    assert light(d, normal=(0, 7, 0)) == pytest.approx(light(d, normal=(0, 1, 0)), rel=1e-9, abs=1e-12)
+    assert light(d, core=(3, 4, 0)) == pytest.approx(light(d, core=(1, 0, 0)), rel=1e-9, abs=1e-12)
+
+
 def test_its_core_is_brightest():
     d, core = directions(), np.array([1.0, 0.0, 0.0])
     got = light(core=tuple(core), dust=0)

@@ -1,8 +1,7 @@
 """One, two and four threads draw the same bytes: every kernel of the renderer, layers, mirrors and lenses among them.
 
-Each test fails for its scene if a kernel adds up in the order in which threads come, as `out[i] += x` of two threads does. Tried
-by hand: a float atomic in place of the sum over tiles of smoke's density; the rows of an ellipse shared out by their number's
-remainder by the threads'.
+A kernel that adds up in the order in which threads come, as `out[i] += x` of two threads does, gives other bytes on four threads
+than on one.
 """
 
 import json

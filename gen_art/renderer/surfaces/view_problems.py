@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from gen_art.colliders.sdf import SDF
 from gen_art.errors import PresetError
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms, cast_by, collider_distances
 
@@ -69,7 +70,7 @@ def check_distances(terms: ColliderTerms, view, time: float) -> None:
             )
         near = np.argsort(np.abs(distance[:, k]), kind="stable")[:_NEAREST]
         # beyond a grid its border's distances apply, which are flat: of a grid, its own slopes count
-        steepest = collider.steepness if getattr(collider, "tabled", False) else float(slope[near].max())
+        steepest = collider.steepness if isinstance(collider, SDF) and collider.tabled else float(slope[near].max())
         if 0.0 < steepest < _FLATTEST:
             raise PresetError(
                 f"the {collider.name} is drawn by its distance, which changes by {steepest:.2g} per unit of length at most "
