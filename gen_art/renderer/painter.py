@@ -380,7 +380,7 @@ class Painter:
                     second[name] = self._second_images.setdefault(name, ProjectedParticles())
                     seen_at = bent.images(system, look, 1, sim.time, shutter)
                     shade(second[name], system, tables, q, acceleration, seen_at, distances=distances)
-                if mirror is not None and look.draw != "cloth":
+                if mirror is not None and not solid and look.draw != "cloth":  # rays cut solids at the mirror
                     _hide_below(projected, system, *mirror)
                 if name in self.paths and bent is NO_LENS:
                     pieces = self._bend(name, system, q, acceleration, mirror)

@@ -73,3 +73,16 @@ def test_a_mirror_shadows_what_it_shows(shadows):
     camera = {"position": [1.5, 0.5, 5], "target": [0, 0, 0], "fov": 40}
     got = picture(0, systems={"ball": ball}, colliders=wall, light=lamp, camera=camera, shadows=shadows)
     assert got.any() == (not shadows)
+
+
+@pytest.mark.parametrize("height", [-0.1, 0.1])
+def test_a_mirror_shows_of_a_ball_what_rays_show_that_are_followed(height):
+    """Of a ball that shines, whose middle lies below or above the ground. The mutant: what lies below has no colour there."""
+    ball = {
+        "particle": {"radius": 0.5}, "emitters": {"one": {"count": 1, "shape": {"point": [0, height, 0]}}},
+        "look": {"draw": "sphere", "blend": "opaque", "albedo": "black", "emission": "white", "finish": {"ior": 1}},
+    }  # fmt: skip
+    got, followed = (picture(0, systems={"ball": ball}, ground={**MIRROR, "mirror": m}) for m in (True, False))
+    assert followed.sum() > 1000
+    # they differ at the edges, where a film lies between its pixels
+    assert np.abs(got - followed).sum() < 0.05 * followed.sum()
