@@ -16,6 +16,7 @@ import av
 from gen_art.output.containers import open_film
 from gen_art.output.formats import MUXERS, Format
 from gen_art.output.fragments import skipping_header, split
+from gen_art.output.thread_priority import kept_priority
 from gen_art.output.yuv import tag
 
 __all__ = ["Segments", "as_fraction", "encoder_stream"]
@@ -148,7 +149,10 @@ class Segments:
         options = _FRAGMENTED if self._muxer in ("mp4", "mov") else {}
         buffer = io.BytesIO()
         container = open_film(buffer, self._muxer, self._recipe, options)
-        return buffer, container, encoder_stream(container, self._film, self._size, self._fps, self._options)
+        stream = encoder_stream(container, self._film, self._size, self._fps, self._options)
+        with kept_priority():
+            stream.codec_context.open(strict=False)
+        return buffer, container, stream
 
     def _segment(self, first: int, frames: queue.Queue, previous: Future | None) -> None:
         """Encode one segment and write it after the previous ones. An error is kept for the caller's next `add`."""

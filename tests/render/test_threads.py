@@ -12,28 +12,29 @@ from pathlib import Path
 
 import pytest
 
-from tests.render.thread_scenes import SCENES, digest_of
+from tests.render.thread_scenes import SCENES
 
 ROOT = Path(__file__).parents[2]
 
 
+pytestmark = pytest.mark.proof  # minutes: every kernel of the renderer is compiled
+
+
 @pytest.fixture(scope="module")
-def on_other_numbers_of_threads():
-    """The digests of all scenes on one thread and on four, from processes that run beside each other."""
-    runs = [
-        subprocess.Popen(
-            [sys.executable, "-m", "tests.render.thread_scenes", str(threads)], cwd=ROOT, text=True, stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(ROOT)},
-        )
-        for threads in (1, 4)
-    ]  # fmt: skip
-    said = [run.communicate() for run in runs]
-    for run, (_, error) in zip(runs, said):
-        assert run.returncode == 0, error
-    return [json.loads(out) for out, _ in said]
+def digests():
+    """The digests of all scenes on one thread, two and four, from processes of their own; the first one compiles for the others."""
+    said = []
+    for threads in (1, 2, 4):
+        run = subprocess.run(
+            [sys.executable, "-m", "tests.render.thread_scenes", str(threads)],
+            cwd=ROOT, text=True, capture_output=True, env={**os.environ, "PYTHONPATH": str(ROOT)},
+        )  # fmt: skip
+        assert run.returncode == 0, run.stderr
+        said.append(json.loads(run.stdout))
+    return said
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_one_two_and_four_threads_draw_the_same_bytes(name, on_other_numbers_of_threads):
-    here = digest_of(name)
-    assert [each[name] for each in on_other_numbers_of_threads] == [here, here]
+def test_one_two_and_four_threads_draw_the_same_bytes(name, digests):
+    one, two, four = (each[name] for each in digests)
+    assert one == two == four

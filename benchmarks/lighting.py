@@ -1,0 +1,78 @@
+"""What do shadows and a ground that reflects cost? Frames at 1280 x 720, drawn in turns by one process.
+
+Smoke and balls: presets `smoke` and `course/marbles` at their poster times, with `shadows: true` and `false`. Ground: 2,000 small
+discs under a sky, without a ground, over one, and over one that mirrors them smoothly and roughly; it fills three fifths of the
+picture. The figures of `process time` are seconds of all threads together.
+"""
+
+import time
+
+import numpy as np
+from _bench import Bench, alternate
+
+from gen_art.backend import runtime
+from gen_art.output.playback import Playback
+from gen_art.preset import load_preset
+
+bench = Bench("lighting", __doc__)
+rounds, size = (1, (160, 90)) if bench.quick else (9, (1280, 720))
+bench.settings = {"rounds": rounds, "size": list(size), "threads": 2}
+runtime.init("cpu", 2)
+
+GROUND = {"albedo": "#b0a898", "roughness": 0.1}
+DISCS = {
+    "version": 1, "name": "discs", "clock": {"duration": 1, "fps": 30, "step": "1/60"}, "sky": {"sun": 30},
+    "systems": {
+        "beads": {
+            "emitters": {"burst": {"count": 2000, "shape": {"disc": 1.5, "center": [0, 1.0, 0]}}},
+            "look": {"draw": "disc", "radius": 0.02},
+        },
+    },
+    "camera": {"position": [2, 1.4, 3.5], "target": [0, 0.6, 0], "fov": 36},
+}  # fmt: skip
+
+
+def shaded(name, shadows):
+    preset = load_preset(name)
+    return preset.model_copy(update={"shadows": shadows}), preset.poster_time
+
+
+def ground(**keys):
+    return load_preset(DISCS | keys), 0.1
+
+
+scenes = {
+    "smoke, no shadows": shaded("smoke", False),
+    "smoke": shaded("smoke", True),
+    "marbles, no shadows": shaded("course/marbles", False),
+    "marbles": shaded("course/marbles", True),
+    "discs": ground(),
+    "discs over a ground": ground(ground=GROUND),
+    "over a mirror": ground(ground=GROUND | {"mirror": True, "roughness": 0}),
+    "over a rough mirror": ground(ground=GROUND | {"mirror": True}),
+}
+playbacks, spent = {}, {name: [] for name in scenes}
+for name, (preset, film_time) in scenes.items():
+    run = Playback(preset, size, "f32", 2)
+    run.picture(run.step_of(film_time))
+    playbacks[name] = run
+
+
+def draw(name):
+    run, start = playbacks[name], time.process_time()
+    run.painter.paint(run.sim, scenes[name][1])
+    spent[name].append(time.process_time() - start)
+
+
+medians = alternate(rounds, **{name: lambda name=name: draw(name) for name in scenes})
+process = {name: float(np.median(seconds[1:] or seconds)) for name, seconds in spent.items()}
+bench.figures = {"seconds": medians, "process time": process}
+rows = [("frame", "ms", "process ms")]
+for name in scenes:
+    rows.append((name, f"{1e3 * medians[name]:.0f}", f"{1e3 * process[name]:.0f}"))
+bench.table(rows)
+bench.require("smoke, of that without shadows", medians["smoke"] / medians["smoke, no shadows"], at_most=1.25)
+bench.require("marbles, of those without shadows", medians["marbles"] / medians["marbles, no shadows"], at_most=1.15)
+added = 1e3 * (medians["over a rough mirror"] - medians["discs"])
+bench.require("a ground that reflects roughly, ms more", added, at_most=60)
+bench.finish()
