@@ -169,6 +169,7 @@ def test_an_encoder_that_fails_half_way_keeps_what_was_finished(tmp_path, monkey
     class Failing:
         def __init__(self, stream):
             self._stream, self._calls, self._fails = stream, 0, len(made) > 4
+            self.codec_context = stream.codec_context
 
         def encode(self, frame):
             self._calls += 1
