@@ -231,7 +231,7 @@ class Painter:
             depths = self._surfaces.depths[:, :, 0]
         self._film.take(self.framebuffer.pixels, look.roughness > 0.0 or look.waves is not None, depths)
         if look.roughness > 0.0 and look.waves is None and look.puddles is None:
-            self._film.blur(view, normal, look.roughness)
+            self._film.blur(view, point, normal, look.roughness)
         return self._film
 
     @property

@@ -19,7 +19,7 @@ from gen_art.maths.elementary import exp
 from gen_art.renderer.liquid.smoothing import STEP_DEPTH, STEP_SLOPE
 from gen_art.renderer.sky_table import sky_radiance
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms
-from gen_art.renderer.surfaces.collider_sets import every_collider
+from gen_art.renderer.surfaces.collider_sets import every_caster
 from gen_art.renderer.surfaces.scene_numbers import (
     FORWARD,
     PARALLEL,
@@ -227,8 +227,8 @@ def draw_liquid_kernel(terms: ColliderTerms, coloured: bool, layered: bool):
                             clear = N[SKY_CELL] + N[SKY_LIFT]
                             detail = ti.Vector([0.0, M[m, ROUGHNESS], 0.0])
                             own, mirrored, around, _ = surface_light(
-                                entries, scene, m, x, n, -d, albedo, albedo * 0.0, emission, clear, pixel, detail,
-                                -1, every_collider(),
+                                entries, 0, scene, m, x, n, -d, albedo, albedo * 0.0, emission, clear, pixel, detail,
+                                -1, every_caster(),
                             )  # fmt: skip
                             air = air_between(scene, d, z)
                             light += (own + mirrored * around) * air[3] + ti.Vector([air[0], air[1], air[2]])

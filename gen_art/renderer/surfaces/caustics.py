@@ -22,7 +22,7 @@ from gen_art.colliders.sphere import Sphere
 from gen_art.maths.array_functions import cos, sin
 from gen_art.maths.elementary import exp, log
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms
-from gen_art.renderer.surfaces.collider_sets import ALL_COLLIDERS
+from gen_art.renderer.surfaces.collider_sets import every_caster
 from gen_art.renderer.surfaces.lamp_shadows import lamp_disc
 from gen_art.renderer.surfaces.photon_cells import NO_PHOTONS, PHOTON_FLOATS, Photons
 from gen_art.renderer.surfaces.ray_tree import leaving_distance, nearest_hit, refracted, surface_point
@@ -80,7 +80,7 @@ def _photon_kernel(terms: ColliderTerms):
                 from_lamp = to_lamp + (side * starts[k, 2] + up * starts[k, 3]) * N[LAMP_TANGENT]
                 d, pixel = -from_lamp.normalized(), 1e-3 * radius
                 spacing = radius * ti.sqrt(3.14159265 / ti.cast(of_each, ti.f32))
-                light = lamp_share(entries, scene, o, pixel, ti.i64(ALL_COLLIDERS)) * spacing * spacing * _FOUR
+                light = lamp_share(entries, scene, o, pixel, every_caster()) * spacing * spacing * _FOUR
                 colour = vector_at(N, LAMP_COLOUR) * light
                 inside, met, refractions, reached = -1, 0, 0, 0
                 while met < _SURFACES and colour.max() > 0.0:

@@ -6,162 +6,41 @@ between them costs one shading. The picture is drawn in tiles of 8 x 8 pixels, e
 The one-letter names in kernels are in docs/glossary.md.
 """
 
+# ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from functools import cache
 
 from gen_art.backend.kernel_views import particle as arrays
 from gen_art.backend.runtime import kernel, ti
 from gen_art.colliders.plane import Plane
-from gen_art.renderer.surfaces.collider_rays import ColliderTerms, first_hit
-from gen_art.renderer.surfaces.collider_sets import every_collider
+from gen_art.renderer.surfaces.collider_rays import ColliderTerms
+from gen_art.renderer.surfaces.collider_sets import every_caster
 from gen_art.renderer.surfaces.draw_sheets import middle_distance, trace_face
-from gen_art.renderer.surfaces.ray_tree import light_along, shows_edges
-from gen_art.renderer.surfaces.scene_numbers import (
-    CAMERA,
-    FORWARD,
-    PARALLEL,
-    ROWS,
-    SCALE,
-    TIME,
-    WIDTH,
-    camera_ray,
-    vector_at,
-)
-from gen_art.renderer.surfaces.solids import NEVER, solid_facet, solid_hit
+from gen_art.renderer.surfaces.even_tiles import NODES, even_light, is_even, may_be_even, node_pixel
+from gen_art.renderer.surfaces.lamp_shadows import SOLIDS_OF_TILE
+from gen_art.renderer.surfaces.ray_tree import LIGHT_PARTS, light_along, shows_edges
+from gen_art.renderer.surfaces.scene_numbers import FORWARD, MIRROR, ROWS, WIDTH, vector_at
+from gen_art.renderer.surfaces.solids import NEVER
 from gen_art.renderer.surfaces.surface_layers import LAYER_FLOATS, layers_of_surface
-from gen_art.renderer.surfaces.tile_colliders import colliders_in_tile, tile_casters
-from gen_art.renderer.surfaces.tiles import BIN, FACETS, SUBPIXELS, TILE, TILES, ray_limits, subpixel
+from gen_art.renderer.surfaces.surface_shading import mirror_film_at
+from gen_art.renderer.surfaces.tile_lists import ball_of_tile, tile_casters
+from gen_art.renderer.surfaces.tile_rays import (
+    box_in_tile,
+    depth_along,
+    middle_ray,
+    solid_distance,
+    subpixel_ray,
+    trace_colliders,
+    trace_solids,
+)
+from gen_art.renderer.surfaces.tiles import BIN, FACETS, SUBPIXELS, TILE, TILES
 
 __all__ = ["draw_kernel"]
 
-_RAYS, _WITH_BORDER = TILE * TILE * SUBPIXELS, (TILE + 2) * (TILE + 2)
+_RAYS = TILE * TILE * SUBPIXELS
 
 F1, F2, F3, I1, I2 = (
     ti.types.ndarray(d, n) for d, n in ((ti.f32, 1), (ti.f32, 2), (ti.f32, 3), (ti.i32, 1), (ti.i32, 2))
 )
-
-
-@ti.func
-def _subpixel_ray(N: ti.template(), column, row, s):
-    """Origin and direction of ray s of a pixel."""
-    place = subpixel(s)
-    return camera_ray(N, ti.cast(column, ti.f32) + place[0], ti.cast(row, ti.f32) + place[1])
-
-
-@ti.func
-def _middle_ray(N: ti.template(), column, row):
-    return camera_ray(N, ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5)
-
-
-@ti.func
-def _collider_hit(entries: ti.template(), scene: ti.template(), among, o, d):
-    """(distance along a ray, owner) of the nearest of some colliders, or (NEVER, -1); exact to 1/250 of a pixel."""
-    N = ti.static(scene.N)
-    per_length, tolerance = 0.0, 0.004 / N[SCALE]
-    if N[PARALLEL] < 0.5:
-        per_length, tolerance = tolerance, 1e-7
-    low, high = ray_limits(N, o, d)
-    t, surface, facet = first_hit(
-        entries, scene.Q, o + vector_at(N, CAMERA), d, N[TIME], low, high, tolerance, per_length, among
-    )
-    owner = surface * FACETS + facet
-    if surface < 0:
-        t, owner = NEVER, -1
-    return t, owner
-
-
-@ti.func
-def _trace_colliders(
-    entries: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), ox, oy,
-    distance: ti.template(), owner: ti.template(),
-):  # fmt: skip
-    """Fill a tile's rays, which meet nothing so far, with the nearest colliders.
-
-    One ray a pixel first, with a border of a pixel around the tile; all rays only where these meet different surfaces, or one
-    that shows others sharply.
-    """
-    N = ti.static(scene.N)
-    middle_t, middle_owner, differ = ti.Vector([NEVER] * _WITH_BORDER), ti.Vector([-1] * _WITH_BORDER), 0
-    among, k = colliders_in_tile(entries, scene, ox, oy), 0
-    if among == 0:
-        k = _WITH_BORDER + _RAYS
-    while k < _WITH_BORDER + _RAYS:  # one loop, so that a collider is compiled once
-        r = k - _WITH_BORDER
-        p = r // SUBPIXELS
-        here = (p // TILE + 1) * (TILE + 2) + p % TILE + 1
-        o, d, again = vector_at(N, CAMERA), vector_at(N, CAMERA), 1
-        if r < 0:
-            o, d = _middle_ray(N, ox + k % (TILE + 2) - 1, oy + k // (TILE + 2) - 1)
-        else:
-            if r % SUBPIXELS == 0:
-                again = 0
-                if differ == 1:
-                    for beside in range(9):
-                        if middle_owner[here + (beside // 3 - 1) * (TILE + 2) + beside % 3 - 1] != middle_owner[here]:
-                            again = 1
-                if ti.static(follows):
-                    again |= shows_edges(surfaces, scene, middle_owner[here] // FACETS)
-            if again == 1:
-                o, d = _subpixel_ray(N, ox + p % TILE, oy + p // TILE, r % SUBPIXELS)
-        if again == 1:
-            t, who = _collider_hit(entries, scene, among, o, d)
-            if r < 0:
-                middle_t[k], middle_owner[k] = t, who
-                if who != middle_owner[0]:
-                    differ = 1
-            else:
-                distance[r], owner[r] = t, who
-            k += 1
-        else:
-            for s in range(SUBPIXELS):
-                distance[r + s], owner[r + s] = middle_t[here], middle_owner[here]
-            k += SUBPIXELS
-
-
-@ti.func
-def _solid_distance(scene: ti.template(), i, o, d):
-    """The distance along a ray to a solid, or NEVER; an orthographic camera also sees what is behind it."""
-    N = ti.static(scene.N)
-    low, high = ray_limits(N, o, d)
-    start = ti.select(N[PARALLEL] > 0.5, low, 0.0)
-    t = solid_hit(scene.B, i, o + d * start, d, False)
-    if t < NEVER:
-        t += start
-    if t < low or t > high:
-        t = NEVER
-    return t
-
-
-@ti.func
-def _trace_solid(scene: ti.template(), i, who, box, ox, oy, distance: ti.template(), owner: ti.template()):
-    """Put a solid into a tile's rays where it is nearer.
-
-    box : (4,) first and last column, first and last row of the tile that it may cover
-    """
-    N = ti.static(scene.N)
-    for row in range(box[2], box[3] + 1):
-        for column in range(box[0], box[1] + 1):
-            for s in range(SUBPIXELS):
-                r = (row * TILE + column) * SUBPIXELS + s
-                o, d = _subpixel_ray(N, ox + column, oy + row, s)
-                t = _solid_distance(scene, i, o, d)
-                if t < distance[r]:
-                    distance[r], owner[r] = t, who * FACETS + solid_facet(scene.B, i, o + d * t)
-
-
-@ti.func
-def _box_in_tile(rectangles: ti.template(), i, ox, oy, width, rows):
-    """(4,) first and last column, first and last row of rectangle i in the tile at (ox, oy)."""
-    left, right = ti.max(rectangles[i, 0] - ox, 0), ti.min(rectangles[i, 1] - ox, width - 1)
-    return ti.Vector([left, right, ti.max(rectangles[i, 2] - oy, 0), ti.min(rectangles[i, 3] - oy, rows - 1)])
-
-
-@ti.func
-def _depth(N: ti.template(), d, t):
-    """The distance along the line of sight of a place at distance t along a ray."""
-    result = t
-    if N[PARALLEL] < 0.5:
-        result = t * d.dot(vector_at(N, FORWARD))
-    return result
 
 
 @cache
@@ -226,25 +105,44 @@ def draw_kernel(
             ox, oy = (bin % across) * BIN + (part % TILES) * TILE, (bin // across) * BIN + (part // TILES) * TILE
             width, rows = ti.min(ti.cast(N[WIDTH], ti.i32) - ox, TILE), ti.min(ti.cast(N[ROWS], ti.i32) - oy, TILE)
             if width > 0 and rows > 0:
-                distance, owner = ti.Vector([NEVER] * _RAYS), ti.Vector([-1] * _RAYS)
+                distance, owner, covering = ti.Vector([NEVER] * _RAYS), ti.Vector([-1] * _RAYS), -1
                 if ti.static(surfaces > 0):
-                    _trace_colliders(entries, surfaces, follows, scene, ox, oy, distance, owner)
-                for k in range(bin_starts[bin], bin_starts[bin + 1]):
-                    i = bin_solids[k]
-                    box = _box_in_tile(rectangles, i, ox, oy, width, rows)
-                    _trace_solid(scene, i, surfaces + i, box, ox, oy, distance, owner)
+                    covering = trace_colliders(entries, surfaces, follows, scene, ox, oy, distance, owner)
+                covering = trace_solids(
+                    surfaces, scene, rectangles, bin_solids, bin_starts[bin], bin_starts[bin + 1], ox, oy, width, rows,
+                    covering, distance, owner,
+                )  # fmt: skip
                 first_face = surfaces + B.shape[0]
                 if ti.static(with_sheets):
                     for k in range(face_starts[bin], face_starts[bin + 1]):
                         j = bin_faces[k]
-                        box = _box_in_tile(face_rectangles, j, ox, oy, width, rows)
+                        box = box_in_tile(face_rectangles, j, ox, oy, width, rows)
                         if box[0] <= box[1] and box[2] <= box[3]:
                             trace_face(scene, j, first_face + j, box, ox, oy, distance, owner)
-                casters = every_collider()
-                if ti.static(surfaces > 0 and shaded):
-                    casters = tile_casters(entries, scene, ox, oy, distance, owner)
+                casters, nearby, even, first_pixel = every_caster(), ti.Vector([0] * SOLIDS_OF_TILE), 0, 0
                 nearest, farthest = NEVER, -NEVER
-                for p in range(TILE * TILE):
+                middle, radius = ball_of_tile(N, ox, oy, distance, owner)
+                if radius < 0.0 and ti.static(not layered):  # the tile is empty, as the framebuffer is already
+                    nearest, farthest, first_pixel = NEVER, NEVER, TILE * TILE
+                    for row, column, s in ti.ndrange((oy, oy + rows), (ox, ox + width), SUBPIXELS):
+                        depths[row, column, s] = NEVER
+                if ti.static(shaded):
+                    if radius >= 0.0:
+                        casters = tile_casters(entries, scene, middle, radius, nearby)
+                        if ti.static(not with_sheets and not glowing):
+                            if covering >= 0 and width == TILE and rows == TILE:
+                                even = may_be_even(entries, surfaces, follows, scene, covering // FACETS, casters)
+                if even == 1:
+                    first_pixel = -NODES
+                parts = ti.select(N[MIRROR] >= 0.0, LIGHT_PARTS, 3)
+                nodes, rough = ti.Vector([0.0] * (NODES * LIGHT_PARTS)), 0.0
+                normal, level = vector_at(N, FORWARD), vector_at(N, FORWARD)
+                for q in range(first_pixel, TILE * TILE):
+                    p = q
+                    if q < 0:
+                        p = node_pixel(q + NODES)
+                    if q == 0 and even == 1:
+                        even = is_even(nodes)
                     column, row = ox + p % TILE, oy + p // TILE
                     if column < ox + width and row < oy + rows:
                         total, covered, first, whole = ti.Vector([0.0, 0.0, 0.0]), 0.0, p * SUBPIXELS, 1
@@ -253,23 +151,25 @@ def draw_kernel(
                         if ti.static(follows):
                             apart = shows_edges(surfaces, scene, owner[first] // FACETS)
                             whole = 1 - apart
-                        for s in range(1, SUBPIXELS):
-                            if owner[first + s] != owner[first]:
-                                whole = 0
+                        if covering < 0:
+                            for s in range(1, SUBPIXELS):
+                                if owner[first + s] != owner[first]:
+                                    whole = 0
                         for s in range(ti.select(whole == 1, 1, SUBPIXELS)):
                             who, t, earlier, share = owner[first + s], distance[first + s], 0, 1.0
-                            o, d = _middle_ray(N, column, row)
+                            o, d = middle_ray(N, column, row)
                             if whole == 1:  # one surface in all rays: its light along the ray through the middle
                                 if who // FACETS >= first_face:
                                     if ti.static(with_sheets):
                                         t = middle_distance(N, distance, first)
-                                elif who // FACETS >= surfaces:
-                                    middle = _solid_distance(scene, who // FACETS - surfaces, o, d)
-                                    t = ti.select(middle < NEVER, middle, t)
                                 elif distance[first + 1] != t:  # each ray of the pixel was traced, but not this one
-                                    o, d = _subpixel_ray(N, column, row, 0)
+                                    if who // FACETS >= surfaces:
+                                        at_middle = solid_distance(scene, who // FACETS - surfaces, o, d)
+                                        t = ti.select(at_middle < NEVER, at_middle, t)
+                                    else:
+                                        o, d = subpixel_ray(N, column, row, 0)
                             else:
-                                o, d = _subpixel_ray(N, column, row, s)
+                                o, d = subpixel_ray(N, column, row, s)
                                 share = 0.0
                                 if ti.static(follows):
                                     apart = shows_edges(surfaces, scene, who // FACETS)
@@ -280,30 +180,36 @@ def draw_kernel(
                                         share += 1.0 / SUBPIXELS
                                         if other < s:
                                             earlier = 1
-                            depth = _depth(N, d, t)
+                            depth = ti.select(who >= 0, depth_along(N, d, t), NEVER)
                             nearest, farthest = ti.min(nearest, depth), ti.max(farthest, depth)
                             depths[row, column, s] = depth
                             if who >= 0 and earlier == 0:
                                 if ti.static(shaded):
-                                    total += share * light_along(
-                                        entries,
-                                        surfaces,
-                                        follows,
-                                        scene,
-                                        who // FACETS,
-                                        t,
-                                        column,
-                                        row,
-                                        o,
-                                        d,
-                                        depth,
-                                        casters,
-                                    )
+                                    light = ti.Vector([0.0] * LIGHT_PARTS)
+                                    if q >= 0 and even == 1:
+                                        light = even_light(nodes, p, parts)
+                                    else:
+                                        light, normal, level, rough = light_along(
+                                            entries, surfaces, follows, scene, who // FACETS, t, column, row, o, d, depth,
+                                            casters, nearby,
+                                        )  # fmt: skip
+                                    if q < 0:
+                                        for k in ti.static(range(LIGHT_PARTS)):
+                                            nodes[(q + NODES) * LIGHT_PARTS + k] = light[k]
+                                    else:
+                                        film = ti.Vector([0.0, 0.0, 0.0, 0.0])
+                                        if light[3] + light[4] + light[5] > 0.0:
+                                            film = mirror_film_at(scene, rough, level, normal, -d, column, row, depth)
+                                        for k in ti.static(range(3)):
+                                            total[k] += share * (
+                                                light[k] + light[3 + k] * film[k] - light[6 + k] * film[3]
+                                            )
                                 covered += share
                                 if ti.static(layered):
-                                    layer_sums += share * layers_of_surface(
-                                        entries, surfaces, scene, moves, who // FACETS, o, d, t, depth
-                                    )
+                                    if q >= 0:
+                                        layer_sums += share * layers_of_surface(
+                                            entries, surfaces, scene, moves, who // FACETS, o, d, t, depth
+                                        )
                         if whole == 1:
                             for s in range(1, SUBPIXELS):
                                 depths[row, column, s] = depths[row, column, 0]

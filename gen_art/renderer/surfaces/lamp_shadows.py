@@ -21,11 +21,23 @@ from gen_art.maths.array_functions import cos, sin
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.collider_rays import cast_by, cone_contact, ray_in_start_frame, side_hit
 from gen_art.renderer.surfaces.collider_sets import holds
-from gen_art.renderer.surfaces.solids import BOUND, HALF, solid_hit
+from gen_art.renderer.surfaces.scene_numbers import BIN_CELL, BIN_CORNER, BIN_SHAPE, LAMP_SIDE, LAMP_UP, vector_at
+from gen_art.renderer.surfaces.solids import BOUND, HALF, RADIUS, along_axes, box_meets, row_vector, solid_reaches_cone
 
-__all__ = ["LAMP_POINTS", "ShadowBins", "solid_shadow", "collider_shadow", "lamp_disc", "set_bits"]
+__all__ = [
+    "LAMP_POINTS",
+    "SOLIDS_OF_TILE",
+    "ShadowBins",
+    "collider_shadow",
+    "in_shadow_cells",
+    "lamp_disc",
+    "set_bits",
+    "shadow_cell",
+    "solid_shadow",
+]
 
 LAMP_POINTS = 64
+SOLIDS_OF_TILE = 32  # most solids that are listed for a tile of the picture
 _ALL = -1  # all bits of a set
 _GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 _CELLS = 1024  # most cells along a side of the grid
@@ -82,6 +94,22 @@ class ShadowBins:
 
 
 @ti.func
+def shadow_cell(N: ti.template(), place, further):
+    """(2,) row and column of the cell of ShadowBins at a world position, moved by `further` along both."""
+    u, v = place.dot(vector_at(N, LAMP_SIDE)) + further, place.dot(vector_at(N, LAMP_UP)) + further
+    at = ti.Vector([u - N[BIN_CORNER], v - N[BIN_CORNER + 1]]) / N[BIN_CELL]
+    return ti.cast(ti.floor(ti.min(ti.max(at, -1.0), 2.0 * _CELLS)), ti.i32)
+
+
+@ti.func
+def in_shadow_cells(N: ti.template(), row, column):
+    """Whether the grid of ShadowBins has this cell."""
+    return (
+        row >= 0 and column >= 0 and row < ti.cast(N[BIN_SHAPE], ti.i32) and column < ti.cast(N[BIN_SHAPE + 1], ti.i32)
+    )
+
+
+@ti.func
 def set_bits(hidden):
     """The number of set bits of a set of LAMP_POINTS."""
     rest, count = hidden, 0
@@ -123,14 +151,26 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
                         if du * du + dv * dv < radius * radius:
                             result |= ti.i64(1) << ti.cast(k, ti.i64)
             else:
+                reaches = solid_reaches_cone(B, i, offset, to_lamp, tangent, half_pixel, far)
+                if reaches == 2:
+                    result = ti.i64(_ALL)
                 # from the rim of the lamp inwards: a convex solid that hides the rim hides all of it
-                k, rim_hidden = points - 1, 1
+                k, rim_hidden = ti.select(reaches == 1, points - 1, -1), 1
+                half, middle = row_vector(B, i, HALF), along_axes(B, i, to_lamp)
+                sideways, upwards = along_axes(B, i, side), along_axes(B, i, up)
+                beside = along_axes(
+                    B, i, to_lamp * along - offset
+                )  # of the point of the ray that is nearest to the centre
+                width = half_pixel + along * tangent
                 while k >= 0:
-                    across = side * D[k, 0] + up * D[k, 1]
-                    if solid_hit(B, i, x + across * half_pixel, (to_lamp + across * tangent).normalized(), True) < far:
-                        result |= ti.i64(1) << ti.cast(k, ti.i64)
-                    else:
-                        rim_hidden = 0
+                    across = sideways * D[k, 0] + upwards * D[k, 1]
+                    p, towards = beside + across * width, (middle + across * tangent).normalized()
+                    bit = ti.i64(1) << ti.cast(k, ti.i64)
+                    if (result & bit) == ti.i64(0):
+                        if box_meets(p, towards, half, B[i, RADIUS], -along, far - along) == 1:
+                            result |= bit
+                        else:
+                            rim_hidden = 0
                     k -= 1
                     if k == points - points * _RIM // LAMP_POINTS and rim_hidden == 1:
                         result = ti.i64(_ALL)

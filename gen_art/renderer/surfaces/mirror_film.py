@@ -42,14 +42,16 @@ def _halve(T: F2, levels: I2, level: ti.i32):
     ti.loop_config(block_dim=1)
     for row in range(levels[level, 2]):
         fine, width, rows = levels[level - 1, 0], levels[level - 1, 1], levels[level - 1, 2]
+        starts = ti.Vector([fine + ti.min(ti.max(2 * row + k - 1, 0), rows - 1) * width for k in range(4)])
         for column in range(levels[level, 1]):
-            for c in range(4):
-                total = 0.0
-                for k in ti.static(range(16)):
-                    i = ti.min(ti.max(2 * row + k // 4 - 1, 0), rows - 1)
-                    j = ti.min(ti.max(2 * column + k % 4 - 1, 0), width - 1)
-                    total += _WEIGHTS[k // 4] * _WEIGHTS[k % 4] * T[fine + i * width + j, c]
-                T[levels[level, 0] + row * levels[level, 1] + column, c] = total
+            total = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            for j in ti.static(range(4)):
+                at = ti.min(ti.max(2 * column + j - 1, 0), width - 1)
+                for i in ti.static(range(4)):
+                    for c in ti.static(range(4)):
+                        total[c] += _WEIGHTS[i] * _WEIGHTS[j] * T[starts[i] + at, c]
+            for c in ti.static(range(4)):
+                T[levels[level, 0] + row * levels[level, 1] + column, c] = total[c]
 
 
 _halve_kernel = kernel(_halve)
@@ -82,13 +84,14 @@ class MirrorFilm:
             for level in range(1, LEVELS):
                 _halve_kernel(self.texels, self.levels, level)
 
-    def blur(self, view: CameraView, normal, roughness: float) -> None:
+    def blur(self, view: CameraView, point, normal, roughness: float) -> None:
         """Blur the picture at the nodes, for a mirror of one roughness; nothing where they would be as many as the pixels.
 
-        view : of the camera that looks at the mirror; normal : of the mirror
+        view : of the camera that looks at the mirror; point, normal : of the mirror
         """
         scale, normal = view.scale(self.size[1]), np.asarray(normal, np.float64)
         normal = normal / np.sqrt(normal @ normal)
+        side = np.sign((view.position - np.asarray(point, np.float64)) @ normal) or 1.0
         along = blur_width(roughness, scale)
         cosine, sine = picture_direction(normal, view)
         # the finest detail that is left along the picture's rows and columns
@@ -101,16 +104,26 @@ class MirrorFilm:
         columns, rows = (-(-self.size[0] // int(apart[0])) + 1, -(-self.size[1] // int(apart[1])) + 1)
         x, y = np.linspace(0.0, self.size[0], columns), np.linspace(0.0, self.size[1], rows)
         steepness = abs(view.axes[2] @ normal) * np.ones((rows, columns))
+        wanted = np.ones((rows, columns), bool)
         if view.height is None:
             right, down = (x - 0.5 * self.size[0]) / scale, (y - 0.5 * self.size[1]) / scale
             offset = right[None, :, None] * view.axes[0] - down[:, None, None] * view.axes[1]
             rays = view.axes[2] + offset
             steepness = abs(rays @ normal) / np.sqrt((rays * rays).sum(axis=2))
+            wanted = _beside(rays @ normal * side < 0.0)
         start = int(self.levels[LEVELS, 0])
         if len(self.texels) < start + rows * columns:
             self.texels = np.concatenate([self.texels[:start], np.zeros((rows * columns, 4), np.float32)])
         self.levels[LEVELS, 1:] = columns, rows
+        steepness[~wanted] = -1.0
         _blur_kernel(self.texels, self.levels, blur_points(), steepness.astype(np.float32), along, cosine, sine)
+
+
+def _beside(meets: np.ndarray) -> np.ndarray:
+    """The nodes, (rows, columns) bool, that meet the mirror, and those next to them."""
+    padded = np.pad(meets, 1)
+    rows = padded[:-2] | padded[1:-1] | padded[2:]
+    return rows[:, :-2] | rows[:, 1:-1] | rows[:, 2:]
 
 
 def blur_width(roughness: float, scale: float) -> float:
@@ -175,7 +188,7 @@ def mirrored_light(T: ti.template(), levels: ti.template(), G: ti.template(), x,
 
 @ti.kernel
 def _blur(T: F2, levels: I2, G: F2, steepness: F2, along: ti.f32, cosine: ti.f32, sine: ti.f32):
-    """Fill the nodes; steepness : (rows, columns) cosine of the mirror's normal with the view."""
+    """Fill the nodes; steepness : (rows, columns) cosine of the mirror's normal with the view, -1 for what nobody reads."""
     ti.loop_config(block_dim=1)
     for i in range(levels[LEVELS, 2]):
         columns, rows = levels[LEVELS, 1], levels[LEVELS, 2]
@@ -183,9 +196,10 @@ def _blur(T: F2, levels: I2, G: F2, steepness: F2, along: ti.f32, cosine: ti.f32
         for j in range(columns):
             x = across * ti.cast(j, ti.f32) / ti.cast(columns - 1, ti.f32)
             y = down * ti.cast(i, ti.f32) / ti.cast(rows - 1, ti.f32)
-            light = mirrored_light(T, levels, G, x, y, along, along * steepness[i, j], cosine, sine)
-            for c in ti.static(range(4)):
-                T[levels[LEVELS, 0] + i * columns + j, c] = light[c]
+            if steepness[i, j] >= 0.0:
+                light = mirrored_light(T, levels, G, x, y, along, along * steepness[i, j], cosine, sine)
+                for c in ti.static(range(4)):
+                    T[levels[LEVELS, 0] + i * columns + j, c] = light[c]
 
 
 _blur_kernel = kernel(_blur)

@@ -11,7 +11,7 @@ The one-letter names in kernels are in docs/glossary.md.
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp, log
 from gen_art.renderer.surfaces.collider_rays import first_hit, surface_exit, surface_normal
-from gen_art.renderer.surfaces.collider_sets import ALL_COLLIDERS, every_collider
+from gen_art.renderer.surfaces.collider_sets import ALL_COLLIDERS, every_caster
 from gen_art.renderer.surfaces.draw_sheets import sheet_material
 from gen_art.renderer.surfaces.reflection import fresnel_of
 from gen_art.renderer.surfaces.scene_numbers import CAMERA, MIRROR, PARALLEL, SCALE, SKY_CELL, TIME, vector_at
@@ -28,9 +28,10 @@ from gen_art.renderer.surfaces.surface_detail import (
     surface_detail,
 )
 from gen_art.renderer.surfaces.surface_images import has_image, image_on_solid
-from gen_art.renderer.surfaces.surface_shading import air_between, background, mirror_film_at, surface_light
+from gen_art.renderer.surfaces.surface_shading import air_between, background, surface_light
 
 __all__ = [
+    "LIGHT_PARTS",
     "TRACED_ROUGHNESS",
     "leaving_distance",
     "light_along",
@@ -43,6 +44,7 @@ __all__ = [
 TRACED_ROUGHNESS = 0.3  # roughness up to which surfaces reflect each other
 _SHARP = 0.05  # roughness up to which one ray shows a reflection; a rougher surface sends FACETS of them
 _FACETS = 4
+LIGHT_PARTS = 9  # that light_along returns
 _AWAY = 0.05  # pixels from a surface at which the next ray starts
 MOST_RAYS = 16
 _WAITING = 12  # rays that may wait
@@ -180,18 +182,23 @@ def _put(waiting: ti.template(), count, o, d, share, length, inside):
 @ti.func
 def light_along(
     entries: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), owner, distance, column,
-    row, origin, direction, depth, casters,
+    row, origin, direction, depth, casters, nearby: ti.template(),
 ):  # fmt: skip
-    """The radiance (3,) along a camera's ray that meets `owner` at `distance`.
+    """The light along a camera's ray that meets `owner` at `distance`, with the part that the mirror's film adds left open.
+
+    Returns parts (LIGHT_PARTS,), and how the film is read: the unit normals (n, flat) of mirror_film_at, and its roughness.
+    The radiance is parts[0:3] + parts[3:6] film - parts[6:9] coverage, of the film's light and coverage; the last six are 0
+    where no mirror is met.
 
     follows : whether rays go on to what a surface reflects and refracts; else it reflects the sky and its mirror alone
     depth : distance along the line of sight
-    casters : (2,) the sets of colliders that may hide the lamp and the sky from where the ray ends
+    casters, nearby : of tile_casters, for where the ray ends
     """
     N, M = ti.static(scene.N, scene.M)
     per_length, same_everywhere = 1.0 / N[SCALE], N[PARALLEL]  # of a pixel's side
     air = air_between(scene, direction, depth)
     result = ti.Vector([air[0], air[1], air[2]])
+    of_film, normal, level, film_roughness = ti.Vector([0.0] * 6), direction, direction, 0.0
     waiting, count, followed = ti.Vector([0.0] * (_WAITING * _NUMBERS if follows else _NUMBERS)), 0, 0
     count = _put(waiting, count, origin, direction, ti.Vector([air[3], air[3], air[3]]), 0.0, -1)
     while count > 0:
@@ -236,11 +243,26 @@ def light_along(
                     gas = air_between(scene, d, t)
                     result += share * ti.Vector([gas[0], gas[1], gas[2]])
                     share *= gas[3]
-                hiding = every_collider()
+                hiding = every_caster()
                 if followed == 1 and who < surfaces + scene.B.shape[0]:
                     hiding = casters
                 own, mirrored, around, entering = surface_light(
-                    entries, scene, m, x, n, -d, albedo, through, emission, clear, pixel, detail, who, hiding
+                    entries,
+                    surfaces,
+                    scene,
+                    m,
+                    x,
+                    n,
+                    -d,
+                    albedo,
+                    through,
+                    emission,
+                    clear,
+                    pixel,
+                    detail,
+                    who,
+                    hiding,
+                    nearby,
                 )
                 result += share * own
                 mirrored *= share
@@ -248,11 +270,11 @@ def light_along(
                 if N[MIRROR] == ti.cast(m, ti.f32):
                     reflects = False
                     if followed == 1:
-                        film = mirror_film_at(scene, detail[1], flat, n, -d, column, row, depth)
+                        normal, level, film_roughness = n, flat, detail[1]
                         for k in ti.static(range(3)):
                             # the film's light has come through the air already, so what the air adds is in it too
-                            result[k] += mirrored[k] / ti.max(air[3], 1e-30) * (film[k] - air[k] * film[3])
-                        mirrored *= 1.0 - film[3]
+                            of_film[k] = mirrored[k] / ti.max(air[3], 1e-30)
+                            of_film[3 + k] = of_film[k] * air[k] + mirrored[k] * around[k]
                 if ti.static(follows):
                     if reflects:
                         facets = 1
@@ -276,4 +298,7 @@ def light_along(
                         count = _put(waiting, count, x - n * (_AWAY * pixel), into, share * entering, length, who)
                 else:
                     result += mirrored * around
-    return result
+    parts = ti.Vector([0.0] * LIGHT_PARTS)
+    for k in ti.static(range(3)):
+        parts[k], parts[3 + k], parts[6 + k] = result[k], of_film[k], of_film[3 + k]
+    return parts, normal, level, film_roughness

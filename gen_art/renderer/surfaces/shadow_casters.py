@@ -15,7 +15,7 @@ from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.smoke_density import Smoke
 from gen_art.renderer.smoke_lighting import lamp_axes
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms
-from gen_art.renderer.surfaces.collider_sets import ALL_COLLIDERS
+from gen_art.renderer.surfaces.collider_sets import every_caster
 from gen_art.renderer.surfaces.lamp_shadows import ShadowBins, lamp_disc
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.scene_numbers import scene_numbers
@@ -54,9 +54,7 @@ def _share_kernel(terms: ColliderTerms, with_sheets: bool):
                 sheet_starts=sheet_starts, sheet_faces=sheet_faces,
             )  # fmt: skip
             for i in range(block * 256, ti.min((block + 1) * 256, X.shape[0])):
-                out[i] = lamp_share(
-                    entries, scene, ti.Vector([X[i, 0], X[i, 1], X[i, 2]]), pixel, ti.i64(ALL_COLLIDERS)
-                )
+                out[i] = lamp_share(entries, scene, ti.Vector([X[i, 0], X[i, 1], X[i, 2]]), pixel, every_caster())
 
     return kernel(shares)
 

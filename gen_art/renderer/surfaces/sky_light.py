@@ -42,17 +42,17 @@ class SkyLight:
         if not (np.asarray(cross_sections) > 0).any() or not light.ambient.any():
             return cls(np.zeros(3), 1.0, (1, 1, 1), _row(light.ambient)[None], _row(light.ambient))
         matter = Smoke.of(positions, cross_sections, radii, np.eye(3), RESOLUTION, _MARGIN)
-        total = np.zeros((*matter.extinction.shape, 3, 4))
+        total = np.zeros((12, matter.extinction.size))  # rows: one array at a time stays in the processor's cache
         for direction, weight in zip(DIRECTIONS, WEIGHTS):
             towards = -direction / np.linalg.norm(direction)
-            arriving = exp(-matter.depth(direction).astype(np.float64))
+            arriving = weight * exp(-matter.depth(direction).astype(np.float64)).ravel()
             basis = np.array([1.0, *(3.0 * towards)])
-            total += weight * arriving[..., None, None] * (light.radiance(towards)[:, None] * basis)
-        return cls(matter.corner * matter.cell, matter.cell, matter.extinction.shape, _row(total), _row(light.ambient))
+            for row, share in zip(total, _row(light.radiance(towards)[:, None] * basis)):
+                row += arriving * share
+        shape, nodes = matter.extinction.shape, np.ascontiguousarray(total.T, np.float32)
+        return cls(matter.corner * matter.cell, matter.cell, shape, nodes, _row(light.ambient))
 
 
 def _row(coefficients: np.ndarray) -> np.ndarray:
-    """(..., 3 colours, 4) -> (n, 12) float32: c0 of the colours, then c1 of each; (12,) for one."""
-    c0, c1 = coefficients[..., 0], coefficients[..., 1:].reshape(*coefficients.shape[:-2], 9)
-    flat = np.concatenate([c0, c1], axis=-1).astype(np.float32)
-    return flat if flat.ndim == 1 else np.ascontiguousarray(flat.reshape(-1, 12))
+    """(3 colours, 4) -> (12,) float32: c0 of the colours, then c1 of each."""
+    return np.concatenate([coefficients[:, 0], coefficients[:, 1:].ravel()]).astype(np.float32)

@@ -3,9 +3,19 @@
 The one-letter names in kernels are in docs/glossary.md.
 """
 
+# ruff: noqa: SIM102  (`and` would follow each ray, whether it is needed or not)
 from gen_art.backend.runtime import ti
 
-__all__ = ["NEVER", "SOLID_FLOATS", "along_axes", "row_vector", "solid_facet", "solid_hit", "solid_normal"]
+__all__ = [
+    "NEVER",
+    "SOLID_FLOATS",
+    "along_axes",
+    "row_vector",
+    "solid_facet",
+    "solid_hit",
+    "solid_normal",
+    "solid_reaches_cone",
+]
 
 # a solid's row: centre relative to the camera, radius of the rounding, half extents inside it, its axes in the world (rows),
 # albedo, emission, row of its material, radius of the ball around it, where on its image the middles of its sides lie (in images)
@@ -27,6 +37,51 @@ def along_axes(B: ti.template(), i, v):
     return ti.Vector(
         [row_vector(B, i, AXES).dot(v), row_vector(B, i, AXES + 3).dot(v), row_vector(B, i, AXES + 6).dot(v)]
     )
+
+
+@ti.func
+def _rounded_entry(p, v, half, radius, low, high):
+    """Where along a ray it enters a rounded box, or NEVER, by Newton's method, which does not pass the convex root.
+
+    p, v : a point of the ray and its unit direction along the axes; low, high : where it enters and leaves the box around it
+    """
+    result, t, steps = NEVER, low, 0
+    while steps < _NEWTON_STEPS:
+        steps += 1
+        x = p + v * t
+        q = ti.max(abs(x) - half, 0.0)
+        distance = q.norm() - radius
+        if distance < 1e-5 * radius:
+            result, steps = t, _NEWTON_STEPS
+        else:
+            slope = 0.0
+            for k in ti.static(range(3)):
+                slope += ti.select(x[k] < 0.0, -q[k], q[k]) * v[k]
+            slope /= q.norm()
+            t -= distance / ti.min(slope, -1e-6)
+            if slope > -1e-6 or t > high:
+                steps = _NEWTON_STEPS
+    return result
+
+
+@ti.func
+def box_meets(p, v, half, radius, first, last):
+    """1 if a ray meets a rounded box between two of its points, else 0.
+
+    p, v : a point of the ray and its unit direction along the box's axes; first, last : lengths from p
+    """
+    low, high, met = first, last, 0
+    for k in ti.static(range(3)):
+        inverse = 1.0 / ti.select(abs(v[k]) > 1e-12, v[k], 1e-12)
+        a, b = (-half[k] - radius - p[k]) * inverse, (half[k] + radius - p[k]) * inverse
+        low, high = ti.max(low, ti.min(a, b)), ti.min(high, ti.max(a, b))
+    if low <= high:
+        if ti.max(abs(p + v * (0.5 * (low + high))) - half, 0.0).norm() <= radius:
+            met = 1
+        elif radius > 0.0:
+            if _rounded_entry(p, v, half, radius, low, high) < NEVER:
+                met = 1
+    return met
 
 
 @ti.func
@@ -63,27 +118,44 @@ def solid_hit(B: ti.template(), i, o, d, from_inside: ti.template()):
                     elif from_inside and along + high > 0.0:
                         result = 0.0
                 else:
-                    t, steps = low, 0
-                    while steps < _NEWTON_STEPS:
-                        steps += 1
-                        x = p + v * t
-                        q = ti.max(abs(x) - half, 0.0)
-                        distance = q.norm() - radius
-                        if distance < 1e-5 * radius:
-                            if along + t > 0.0:
-                                result = along + t
-                            elif from_inside and (ti.max(abs(p - v * along) - half, 0.0)).norm() < radius:
-                                result = 0.0
-                            steps = _NEWTON_STEPS
-                        else:
-                            slope = 0.0
-                            for k in ti.static(range(3)):
-                                slope += ti.select(x[k] < 0.0, -q[k], q[k]) * v[k]
-                            slope /= q.norm()
-                            t -= distance / ti.min(slope, -1e-6)
-                            if slope > -1e-6 or t > high:
-                                steps = _NEWTON_STEPS
+                    t = _rounded_entry(p, v, half, radius, low, high)
+                    if t < NEVER:
+                        if along + t > 0.0:
+                            result = along + t
+                        elif from_inside and (ti.max(abs(p - v * along) - half, 0.0)).norm() < radius:
+                            result = 0.0
     return result
+
+
+@ti.func
+def solid_reaches_cone(B: ti.template(), i, offset, d, tangent, radius_at_start, far):
+    """Whether a solid reaches into a cone of rays about a ray: 0 no, 1 perhaps in part, 2 it meets all of them.
+
+    offset : of the solid's centre from where the ray starts; d : unit vector along it
+    radius_at_start, tangent : the cone's radius where the ray starts, and by which it grows per length
+    far : length of the ray
+    """
+    along, half, radius = offset.dot(d), row_vector(B, i, HALF), B[i, RADIUS]
+    p, v = along_axes(B, i, d * along - offset), along_axes(B, i, d)
+    # lengths along the ray from the point nearest to the centre; the cone's width at the far end of the solid
+    low, high = -ti.min(along, B[i, BOUND]), ti.min(far - along, B[i, BOUND])
+    first, last = low, high
+    wide = radius_at_start + ti.max(along + B[i, BOUND], 0.0) * tangent
+    for k in ti.static(range(3)):
+        inverse = 1.0 / ti.select(abs(v[k]) > 1e-12, v[k], 1e-12)
+        outer = half[k] + radius
+        a, b = (-outer - p[k]) * inverse, (outer - p[k]) * inverse
+        low, high = ti.max(low, ti.min(a, b)), ti.min(high, ti.max(a, b))
+        a, b = (-outer - wide - p[k]) * inverse, (outer + wide - p[k]) * inverse
+        first, last = ti.max(first, ti.min(a, b)), ti.min(last, ti.max(a, b))
+    state = ti.select(first <= last, 1, 0)
+    if low < high:  # as deep inside as the cone is wide, no ray of the cone gets past
+        t = 0.5 * (low + high)
+        beyond = abs(p + v * t) - half
+        depth = radius - ti.max(beyond, 0.0).norm() - ti.min(beyond.max(), 0.0)
+        if depth >= radius_at_start + (along + t) * tangent:
+            state = 2
+    return state
 
 
 @ti.func

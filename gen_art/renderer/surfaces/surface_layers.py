@@ -11,7 +11,7 @@ import numpy as np
 from gen_art.backend.runtime import ti
 from gen_art.colliders.surface import surface_properties
 from gen_art.renderer.shading import LIT_EXTINCTION
-from gen_art.renderer.surfaces.collider_sets import ALL_COLLIDERS
+from gen_art.renderer.surfaces.collider_sets import every_caster
 from gen_art.renderer.surfaces.draw_sheets import sheet_velocity
 from gen_art.renderer.surfaces.liquid_shadow import liquid_light
 from gen_art.renderer.surfaces.ray_tree import surface_point
@@ -164,7 +164,7 @@ def layers_of_place(entries: ti.template(), scene: ti.template(), P: ti.template
     N = ti.static(scene.N)
     arriving = 0.0
     if n.dot(vector_at(N, TO_LAMP)) > 0.0:
-        arriving = lamp_share(entries, scene, x + n * (0.6 * pixel), pixel, ti.i64(ALL_COLLIDERS))
+        arriving = lamp_share(entries, scene, x + n * (0.6 * pixel), pixel, every_caster())
         place = x + vector_at(N, CAMERA) + n * N[LIQUID_BIAS]
         passed = liquid_light(N, scene.liquid_first, scene.liquid_depths, scene.D, place, pixel)
         arriving *= (passed[0] + passed[1] + passed[2]) / 3.0

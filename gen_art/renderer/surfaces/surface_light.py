@@ -3,12 +3,18 @@
 The one-letter names in kernels are in docs/glossary.md.
 """
 
+# ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp
-from gen_art.renderer.surfaces.lamp_shadows import LAMP_POINTS, collider_shadow, set_bits, solid_shadow
+from gen_art.renderer.surfaces.lamp_shadows import (
+    LAMP_POINTS,
+    collider_shadow,
+    in_shadow_cells,
+    set_bits,
+    shadow_cell,
+    solid_shadow,
+)
 from gen_art.renderer.surfaces.scene_numbers import (
-    BIN_CELL,
-    BIN_CORNER,
     BIN_SHAPE,
     CAMERA,
     LAMP_SIDE,
@@ -89,13 +95,20 @@ def _smoke_depth(N: ti.template(), depth: ti.template(), place):
     return result
 
 
+def _given(nearby) -> bool:
+    """Whether a list of solids was passed; `is` cannot be written in a kernel."""
+    return nearby is not None
+
+
 @ti.func
-def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel, casters):
+def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel, casters, own=-1, nearby: ti.template() = None):
     """The share of the lamp's light that reaches x (relative to the camera) past colliders, solids and smoke.
 
     scene : view of the kernel's arrays; its `with_sheets` says whether there is any cloth
     pixel : side of a pixel at x, in world units
-    casters : the set of the colliders that may hide the lamp
+    casters : (3,) i64, of tile_casters: the set of the colliders that may hide the lamp; the number of solids in `nearby`
+    own : a solid that does not hide it, or -1
+    nearby : the solids that may hide it, where that number is not negative; or None
     """
     share = 1.0
     N = ti.static(scene.N)
@@ -115,20 +128,28 @@ def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel, casters):
             N[SHADOW_REACH],
             scene.D,
             LAMP_POINTS,
-            casters,
+            casters[0],
         )
-        i = ti.cast(ti.floor((place.dot(side) - N[BIN_CORNER]) / N[BIN_CELL]), ti.i32)
-        j = ti.cast(ti.floor((place.dot(up) - N[BIN_CORNER + 1]) / N[BIN_CELL]), ti.i32)
-        rows, columns = ti.cast(N[BIN_SHAPE], ti.i32), ti.cast(N[BIN_SHAPE + 1], ti.i32)
-        if i >= 0 and j >= 0 and i < rows and j < columns:
-            cell = i * columns + j
-            k, end = scene.shadow_starts[cell], scene.shadow_starts[cell + 1]
-            while k < end:
+        k, end, listed = 0, 0, 0
+        if ti.static(_given(nearby)):
+            listed, end = ti.cast(casters[2] >= 0, ti.i32), ti.cast(ti.max(casters[2], 0), ti.i32)
+        if listed == 0:
+            at = shadow_cell(N, place, 0.0)
+            if in_shadow_cells(N, at[0], at[1]):
+                cell = at[0] * ti.cast(N[BIN_SHAPE + 1], ti.i32) + at[1]
+                k, end = scene.shadow_starts[cell], scene.shadow_starts[cell + 1]
+        while k < end:
+            solid = -1
+            if ti.static(_given(nearby)):
+                if listed == 1:
+                    solid = nearby[k]
+            if listed == 0:
                 solid = scene.shadow_solids[k]
+            if solid != own:
                 hidden = solid_shadow(
                     hidden, scene.B, solid, x, to_lamp, side, up, tangent, half_pixel, NEVER, scene.D, LAMP_POINTS
                 )
-                k = ti.select(hidden == ti.i64(-1), end, k + 1)
+            k = ti.select(hidden == ti.i64(-1), end, k + 1)
         if ti.static(scene.with_sheets):
             hidden = sheet_shadow(hidden, scene, x, to_lamp, side, up, tangent, half_pixel)
         share = 1.0 - ti.cast(set_bits(hidden), ti.f32) * (1.0 / LAMP_POINTS)

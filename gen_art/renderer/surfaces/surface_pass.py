@@ -26,7 +26,7 @@ from gen_art.renderer.surfaces.sky_light import SkyLight
 from gen_art.renderer.surfaces.sky_occlusion import sky_occluders
 from gen_art.renderer.surfaces.solid_grid import SolidGrid
 from gen_art.renderer.surfaces.solid_rows import mean_areas, pixel_rectangles
-from gen_art.renderer.surfaces.solids import BOUND, MATERIAL
+from gen_art.renderer.surfaces.solids import BOUND, MATERIAL, NEVER
 from gen_art.renderer.surfaces.surface_detail import (
     CHECKER,
     DAMP,
@@ -94,6 +94,7 @@ class SurfacePass:
         self.depths = np.zeros((size[1], size[0], SUBPIXELS), np.float32)
         self.bounds = np.zeros((-(-size[1] // TILE), -(-size[0] // TILE), 2), np.float32)
         self._checked = False  # whether the shapes' distances were tested, once for a film
+        self._sky: tuple | None = None  # (light, what hides it, the SkyLight of these)
         self._disc, self._blur = lamp_disc(), blur_points()
 
     def draw(
@@ -125,7 +126,7 @@ class SurfacePass:
         maps = SurfaceMaps.of(looks, table, (IMAGE, PUDDLES, LIGHT, RELIEF, WAVES), time)
         shares = np.stack([reflected_share(look.roughness, look.ior) for look in looks])
         cloth = casters.sheets
-        sky = _sky_light(casters, table, hidden_by, scene.shadows) if shaded else NO_SKY
+        sky = self._sky_light(casters, table, hidden_by, scene.shadows) if shaded else NO_SKY
         grid, depths = smoke if smoke is not None and scene.shadows else (None, np.zeros(1, np.float32))
         mirror = scene.mirror if film is not NO_MIRROR else -1
         smooth = table[:, ROUGHNESS] <= TRACED_ROUGHNESS
@@ -151,6 +152,10 @@ class SurfacePass:
             sky.light, sky.open, depths, film.texels, film.levels, self._blur,
             light.dome.table if light.dome is not None else _NO_DOME, liquid.first, liquid.depths,
         )  # fmt: skip
+        if clip is not None and len(scene.surfaces) == 1 and not len(rows) and not cloth.any:
+            self.depths.fill(NEVER)  # behind the mirror there is none but the mirror itself
+            self.bounds.fill(NEVER)
+            return
         a, wanted = self.arrays, layers or NO_LAYERS
         draw_kernel(casters.terms, follows, cloth.any, glow is not None, maps.any, layers is not None, shaded)(
             a.numbers, a.colliders, owners, a.materials, a.shares, a.solids, filled(rectangles), bin_starts,
@@ -163,6 +168,14 @@ class SurfacePass:
             wanted.solids, wanted.corners,
         )  # fmt: skip
 
+    def _sky_light(self, casters: ShadowCasters, table: np.ndarray, hidden_by, shadows: bool) -> SkyLight:
+        """The sky's light past what hides it; that of the last picture where neither has changed."""
+        positions, areas, radii = _hiding_sky(casters, table, hidden_by)
+        light, given = casters.light, (positions, areas * shadows, radii)
+        if self._sky is None or self._sky[0] is not light or not all(map(np.array_equal, self._sky[1], given)):
+            self._sky = light, given, SkyLight.of(light, *given)
+        return self._sky[2]
+
 
 def _more_than_one(scene: Scene, solids: int) -> bool:
     """Whether a ray that leaves a surface may meet another, or the same one again."""
@@ -170,8 +183,8 @@ def _more_than_one(scene: Scene, solids: int) -> bool:
     return len(scene.surfaces) + solids > 1 or not alone
 
 
-def _sky_light(casters: ShadowCasters, table: np.ndarray, hidden_by, shadows: bool) -> SkyLight:
-    """The sky's light among solids, cloth, and the particles of liquids; `table` of materials."""
+def _hiding_sky(casters: ShadowCasters, table: np.ndarray, hidden_by) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(positions, areas, radii) of what hides the sky: solids, cloth, and the particles of liquids; `table` of materials."""
     rows, cloth = casters.rows, casters.sheets
     positions, radii = rows[:, :3].astype(np.float64) + casters.view.position, rows[:, BOUND].astype(np.float64)
     opaque = 1.0 - _THROUGH * table[rows[:, MATERIAL].astype(np.int64), TRANSMISSION]
@@ -181,7 +194,7 @@ def _sky_light(casters: ShadowCasters, table: np.ndarray, hidden_by, shadows: bo
         radii = np.concatenate([radii, np.sqrt(cloth.areas / np.pi)])
     if hidden_by is not None:
         positions, areas, radii = (np.concatenate(pair) for pair in zip((positions, areas, radii), hidden_by))
-    return SkyLight.of(casters.light, positions, areas * shadows, radii)
+    return positions, areas, radii
 
 
 def _in_bins(rectangles: np.ndarray, shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:

@@ -61,8 +61,8 @@ def layer_shares(M: ti.template(), E: ti.template(), m, nv):
 
 @ti.func
 def surface_light(
-    entries: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, clear, pixel, detail,
-    who, casters,
+    entries: ti.template(), surfaces: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, clear,
+    pixel, detail, who, casters, nearby: ti.template() = None,
 ):  # fmt: skip
     """The light from x towards the viewer, in parts: (own, mirrored, around, entering).
 
@@ -78,8 +78,9 @@ def surface_light(
     clear : how far from x the sky's light is taken, so that what lies at x does not hide it
     pixel : side of a pixel at x, in world units
     detail : of surface_detail
-    who : the collider's surface, or another number
-    casters : (2,) the sets of colliders that may hide the lamp and the sky
+    who : a collider's surface, and from `surfaces` on a solid
+    casters : (3,) i64, of tile_casters
+    nearby : of lamp_share
     """
     N, M, E = ti.static(scene.N, scene.M, scene.E)
     to_lamp = vector_at(N, TO_LAMP)
@@ -88,10 +89,11 @@ def surface_light(
     if ti.static(scene.with_sheets):
         lit = nl > 0.0 or through.max() > 0.0
     if lit:
-        hiding = casters[0]
-        if nl > N[LAMP_TANGENT]:
-            hiding = without_itself(entries, hiding, who)
-        share = lamp_share(entries, scene, x + n * ti.select(nl > 0.0, 0.6 * pixel, -0.6 * pixel), pixel, hiding)
+        hiding, own_solid = casters, -1
+        if nl > N[LAMP_TANGENT]:  # a convex solid does not hide what shines on its outside
+            hiding[0], own_solid = without_itself(entries, hiding[0], who), who - surfaces
+        beside = x + n * ti.select(nl > 0.0, 0.6 * pixel, -0.6 * pixel)
+        share = lamp_share(entries, scene, beside, pixel, hiding, own_solid, nearby)
         if share > 0.0:
             place = x + vector_at(N, CAMERA) + n * N[LIQUID_BIAS]
             passed = liquid_light(N, scene.liquid_first, scene.liquid_depths, scene.D, place, pixel)
