@@ -124,8 +124,9 @@ def draw_kernel(
                 middle, radius = ball_of_tile(N, ox, oy, distance, owner)
                 if radius < 0.0 and ti.static(not layered):  # the tile is empty, as the framebuffer is already
                     nearest, farthest, first_pixel = NEVER, NEVER, TILE * TILE
-                    for row, column, s in ti.ndrange((oy, oy + rows), (ox, ox + width), SUBPIXELS):
-                        depths[row, column, s] = NEVER
+                    if bounds[oy // TILE, ox // TILE, 0] < NEVER:  # it was not empty in the picture before
+                        for row, column, s in ti.ndrange((oy, oy + rows), (ox, ox + width), SUBPIXELS):
+                            depths[row, column, s] = NEVER
                 if ti.static(shaded):
                     if radius >= 0.0:
                         casters = tile_casters(entries, scene, middle, radius, nearby)

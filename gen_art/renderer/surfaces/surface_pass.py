@@ -91,8 +91,8 @@ class SurfacePass:
 
     def __init__(self, size: tuple[int, int]):
         self.size = size
-        self.depths = np.zeros((size[1], size[0], SUBPIXELS), np.float32)
-        self.bounds = np.zeros((-(-size[1] // TILE), -(-size[0] // TILE), 2), np.float32)
+        self.depths = np.full((size[1], size[0], SUBPIXELS), NEVER, np.float32)
+        self.bounds = np.full((-(-size[1] // TILE), -(-size[0] // TILE), 2), NEVER, np.float32)
         self._checked = False  # whether the shapes' distances were tested, once for a film
         self._sky: tuple | None = None  # (light, what hides it, the SkyLight of these)
         self._disc, self._blur = lamp_disc(), blur_points()

@@ -104,11 +104,21 @@ def trace_colliders(
     that shows others sharply.
     Returns the owner that all rays meet, or -1 where that is not known.
     """
+    among, covering = colliders_in_tile(entries, scene, ox, oy), -1
+    if among != 0:
+        covering = _trace_among(entries, surfaces, follows, scene, among, ox, oy, distance, owner)
+    return covering
+
+
+@ti.func
+def _trace_among(
+    entries: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), among, ox, oy,
+    distance: ti.template(), owner: ti.template(),
+):  # fmt: skip
+    """The same for the colliders of a set."""
     N = ti.static(scene.N)
     middle_t, middle_owner, differ = ti.Vector([NEVER] * _WITH_BORDER), ti.Vector([-1] * _WITH_BORDER), 0
-    among, k, end, covering = colliders_in_tile(entries, scene, ox, oy), -_CORNERS, _WITH_BORDER + _RAYS, -1
-    if among == 0:
-        k = end
+    k, end, covering = -_CORNERS, _WITH_BORDER + _RAYS, -1
     while k < end:  # one loop, so that a collider is compiled once
         r = k - _WITH_BORDER
         p = r // SUBPIXELS
