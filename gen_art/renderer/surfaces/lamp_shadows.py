@@ -164,10 +164,12 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
                 width = half_pixel + along * tangent
                 while k >= 0:
                     across = sideways * D[k, 0] + upwards * D[k, 1]
-                    p, towards = beside + across * width, (middle + across * tangent).normalized()
+                    p, towards = beside + across * width, middle + across * tangent
                     bit = ti.i64(1) << ti.cast(k, ti.i64)
                     if (result & bit) == ti.i64(0):
-                        if box_meets(p, towards, half, B[i, RADIUS], -along, far - along) == 1:
+                        length = towards.norm()  # of the ray, per length along its cone
+                        towards, start = towards / length, -along * length
+                        if box_meets(p, towards, half, B[i, RADIUS], start, start + far) == 1:
                             result |= bit
                         else:
                             rim_hidden = 0
