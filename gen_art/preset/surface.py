@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, Field
 
 from gen_art.preset.fields import MOST_SIZE, ColourValue, Fraction, Light, Number, PositiveRange, Whole, Within
 from gen_art.preset.files import ImageFile, PresetFile
@@ -106,6 +106,15 @@ class Waves(Model):
     direction: Number = about(0.0, "where they run: 0 to +x, 90 to +z", unit="degrees")
     spread: Annotated[float, Within(0, 180)] = about(90.0, "largest angle from that direction", unit="degrees")
     speed: Number = about(1.0, "factor on their speed")
+    number: Annotated[int, Field(ge=8, le=256)] = about(
+        32, "how many waves are summed: with more of them the water repeats itself less, and takes longer to draw"
+    )
+    patches: Fraction = about(
+        0.0, "how uneven the water is: the standard deviation of the slope from place to place, in slopes"
+    )
+    patch_size: Annotated[float, Within(0, MOST_SIZE, open_low=True)] = about(
+        10.0, "how far calm patches are apart", unit="m"
+    )
     seed: Whole = about(0, "another number, other waves")
 
     short_form = {"type": ["number", "string"]}

@@ -34,10 +34,11 @@ SIDE = 1024  # texels along a side of the largest version of an image
 _PUDDLE_SIDE, _PUDDLE_PERIOD = 512, 16  # texels along a side of puddles, and the sizes of a puddle that it spans
 _EDGE = 0.08  # the part of the range of heights over which a puddle's edge becomes dry
 _MOST_SAMPLES = 16  # along the longer side of a footprint
-_WAVES = 32  # sines that make up a sea
+_PATCH_SINES = 24  # that make the water uneven
 _WORD = 2**64 - 1
 _GRAVITY, _TENSION = 9.81, 7.28e-5  # m/s^2; surface tension over density of water, m^3/s^2
-_DIRECTION, _LENGTH, _PHASE = range(3)  # channels of the random numbers
+# channels of the random numbers: of waves, and of the sines that make the water uneven
+_DIRECTION, _LENGTH, _PHASE, _PATCH_DIRECTION, _PATCH_LENGTH, _PATCH_PHASE = range(6)
 # numbers of a map in a material's row: first texel, side, and 1 / the lengths of the repeated square, 0 for none
 FIRST, MAP_SIDE, PER_WIDTH, PER_HEIGHT = range(4)
 MAP_FLOATS = 4
@@ -50,7 +51,8 @@ class SurfaceMaps(NamedTuple):
 
     texels : (n, 4) float32, linear premultiplied light of images; the wet part in the fourth number of puddles; of a relief the
         slopes to the right and down, and the sum of their squares
-    waves : (m, 4) float32: the two wave numbers (1/m), the slope's amplitude, the phase at the picture's time
+    waves : (m, 4) float32: the two wave numbers (1/m), the slope's amplitude, the phase at the picture's time; of a sea its
+        waves, then what makes it uneven
     """
 
     texels: np.ndarray
@@ -60,7 +62,8 @@ class SurfaceMaps(NamedTuple):
     def of(cls, looks, table: np.ndarray, columns: tuple[int, int, int, int, int], time: float) -> "SurfaceMaps":
         """The maps of the looks of a scene; `table` gets where those of each material are.
 
-        columns : of the numbers of the image, the puddles, the light, the relief and the waves (their first row and their number)
+        columns : of the numbers of the image, the puddles, the light, the relief and the waves (their first row, their number, and
+            the number of rows after them that make them uneven)
         """
         chains: list[np.ndarray] = []
         waves: list[np.ndarray] = []
@@ -80,8 +83,9 @@ class SurfaceMaps(NamedTuple):
                 chain, height = relief_texels(look.relief.file.place, look.relief.size, look.relief.depth)
                 _note(row, columns[3], chains, chain, look.relief.size, height)
             if look.waves is not None:
-                row[columns[4]], row[columns[4] + 1] = sum(map(len, waves)), _WAVES
-                waves.append(wave_rows(look.waves, time))
+                uneven = patch_rows(look.waves)
+                row[columns[4] : columns[4] + 3] = sum(map(len, waves)), look.waves.number, len(uneven)
+                waves += [wave_rows(look.waves, time), uneven]
         return cls(
             np.concatenate(chains) if chains else NO_MAPS.texels, np.concatenate(waves) if waves else NO_MAPS.waves
         )
@@ -188,9 +192,10 @@ def _smooth_bumps(values: np.ndarray) -> np.ndarray:
 
 
 def wave_rows(waves: Waves, time: float) -> np.ndarray:
-    """(_WAVES, 4) float32 of SurfaceMaps.waves: lengths even in their logarithm, each with the same mean square slope."""
-    keys = derive(np.uint64(waves.seed & _WORD), np.arange(_WAVES))
-    share = (np.arange(_WAVES) + uniform(keys, _LENGTH)) / _WAVES
+    """(number, 4) float32 of SurfaceMaps.waves: lengths even in their logarithm, each with the same mean square slope."""
+    n = waves.number
+    keys = derive(np.uint64(waves.seed & _WORD), np.arange(n))
+    share = (np.arange(n) + uniform(keys, _LENGTH)) / n
     low, high = waves.length.lo, max(waves.length.hi, waves.length.lo)
     k = 2.0 * math.pi / exponentials(logarithms(np.float64(low)) + share * (math.log(high) - math.log(low)))
     # directions by the inverse of a linear density that falls to 0 at `spread` on both sides
@@ -199,8 +204,28 @@ def wave_rows(waves: Waves, time: float) -> np.ndarray:
     heading = math.radians(waves.direction) + turn
     frequency = np.sqrt(_GRAVITY * k + _TENSION * k**3)
     phase = 2.0 * math.pi * uniform(keys, _PHASE) - frequency * time * waves.speed
-    slope = waves.slope * math.sqrt(2.0 / _WAVES)
-    rows = [k * cosines(heading), k * sines(heading), np.full(_WAVES, slope), np.mod(phase, 2.0 * math.pi)]
+    slope = waves.slope * math.sqrt(2.0 / n)
+    return _rows(k, heading, slope, phase)
+
+
+def patch_rows(waves: Waves) -> np.ndarray:
+    """(m, 4) float32 of SurfaceMaps.waves: sines whose sum, plus 1, is the factor on the slope; no rows for an even sea.
+
+    Their lengths go from twice `patch_size` to a quarter of it, in all directions, and their sum has the deviation `patches`.
+    """
+    if waves.patches == 0.0:
+        return np.zeros((0, 4), np.float32)
+    n = _PATCH_SINES
+    keys = derive(np.uint64(waves.seed & _WORD), np.arange(n))
+    length = waves.patch_size * exponentials(math.log(2.0) * (1.0 - 3.0 * (np.arange(n) + uniform(keys, _PATCH_LENGTH)) / n))
+    heading = 2.0 * math.pi * uniform(keys, _PATCH_DIRECTION)
+    return _rows(
+        2.0 * math.pi / length, heading, waves.patches * math.sqrt(2.0 / n), 2.0 * math.pi * uniform(keys, _PATCH_PHASE)
+    )
+
+
+def _rows(k: np.ndarray, heading: np.ndarray, amplitude: float, phase: np.ndarray) -> np.ndarray:
+    rows = [k * cosines(heading), k * sines(heading), np.full(len(k), amplitude), np.mod(phase, 2.0 * math.pi)]
     return np.stack(rows, axis=1).astype(np.float32)
 
 
@@ -253,19 +278,36 @@ def map_at(T: ti.template(), M: ti.template(), m, column, place, east, south):
 
 
 @ti.func
+def _sine_over_pixel(W: ti.template(), k, place, east, south):
+    """Row k's wave at a place, as the mean over a pixel, and the part of its amplitude that the pixel leaves."""
+    number = ti.Vector([W[k, 0], W[k, 1]])
+    # the pixel as a Gaussian with the variance of its square
+    a, b = number.dot(east), number.dot(south)
+    kept = exp(-(a * a + b * b) * (1.0 / 24.0))
+    return number, W[k, 2] * kept * cos(number.dot(place) + W[k, 3]), kept
+
+
+@ti.func
 def wave_slope(W: ti.template(), M: ti.template(), m, column, place, east, south):
     """(3,) the slopes of waves along the two axes as the mean over a pixel, and the mean square slope of what is shorter."""
     result = ti.Vector([0.0, 0.0, 0.0])
     first = ti.cast(M[m, column], ti.i32)
-    for k in range(first, first + ti.cast(M[m, column + 1], ti.i32)):
-        number = ti.Vector([W[k, 0], W[k, 1]])
-        # the pixel as a Gaussian with the variance of its square
-        a, b = number.dot(east), number.dot(south)
-        kept = exp(-(a * a + b * b) * (1.0 / 24.0))
-        slope = W[k, 2] * kept * cos(number.dot(place) + W[k, 3]) / ti.max(number.norm(), 1e-9)
+    last = first + ti.cast(M[m, column + 1], ti.i32)
+    for k in range(first, last):
+        number, wave, kept = _sine_over_pixel(W, k, place, east, south)
+        slope = wave / ti.max(number.norm(), 1e-9)
         result[0] += slope * number[0]
         result[1] += slope * number[1]
         result[2] += 0.5 * W[k, 2] * W[k, 2] * (1.0 - kept * kept)
+    factor, hidden = 1.0, 0.0  # the pixel's mean of the factor on the slope, and its variance in the pixel
+    for k in range(last, last + ti.cast(M[m, column + 2], ti.i32)):
+        _, wave, kept = _sine_over_pixel(W, k, place, east, south)
+        factor += wave
+        hidden += 0.5 * W[k, 2] * W[k, 2] * (1.0 - kept * kept)
+    factor = ti.max(factor, 0.0)
+    result[2] = factor * factor * result[2] + hidden * result[2]
+    result[0] *= factor
+    result[1] *= factor
     return result
 
 
