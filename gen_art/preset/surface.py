@@ -51,8 +51,16 @@ class SurfaceImage(Model):
     file: Annotated[PresetFile, ImageFile] = about(..., "image in the preset's folder or below")
     size: Annotated[float, Within(0, MOST_SIZE, open_low=True)] = about(1.0, "width of the image", unit="m")
     shifted: bool = about(False, "with `draw: body`, whether each body shows another part of the image")
+    ends: Annotated[PresetFile, ImageFile] | None = about(
+        None, "with `draw: body`, another image of the same width for the two sides across the body's x axis: the end grain of wood"
+    )
 
     short_form = {"type": "string", "description": "the image's file"}
+
+    @property
+    def files(self) -> list[PresetFile]:
+        """The images that it names."""
+        return [self.file] if self.ends is None else [self.file, self.ends]
 
     @classmethod
     def from_short(cls, value: Any) -> Any:
@@ -153,7 +161,7 @@ class Finish(Model):
     @property
     def files(self) -> list[PresetFile]:
         """The images that it names."""
-        return [] if self.image is None else [self.image.file]
+        return [] if self.image is None else self.image.files
 
     @classmethod
     def from_short(cls, value: Any) -> Any:

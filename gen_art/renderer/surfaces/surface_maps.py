@@ -62,7 +62,7 @@ class SurfaceMaps(NamedTuple):
     def of(cls, looks, table: np.ndarray, columns: tuple[int, int, int, int, int], time: float) -> "SurfaceMaps":
         """The maps of the looks of a scene; `table` gets where those of each material are.
 
-        columns : of the numbers of the image, the puddles, the light, the relief and the waves (their first row, their number, and
+        columns : of the numbers of the image, the puddles (of bodies, the image of their ends), the light, the relief and the waves (their first row, their number, and
             the number of rows after them that make them uneven)
         """
         chains: list[np.ndarray] = []
@@ -71,6 +71,9 @@ class SurfaceMaps(NamedTuple):
             if look.image is not None:
                 chain, ratio = image_texels(look.image.file.place)
                 _note(row, columns[0], chains, chain, look.image.size, look.image.size * ratio)
+                if look.image.ends is not None:  # of bodies, which have no puddles
+                    chain, ratio = image_texels(look.image.ends.place)
+                    _note(row, columns[1], chains, chain, look.image.size, look.image.size * ratio)
             if not isinstance(look, SurfaceLook):
                 continue
             if look.puddles is not None:
