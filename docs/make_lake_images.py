@@ -25,7 +25,9 @@ def weathered(name, columns=512, rows=256):
     """Grey wood along x that stood in the rain for years: fibres, cracks, knots; it repeats along both sides."""
     v, u = (np.mgrid[0:rows, 0:columns] + 0.5) / 64.0
     wander = 0.25 * noise(u / 2, v / 2, 3, 4)
-    fibre = sum(a * noise(u * f, (v + wander) * g, 5, 256) for a, f, g in ((1.0, 0.5, 8), (0.7, 1.0, 16), (0.5, 2.0, 32)))
+    fibre = sum(
+        a * noise(u * f, (v + wander) * g, 5, 256) for a, f, g in ((1.0, 0.5, 8), (0.7, 1.0, 16), (0.5, 2.0, 32))
+    )
     crack = rise(0.24, 0.36, noise(u * 0.5, (v + wander) * 16, 11, 64)) * rise(-0.1, 0.2, noise(u * 0.5, v * 4, 12, 16))
     stain = noise(u * 0.5, v * 1.0, 13, 4)
     light = 0.42 * (1 + 0.45 * fibre + 0.5 * stain) * (1 - 0.75 * crack)
@@ -56,7 +58,9 @@ def angler(name, columns=512, rows=144):
     limb([(-0.55, 0.42), (-0.50, 0.62), (-0.38, 0.92)], 0.26)  # back
     limb([(-0.38, 0.92), (-0.34, 0.98)], 0.22)
     draw.ellipse([*place(-0.42, 1.28), *place(-0.22, 1.06)], fill=255)  # head
-    draw.polygon([place(-0.50, 1.20), place(-0.14, 1.18), place(-0.20, 1.23), place(-0.26, 1.34), place(-0.40, 1.34)], fill=255)
+    draw.polygon(
+        [place(-0.50, 1.20), place(-0.14, 1.18), place(-0.20, 1.23), place(-0.26, 1.34), place(-0.40, 1.34)], fill=255
+    )
     limb([(-0.36, 0.90), (-0.16, 0.66), (0.10, 0.74)], 0.09)  # arm
     limb([(-0.5, 0.48), (-0.1, 0.62), (0.05, 0.42)], 0.14)  # knees
     rod = [(0.0, 0.70), (0.7, 1.02), (1.4, 1.24), (2.1, 1.34)]
@@ -241,7 +245,9 @@ def woods(seed, height, tallest, end):
         for place, tall, spruce, slim, each in trees:
             near = np.abs(x - place) < 0.5 * tall
             u = (x[near] - place) / tall
-            ragged = 0.16 * noise(u * 40 + 100, 0 * u + 0.5, each % 1000) + 0.12 * noise(u * 90 + 200, 0 * u + 0.5, each % 997)
+            ragged = 0.16 * noise(u * 40 + 100, 0 * u + 0.5, each % 1000) + 0.12 * noise(
+                u * 90 + 200, 0 * u + 0.5, each % 997
+            )
             if spruce:
                 form = 1 - np.abs(u) / slim * 0.8 + ragged * 1.3
             else:

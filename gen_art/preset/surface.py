@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
+from gen_art.errors import UsageError
 from gen_art.preset.fields import MOST_SIZE, ColourValue, Fraction, Light, Number, PositiveRange, Whole, Within
 from gen_art.preset.files import ImageFile, PresetFile
 from gen_art.preset.from_script import model_of
@@ -52,7 +53,8 @@ class SurfaceImage(Model):
     size: Annotated[float, Within(0, MOST_SIZE, open_low=True)] = about(1.0, "width of the image", unit="m")
     shifted: bool = about(False, "with `draw: body`, whether each body shows another part of the image")
     ends: Annotated[PresetFile, ImageFile] | None = about(
-        None, "with `draw: body`, another image of the same width for the two sides across the body's x axis: the end grain of wood"
+        None,
+        "with `draw: body`, another image of the same width for the two sides across the body's x axis: the end grain of wood",
     )
 
     short_form = {"type": "string", "description": "the image's file"}
@@ -194,6 +196,14 @@ class SurfaceLook(Finish):
     def files(self) -> list[PresetFile]:
         """The images that it names."""
         return super().files + [named.file for named in (self.emission_image, self.relief) if named is not None]
+
+    @model_validator(mode="after")
+    def _without_ends(self):
+        for key in ("image", "emission_image"):
+            image = getattr(self, key)
+            if image is not None and image.ends is not None:
+                raise UsageError(f"`{key}.ends` is for the `finish` of a look with draw: body")
+        return self
 
     @classmethod
     def from_short(cls, value: Any) -> Any:

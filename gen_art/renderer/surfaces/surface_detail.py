@@ -8,7 +8,8 @@ from gen_art.renderer.surfaces.collider_rays import in_start_frame
 from gen_art.renderer.surfaces.scene_numbers import CAMERA, TIME, vector_at
 from gen_art.renderer.surfaces.solids import row_vector
 from gen_art.renderer.surfaces.surface_axes import on_axes, pixel_steps
-from gen_art.renderer.surfaces.surface_maps import MAP_FLOATS, map_at, wave_slope
+from gen_art.renderer.surfaces.surface_maps import MAP_FLOATS, map_at
+from gen_art.renderer.surfaces.water_waves import wave_slope
 
 __all__ = ["LIGHT_FACTOR", "MATERIAL_FLOATS", "surface_detail"]
 
