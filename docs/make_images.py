@@ -1,4 +1,4 @@
-"""Draws the images that presets lay on surfaces: roof tiles, the grain of wood, a sewn flag. Run it from the repository's root.
+"""Draws the images that presets lay on surfaces: roof tiles, wood, a sewn flag, a room out of focus. Run it from the repository's root.
 
 Each is small, repeats where it has to, and comes out the same every time (NumPy's PCG64 with a fixed seed).
 """
@@ -48,20 +48,6 @@ def roof_tiles(side=256, courses=6, across=4):
     dirt = 1 + 0.06 * bumps((side, side), 64, 64, 1) + 0.08 * bumps((side, side), 8, 8, 2)
     base = np.stack([0.50 + warm, 0.27 + 0 * warm, 0.19 - 0.5 * warm], axis=2)
     return base * (shade * dirt * (0.35 + 0.65 * edge) * (1.06 - 0.12 * down))[..., None]
-
-
-def wood_grain(rows=256, columns=512):
-    """Dark fibres and growth rings of a plank along x, to lie over a colour: transparent where there is none."""
-    shape = (rows, columns)
-    wander = 0.05 * bumps(shape, 3, 2, 11) + 0.012 * bumps(shape, 8, 6, 12)
-    rings = (np.arange(rows)[:, None] + 0.5) / rows * 9 + 9 * wander
-    phase = rings - np.floor(rings)
-    late = np.clip((phase - 0.55) / 0.4, 0, 1) ** 2 * np.clip((1 - phase) / 0.05, 0, 1)
-    fibres = np.clip(0.5 * bumps(shape, 128, 14, 13) + 0.35 * bumps(shape, 256, 24, 14), 0, 3)
-    pores = np.clip(bumps(shape, 256, 40, 15) - 1.6, 0, 1)
-    alpha = 0.06 + 0.30 * late + 0.11 * fibres + 0.35 * pores
-    colour = np.broadcast_to(np.array([0.20, 0.11, 0.05]), (*shape, 3))
-    return np.concatenate([colour, np.round(np.clip(alpha, 0, 0.75) * 28)[..., None] / 28], axis=2)
 
 
 def rings(radius):
@@ -211,7 +197,6 @@ def flag(columns=600, rows=400, width=1.5, height=1.0):
 
 if __name__ == "__main__":
     save(roof_tiles(), "roof_tiles.png", 48)
-    save(wood_grain(), "course/wood_grain.png")
     save(block_side(), "course/block_side.png")
     save(block_end(), "course/block_end.png")
     save(table_top(), "course/table_top.webp")

@@ -142,15 +142,15 @@ def test_waves_have_their_slope_and_travel_as_on_deep_water(number):
     assert turned == pytest.approx(np.mod(expected, 2 * math.pi), abs=2e-5)
 
 
-@pytest.mark.parametrize("patches,seed", [(0.0, 0), (0.5, 5)])
-def test_a_wave_tilts_the_mirror_by_its_slope(patches, seed):
+@pytest.mark.parametrize("slope,patches,seed", [(0.1, 0.0, 0), (0.04, 0.5, 5)])
+def test_a_wave_tilts_the_mirror_by_its_slope(slope, patches, seed):
     """Waves far longer than the scene are a level of water that leans: an image moves by twice the slope, which in a patch far
     larger than the scene is multiplied by 1 and the sum of the patches' sines.
 
     Mutants: by the slope; the sum without 1, and the sum added to the slope.
     """
     waves = {
-        "slope": 0.1,
+        "slope": slope,
         "length": "5000..5000",
         "spread": 0,
         "direction": 90,
