@@ -1,4 +1,4 @@
-"""Draws the images that presets lay on surfaces: roof tiles, wood, a sewn flag, a room out of focus. Run it from the repository's root.
+"""Draws the images of presets: roof tiles, wood, a sewn flag, a room out of focus. Run it from the repository's root.
 
 Each is small, repeats where it has to, and comes out the same every time (NumPy's PCG64 with a fixed seed).
 """
@@ -51,7 +51,7 @@ def roof_tiles(side=256, courses=6, across=4):
 
 
 def rings(radius):
-    """How dark wood is at a distance from the heart, in rings: pale early wood that darkens slowly, and a sharp end of the year."""
+    """How dark wood is at a distance from the heart, in rings: it darkens slowly over a year, whose end is sharp."""
     phase = radius - np.floor(radius)
     return np.clip(phase, 0, 1) ** 2.2 * np.clip((1 - phase) / 0.10, 0, 1)
 
@@ -116,8 +116,7 @@ def table_top(side=1024, boards=6):
     pores = np.clip(bumps(shape, 512, 60, 83) - 1.5, 0, 1.5)
     joint = np.clip(np.minimum(across, 1 - across) / 0.006, 0, 1)
     light = light * (1 + fibres) * (1 - 0.30 * years) * (1 - 0.28 * pores) * (0.45 + 0.55 * joint)
-    warm = np.stack([0.42 * light, 0.29 * light**1.06, 0.20 * light**1.12], axis=2)
-    return warm
+    return np.stack([0.42 * light, 0.29 * light**1.06, 0.20 * light**1.12], axis=2)
 
 
 def room(columns=640, rows=288):

@@ -433,9 +433,9 @@ class Look(Model):
         if self.finish.image is not None:
             of_bodies["finish.image.shifted"] = self.finish.image.shifted
             of_bodies["finish.image.ends"] = self.finish.image.ends is not None
-        for key, given in of_bodies.items():
-            if given and self.draw != "body":
-                raise UsageError(f"`{key}` needs draw: body")
+        for name, wanted in of_bodies.items():
+            if wanted and self.draw != "body":
+                raise UsageError(f"`{name}` needs draw: body")
         if self.draw == "cloth":
             fields = type(self).model_fields
             sizes = ("length", "pixels", "radius", "size", "tail", "taper", "width")

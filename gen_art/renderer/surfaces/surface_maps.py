@@ -49,8 +49,8 @@ class SurfaceMaps(NamedTuple):
     def of(cls, looks, table: np.ndarray, columns: tuple[int, int, int, int, int], time: float) -> "SurfaceMaps":
         """The maps of the looks of a scene; `table` gets where those of each material are.
 
-        columns : of the numbers of the image, the puddles (of bodies, the image of their ends), the light, the relief and the waves (their first row, their number, and
-            the number of rows after them that make them uneven)
+        columns : of the numbers of the image, the puddles (of bodies, the image of their ends), the light, the relief and the
+            waves (their first row, their number, and the number of rows after them that make them uneven)
         """
         chains: list[np.ndarray] = []
         waves: list[np.ndarray] = []
