@@ -1,4 +1,4 @@
-"""Draws the images that presets lay on surfaces: roof tiles, the grain of wood, a sewn flag. Run it from the repository's root.
+"""Draws the images of presets: roof tiles, wood, a sewn flag, a room out of focus. Run it from the repository's root.
 
 Each is small, repeats where it has to, and comes out the same every time (NumPy's PCG64 with a fixed seed).
 """
@@ -23,9 +23,12 @@ def bumps(shape, rows, columns, seed):
     return (values - values.mean()) / values.std()
 
 
-def save(pixels, name, colours=0):
+def save(pixels, name, colours=0, quality=55):
     """A PNG of (rows, columns, 3) in 0..1 with a palette of this many colours, or of (rows, columns, 4) as it is."""
     image = Image.fromarray((np.clip(pixels, 0, 1) * 255 + 0.5).astype(np.uint8))
+    if name.endswith(".webp"):
+        image.save(PRESETS / name, quality=quality, method=6)
+        return
     if pixels.shape[2] == 3:
         image = image.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     image.save(PRESETS / name, optimize=True)
@@ -47,18 +50,107 @@ def roof_tiles(side=256, courses=6, across=4):
     return base * (shade * dirt * (0.35 + 0.65 * edge) * (1.06 - 0.12 * down))[..., None]
 
 
-def wood_grain(rows=256, columns=512):
-    """Dark fibres and growth rings of a plank along x, to lie over a colour: transparent where there is none."""
+def rings(radius):
+    """How dark wood is at a distance from the heart, in rings: it darkens slowly over a year, whose end is sharp."""
+    phase = radius - np.floor(radius)
+    return np.clip(phase, 0, 1) ** 2.2 * np.clip((1 - phase) / 0.10, 0, 1)
+
+
+def stain(alpha, colour=(0.30, 0.15, 0.05), levels=40):
+    """Brown of this coverage, to lie over a colour."""
+    brown = np.broadcast_to(np.array(colour), (*alpha.shape, 3))
+    return np.concatenate([brown, np.round(np.clip(alpha, 0, 0.8) * levels)[..., None] / levels], axis=2)
+
+
+def block_side(rows=256, columns=512):
+    """Planed pine along x, cut beside the heart of the trunk: long rings that meet in arches, fine fibres, few pores.
+
+    Its years run across four boards side by side, so that what one small block shows of it differs from the next.
+    """
     shape = (rows, columns)
-    wander = 0.05 * bumps(shape, 3, 2, 11) + 0.012 * bumps(shape, 8, 6, 12)
-    rings = (np.arange(rows)[:, None] + 0.5) / rows * 9 + 9 * wander
-    phase = rings - np.floor(rings)
-    late = np.clip((phase - 0.55) / 0.4, 0, 1) ** 2 * np.clip((1 - phase) / 0.05, 0, 1)
-    fibres = np.clip(0.5 * bumps(shape, 128, 14, 13) + 0.35 * bumps(shape, 256, 24, 14), 0, 3)
-    pores = np.clip(bumps(shape, 256, 40, 15) - 1.6, 0, 1)
-    alpha = 0.06 + 0.30 * late + 0.11 * fibres + 0.35 * pores
-    colour = np.broadcast_to(np.array([0.20, 0.11, 0.05]), (*shape, 3))
-    return np.concatenate([colour, np.round(np.clip(alpha, 0, 0.75) * 28)[..., None] / 28], axis=2)
+    v = (np.arange(rows)[:, None] + 0.5) / rows
+    wander = 0.010 * bumps(shape, 6, 3, 31) + 0.004 * bumps(shape, 12, 9, 32)
+    across = (4 * (v + wander)) % 1.0 - 0.5
+    board = np.floor(4 * (v + wander)).astype(int) % 4
+    depth = (0.16 + 0.07 * bumps((1, columns), 1, 2, 33) + 0.03 * bumps((1, columns), 1, 5, 34)) * np.ones(shape)
+    depth = np.choose(board, [depth, 0.5 + 0 * depth, 1.4 * np.roll(depth, columns // 2, 1), 0.9 + 0 * depth])
+    heart = np.choose(board, [0.0, 0.9, 0.1, -0.6])
+    radius = 15 * np.sqrt((across - heart) ** 2 + depth**2)
+    dark = rings(radius + 0.05 * bumps(shape, 40, 6, 35))
+    fibres = np.clip(bumps(shape, 128, 10, 36), 0, 3) * 0.5 + np.clip(bumps(shape, 256, 20, 37), 0, 3) * 0.5
+    pores = np.clip(bumps(shape, 256, 60, 38) - 2.0, 0, 1)
+    tone = 0.03 * bumps(shape, 5, 3, 39)
+    return stain(0.05 + tone + 0.26 * dark + 0.06 * fibres + 0.25 * pores)
+
+
+def block_end(side=256):
+    """The end grain of the same pine: arcs of years, darker than its sides, with rays across them and the marks of the saw."""
+    shape = (side, side)
+    y, x = (np.mgrid[0:side, 0:side] + 0.5) / side
+    bend = 0.055 * np.cos(2 * np.pi * (x + 0.07 * np.sin(2 * np.pi * y)))
+    radius = 18 * (y + bend) + 0.10 * bumps(shape, 12, 12, 41)
+    dark = rings(radius)
+    rays = np.clip(bumps(shape, 10, 128, 42) - 0.4, 0, 3)
+    specks = np.clip(bumps(shape, 128, 128, 43), 0, 3)
+    saw = np.sin(2 * np.pi * (22 * x + 3 * y)) * np.clip(bumps(shape, 4, 4, 44), 0, 1)
+    return stain(0.20 + 0.34 * dark + 0.05 * rays + 0.05 * specks + 0.02 * saw, (0.27, 0.13, 0.045))
+
+
+def table_top(side=1024, boards=6):
+    """Oiled walnut boards along x, glued side by side, each of its own tone, with rings, fibres and fine dark pores."""
+    shape = (side, side)
+    random = np.random.Generator(np.random.PCG64(50))
+    v = (np.arange(side)[:, None] + 0.5) / side * boards + np.zeros((1, side))
+    board = np.floor(v).astype(int) % boards
+    across = v - np.floor(v)
+    light = np.zeros(shape)
+    years = np.zeros(shape)
+    for k in range(boards):
+        here = board == k
+        wander = 0.12 * bumps(shape, boards, 3, 51 + k) + 0.03 * bumps(shape, 6 * boards, 8, 61 + k)
+        depth = 0.25 + 0.2 * random.random() + 0.16 * bumps((1, side), 1, 2, 71 + k)
+        radius = 7 * np.sqrt((across - random.uniform(-0.6, 1.6)) ** 2 + depth**2) + wander
+        years = np.where(here, rings(radius), years)
+        light = np.where(here, 1 + 0.10 * random.standard_normal() + 0.05 * wander, light)
+    fibres = 0.05 * bumps(shape, 512, 24, 81) + 0.05 * bumps(shape, 256, 10, 82)
+    pores = np.clip(bumps(shape, 512, 60, 83) - 1.5, 0, 1.5)
+    joint = np.clip(np.minimum(across, 1 - across) / 0.006, 0, 1)
+    light = light * (1 + fibres) * (1 - 0.30 * years) * (1 - 0.28 * pores) * (0.45 + 0.55 * joint)
+    return np.stack([0.42 * light, 0.29 * light**1.06, 0.20 * light**1.12], axis=2)
+
+
+def room(columns=640, rows=288):
+    """A room far out of focus: a window by day at the left, a plant, a shelf with books, a lamp; soft as a lens makes it."""
+    from PIL import ImageDraw, ImageFilter
+
+    image = Image.new("RGB", (columns, rows), (54, 62, 64))
+    draw = ImageDraw.Draw(image)
+    draw.rectangle([60, 0, 190, 190], fill=(252, 253, 255))  # window
+    draw.rectangle([120, 0, 130, 190], fill=(96, 92, 88))
+    draw.rectangle([60, 92, 190, 100], fill=(96, 92, 88))
+    draw.polygon([(0, 0), (66, 0), (84, 214), (0, 214)], fill=(140, 116, 90))  # curtain
+    draw.polygon([(184, 0), (214, 0), (206, 214), (176, 214)], fill=(124, 102, 80))
+    for y, first, last in ((66, 480, 640), (140, 480, 640)):  # shelves with books
+        draw.rectangle([first, y, last, y + 7], fill=(84, 56, 36))
+    random = np.random.Generator(np.random.PCG64(60))
+    covers = [(150, 60, 44), (60, 84, 110), (190, 150, 90), (90, 104, 70), (200, 190, 170), (110, 50, 60), (70, 62, 56)]
+    for y, first, last in ((66, 486, 580), (140, 510, 630)):
+        x = float(first)
+        while x < last:
+            wide, tall = random.uniform(6, 13), random.uniform(34, 56)
+            draw.rectangle([x, y - tall, x + wide - 1, y], fill=covers[int(random.integers(len(covers)))])
+            x += wide
+    for _ in range(26):  # a plant
+        x, y, r = 400 + 30 * random.standard_normal(), 96 + 26 * random.standard_normal(), random.uniform(8, 15)
+        green = int(random.uniform(46, 84))
+        draw.ellipse([x - r, y - r, x + r, y + r], fill=(int(0.62 * green), green, int(0.45 * green)))
+    draw.polygon([(378, 150), (422, 150), (414, 214), (386, 214)], fill=(136, 84, 58))
+    draw.polygon([(560, 40), (600, 40), (612, 66), (548, 66)], fill=(255, 206, 128))  # lamp
+    draw.rectangle([0, 204, columns, rows], fill=(70, 52, 40))  # a sideboard
+    for _ in range(2):  # nearly the disc of a lens
+        image = image.filter(ImageFilter.BoxBlur(8))
+    image.putalpha(254)  # of a sprite without alpha, dark parts are transparent, and WebP leaves out an alpha of 255
+    return np.asarray(image, np.float64) / 255.0
 
 
 def flag(columns=600, rows=400, width=1.5, height=1.0):
@@ -104,5 +196,8 @@ def flag(columns=600, rows=400, width=1.5, height=1.0):
 
 if __name__ == "__main__":
     save(roof_tiles(), "roof_tiles.png", 48)
-    save(wood_grain(), "course/wood_grain.png")
+    save(block_side(), "course/block_side.png")
+    save(block_end(), "course/block_end.png")
+    save(table_top(), "course/table_top.webp")
+    save(room(), "course/room.webp", quality=90)
     save(flag(), "course/flag.png", 120)

@@ -50,7 +50,7 @@ def _image(value) -> PresetFile:
     file = inside(value)
     width, height = picture_size(file.place, file)
     if width * height > LARGEST:
-        raise UsageError(f"{file}: a sprite has at most {LARGEST // 10**6} million pixels; 512x512 is enough")
+        raise UsageError(f"{file}: a sprite has at most {LARGEST // 10**6} million pixels; 1024x1024 is enough")
     return file
 
 

@@ -429,8 +429,13 @@ class Look(Model):
             raise UsageError(f"draw: {self.draw} has no {'trail' if self.trail else 'light of its own'}: leave it out")
         if self.finish.image is not None and self.draw not in ("body", "cloth"):
             raise UsageError("`finish.image` needs draw: body or draw: cloth")
-        if self.draw != "body" and (self.edge > 0.0 or (self.finish.image is not None and self.finish.image.shifted)):
-            raise UsageError(f"`{'edge' if self.edge > 0.0 else 'finish.image.shifted'}` needs draw: body")
+        of_bodies = {"edge": self.edge > 0.0}
+        if self.finish.image is not None:
+            of_bodies["finish.image.shifted"] = self.finish.image.shifted
+            of_bodies["finish.image.ends"] = self.finish.image.ends is not None
+        for name, wanted in of_bodies.items():
+            if wanted and self.draw != "body":
+                raise UsageError(f"`{name}` needs draw: body")
         if self.draw == "cloth":
             fields = type(self).model_fields
             sizes = ("length", "pixels", "radius", "size", "tail", "taper", "width")

@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, Field, model_validator
 
+from gen_art.errors import UsageError
 from gen_art.preset.fields import MOST_SIZE, ColourValue, Fraction, Light, Number, PositiveRange, Whole, Within
 from gen_art.preset.files import ImageFile, PresetFile
 from gen_art.preset.from_script import model_of
@@ -51,8 +52,17 @@ class SurfaceImage(Model):
     file: Annotated[PresetFile, ImageFile] = about(..., "image in the preset's folder or below")
     size: Annotated[float, Within(0, MOST_SIZE, open_low=True)] = about(1.0, "width of the image", unit="m")
     shifted: bool = about(False, "with `draw: body`, whether each body shows another part of the image")
+    ends: Annotated[PresetFile, ImageFile] | None = about(
+        None,
+        "with `draw: body`, another image of the same width for the two sides across the body's x axis: the end grain of wood",
+    )
 
     short_form = {"type": "string", "description": "the image's file"}
+
+    @property
+    def files(self) -> list[PresetFile]:
+        """The images that it names."""
+        return [self.file] if self.ends is None else [self.file, self.ends]
 
     @classmethod
     def from_short(cls, value: Any) -> Any:
@@ -106,6 +116,15 @@ class Waves(Model):
     direction: Number = about(0.0, "where they run: 0 to +x, 90 to +z", unit="degrees")
     spread: Annotated[float, Within(0, 180)] = about(90.0, "largest angle from that direction", unit="degrees")
     speed: Number = about(1.0, "factor on their speed")
+    number: Annotated[int, Field(ge=8, le=256)] = about(
+        32, "how many waves are summed: with more of them the water repeats itself less, and takes longer to draw"
+    )
+    patches: Fraction = about(
+        0.0, "how uneven the water is: the standard deviation of the slope from place to place, in slopes"
+    )
+    patch_size: Annotated[float, Within(0, MOST_SIZE, open_low=True)] = about(
+        10.0, "how far calm patches are apart", unit="m"
+    )
     seed: Whole = about(0, "another number, other waves")
 
     short_form = {"type": ["number", "string"]}
@@ -144,7 +163,7 @@ class Finish(Model):
     @property
     def files(self) -> list[PresetFile]:
         """The images that it names."""
-        return [] if self.image is None else [self.image.file]
+        return [] if self.image is None else self.image.files
 
     @classmethod
     def from_short(cls, value: Any) -> Any:
@@ -177,6 +196,14 @@ class SurfaceLook(Finish):
     def files(self) -> list[PresetFile]:
         """The images that it names."""
         return super().files + [named.file for named in (self.emission_image, self.relief) if named is not None]
+
+    @model_validator(mode="after")
+    def _without_ends(self):
+        for key in ("image", "emission_image"):
+            image = getattr(self, key)
+            if image is not None and image.ends is not None:
+                raise UsageError(f"`{key}.ends` is for the `finish` of a look with draw: body")
+        return self
 
     @classmethod
     def from_short(cls, value: Any) -> Any:

@@ -46,7 +46,7 @@ from gen_art.renderer.surfaces.hiding import BEFORE, BEHIND, place_among_surface
 
 __all__ = ["NO_TEXELS", "read_texel", "texels", "write_image_sprites"]
 
-SIDE = 512  # texels of the largest level
+SIDE = 1024  # texels of the largest level
 NO_TEXELS = np.zeros((1, 4), np.float32)
 
 F1, F2, F3 = (ti.types.ndarray(ti.f32, n) for n in (1, 2, 3))

@@ -87,6 +87,15 @@ def test_a_picture_without_transparency_covers_where_it_is_bright(folder):
     assert texels(folder / "white.png")[1] == pytest.approx(1.0)
 
 
+def test_a_large_image_keeps_1024_texels_a_side(folder):
+    """Stripes of two texels of an image of 2048 become stripes of one. Mutant: 512, where they are an even grey."""
+    stripes = np.zeros((2048, 2048, 4), np.uint8)
+    stripes[:, :, 3], stripes[:, (np.arange(2048) // 2) % 2 == 0, :3] = 255, 255
+    Image.fromarray(stripes).save(folder / "stripes.png")
+    largest = texels(folder / "stripes.png")[0][: 1024 * 1024, 0].reshape(1024, 1024)
+    assert (largest[:, ::2] == 1.0).all() and (largest[:, 1::2] == 0.0).all()
+
+
 def _huge_png(path):
     """A header that says 20,000 x 20,000."""
     data = struct.pack(">IIBBBBB", 20_000, 20_000, 8, 0, 0, 0, 0)

@@ -60,6 +60,18 @@ def test_each_body_shows_another_part_where_the_image_is_shifted(in_folder):
     assert sides[0] < 0.01 and sides[1] > 0.1
 
 
+@pytest.mark.parametrize("edge", [0.0, 0.1])
+@pytest.mark.parametrize("place", [[5, 0, 0], [-5, 0, 0], [0, 0, 5], [0, 5, 0]])
+def test_the_ends_of_a_body_lie_across_its_x_axis(in_folder, place, edge):
+    """They alone show the image of the ends. Mutants: across another axis; the image of the ends on all sides, or on one end."""
+    image_file(in_folder)
+    Image.new("RGB", (4, 4), (255, 0, 255)).save(in_folder / "ends.png")
+    camera = {"position": place, "target": [0, 0, 0], "height": 4, "up": [0, 0, -1] if place[1] else [0, 1, 0]}
+    look = painted(ends="ends.png") | {"edge": edge}
+    got = picture(systems=block(look=look), light=EVEN, camera=camera, size=(128, 128))
+    assert corners(got, 32, 32, 64) == ([[255, 0, 255]] * 4 if place[0] else CORNERS)
+
+
 @pytest.mark.parametrize("side,want", [(1, CORNERS), (-1, [CORNERS[k] for k in (1, 0, 3, 2)])])
 def test_an_image_lies_along_the_threads_of_cloth(in_folder, side, want):
     """Its upper left corner on row 0 and column 0, and mirrored from behind. Mutants: u and v exchanged; not mirrored."""
@@ -110,6 +122,7 @@ def test_rounding_is_only_seen():
     [
         ({"draw": "thread", "finish": {"image": "four.png"}}, "image"),
         ({"draw": "cloth", "finish": {"image": {"file": "four.png", "shifted": True}}}, "shifted"),
+        ({"draw": "cloth", "finish": {"image": {"file": "four.png", "ends": "four.png"}}}, "ends"),
         ({"draw": "cloth", "edge": 0.1}, "edge"),
     ],
 )
@@ -119,6 +132,13 @@ def test_what_has_no_sense_is_refused(in_folder, look, words):
     systems["flag"]["look"] = look
     with pytest.raises(PresetError, match=words):
         preset(systems=systems)
+
+
+@pytest.mark.parametrize("key", ["image", "emission_image"])
+def test_a_collider_has_no_ends(in_folder, key):
+    image_file(in_folder)
+    with pytest.raises(PresetError, match=f"`{key}.ends` is for"):
+        preset(ground={key: {"file": "four.png", "ends": "four.png"}}, systems=cloth())
 
 
 def test_a_sheet_of_a_script_takes_no_image(in_folder):

@@ -10,7 +10,8 @@ from gen_art.errors import PresetError
 from gen_art.preset.surface import Puddles, Waves
 from gen_art.preset.values import Range
 from gen_art.renderer.surfaces.reflection import fresnel
-from gen_art.renderer.surfaces.surface_maps import puddle_texels, wave_rows
+from gen_art.renderer.surfaces.surface_maps import puddle_texels
+from gen_art.renderer.surfaces.water_waves import patch_rows, wave_rows
 from tests.render.test_surfaces import DARK, dot, matte, picture, preset
 
 EVEN = {"intensity": 0, "ambient": "white", "ambient_intensity": 1.0}  # a white matte surface has the light 1
@@ -125,12 +126,14 @@ def test_damp_ground_is_darker_and_dry_ground_is_not():
     assert dry == pytest.approx(1.0, rel=1e-3) and damp == pytest.approx(0.5, rel=1e-3)
 
 
-def test_waves_have_their_slope_and_travel_as_on_deep_water():
-    """Mutants: the frequency without its gravity part, without its capillary part; a slope for each wave, not for all."""
-    waves = Waves(slope=0.1, length=Range(0.005, 3.0), direction=30, spread=50)
+@pytest.mark.parametrize("number", [32, 200])
+def test_waves_have_their_slope_and_travel_as_on_deep_water(number):
+    """Mutants: the frequency without its gravity part, without its capillary part; a slope for each wave, not for all; the
+    slope of 32 waves for any number."""
+    waves = Waves(slope=0.1, length=Range(0.005, 3.0), direction=30, spread=50, number=number)
     now, later = wave_rows(waves, 0.0).astype(np.float64), wave_rows(waves, 0.01).astype(np.float64)
     k = np.hypot(now[:, 0], now[:, 1])
-    assert (0.5 * now[:, 2] ** 2).sum() == pytest.approx(0.01, rel=1e-6)
+    assert len(now) == number and (0.5 * now[:, 2] ** 2).sum() == pytest.approx(0.01, rel=1e-6)
     assert k.min() > 2 * math.pi / 3.01 and k.max() < 2 * math.pi / 0.0049
     heading = np.degrees(np.arctan2(now[:, 1], now[:, 0]))
     assert np.abs(heading - 30).max() <= 50.01 and np.ptp(heading) > 30
@@ -139,11 +142,27 @@ def test_waves_have_their_slope_and_travel_as_on_deep_water():
     assert turned == pytest.approx(np.mod(expected, 2 * math.pi), abs=2e-5)
 
 
-def test_a_wave_tilts_the_mirror_by_its_slope():
-    """Waves far longer than the scene are a level of water that leans: an image moves by twice the slope. Mutant: by the slope."""
-    waves = {"slope": 0.1, "length": "5000..5000", "spread": 0, "direction": 90}
-    rows = wave_rows(Waves.model_validate({**waves, "length": Range(5000.0, 5000.0)}), 0.0).astype(np.float64)
-    leaning = float((rows[:, 2] * np.cos(rows[:, 3])).sum())  # along +z, to the camera
+@pytest.mark.parametrize("slope,patches,seed", [(0.1, 0.0, 0), (0.04, 0.5, 5)])
+def test_a_wave_tilts_the_mirror_by_its_slope(slope, patches, seed):
+    """Waves far longer than the scene are a level of water that leans: an image moves by twice the slope, which in a patch far
+    larger than the scene is multiplied by 1 and the sum of the patches' sines.
+
+    Mutants: by the slope; the sum without 1, and the sum added to the slope.
+    """
+    waves = {
+        "slope": slope,
+        "length": "5000..5000",
+        "spread": 0,
+        "direction": 90,
+        "patches": patches,
+        "patch_size": 9e4,
+        "seed": seed,
+    }
+    made = Waves.model_validate({**waves, "length": Range(5000.0, 5000.0)})
+    rows, uneven = wave_rows(made, 0.0).astype(np.float64), patch_rows(made).astype(np.float64)
+    factor = 1 + (uneven[:, 2] * np.cos(uneven[:, 3])).sum()
+    assert patches == 0.0 or abs(factor - 1) > 0.2
+    leaning = factor * float((rows[:, 2] * np.cos(rows[:, 3])).sum())  # along +z, to the camera
     camera = {"position": [0, 1.2, 4], "target": [0, 0.0, -4], "fov": 40}
     mirror = {"albedo": "white", "metal": 1, "roughness": 0, "mirror": True}
     common = {"light": {"intensity": 0, **DARK}, "camera": camera, "size": (320, 240)}
@@ -157,6 +176,15 @@ def test_a_wave_tilts_the_mirror_by_its_slope():
     moved = (wavy.sum(axis=1) @ row / wavy.sum()) - (flat.sum(axis=1) @ row / flat.sum())
     pixels = 120 / math.tan(math.radians(20))  # a radian
     assert abs(leaning) > 0.01 and moved == pytest.approx(2 * leaning * pixels, rel=0.1)
+
+
+def test_patches_have_their_deviation_and_size():
+    """Mutants: an amplitude of `patches` for each sine; lengths of a quarter of the size and more alone."""
+    rows = patch_rows(Waves(patches=0.4, patch_size=8.0)).astype(np.float64)
+    assert (0.5 * rows[:, 2] ** 2).sum() == pytest.approx(0.16, rel=1e-6)
+    length = 2 * math.pi / np.hypot(rows[:, 0], rows[:, 1])
+    assert 1.99 < length.min() < 3 and 13 < length.max() < 16.01
+    assert len(patch_rows(Waves())) == 0
 
 
 def test_a_calm_sea_reflects_as_a_flat_one():
@@ -205,6 +233,27 @@ def test_a_rough_sea_reflects_the_mean_of_its_facets(angle):
     assert got == pytest.approx(mean_over_slopes(a, 0.2 / math.sqrt(2)), rel=0.15)
 
 
+def test_patches_smaller_than_a_pixel_make_it_rougher():
+    """Slopes of the deviation s that a factor 1 + f multiplies have the mean square s^2 (1 + mean f^2). Mutant: s^2 alone."""
+    a, sea = math.radians(80), {"albedo": "black", "roughness": 0, "ior": 1.33}
+    camera = {
+        "position": [0, 1200 * math.cos(a), 1200 * math.sin(a)],
+        "target": [0, 0, 0],
+        "up": [0, 0, -1],
+        "fov": 0.1,
+    }
+    waves = {"length": "0.001..0.002", "spread": 180}
+    uneven, even, calm = (
+        picture(ground={**sea, "waves": {**waves, **more}}, light=EVEN, camera=camera, size=(33, 33))[16, 16, 0]
+        for more in (
+            {"slope": 0.15, "patches": 0.8, "patch_size": 0.001},
+            {"slope": 0.15 * math.sqrt(1.64)},
+            {"slope": 0.15},
+        )
+    )
+    assert uneven == pytest.approx(even, rel=0.01) and abs(calm - even) > 0.05 * even
+
+
 @pytest.mark.parametrize(
     "keys,words",
     [
@@ -212,6 +261,8 @@ def test_a_rough_sea_reflects_the_mean_of_its_facets(angle):
         ({"colliders": {"sphere": {"look": {"waves": 0.1}}}}, "`waves` are for the ground"),
         ({"colliders": {"plane": {"normal": [1, 1, 0], "look": {"puddles": 0.1}}}}, "`puddles` are for the ground"),
         ({"ground": {"waves": {"slope": 2}}}, "slope"),
+        ({"ground": {"waves": {"number": 4}}}, "number"),
+        ({"ground": {"waves": {"patches": 1.5}}}, "patches"),
         ({"ground": {"puddles": 2}}, "must be from 0 to 1"),
     ],
 )

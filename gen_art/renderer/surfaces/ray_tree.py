@@ -23,6 +23,7 @@ from gen_art.renderer.surfaces.surface_detail import (
     IOR,
     METAL,
     PER_LENGTH,
+    PUDDLES,
     ROUGHNESS,
     TRANSMISSION,
     surface_detail,
@@ -73,7 +74,7 @@ def surface_point(entries: ti.template(), surfaces: ti.template(), scene: ti.tem
         albedo, emission = row_vector(B, i, ALBEDO), row_vector(B, i, EMITTED)
         if ti.static(scene.mapped):
             if has_image(scene.M, m, IMAGE):
-                albedo = image_on_solid(scene, i, m, IMAGE, albedo, x, n, d, pixel)
+                albedo = image_on_solid(scene, i, m, IMAGE, PUDDLES, albedo, x, n, d, pixel)
     else:
         if ti.static(surfaces > 0):
             n = surface_normal(entries, scene.Q, who, x + vector_at(N, CAMERA), N[TIME])

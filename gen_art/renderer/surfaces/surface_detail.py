@@ -8,16 +8,17 @@ from gen_art.renderer.surfaces.collider_rays import in_start_frame
 from gen_art.renderer.surfaces.scene_numbers import CAMERA, TIME, vector_at
 from gen_art.renderer.surfaces.solids import row_vector
 from gen_art.renderer.surfaces.surface_axes import on_axes, pixel_steps
-from gen_art.renderer.surfaces.surface_maps import MAP_FLOATS, map_at, wave_slope
+from gen_art.renderer.surfaces.surface_maps import MAP_FLOATS, map_at
+from gen_art.renderer.surfaces.water_waves import wave_slope
 
 __all__ = ["LIGHT_FACTOR", "MATERIAL_FLOATS", "surface_detail"]
 
 # a material's row: albedo, second albedo, side of the checker's squares or 0, roughness, refractive index, metal, emission,
 # transmission, 1 / attenuation_distance, the numbers of the maps of its image, puddles, light and relief, first row and number
-# of its waves, how damp it is between puddles, and the factor on its light map
+# of its waves and the number of rows that make them uneven, how damp it is between puddles, and the factor on its light map
 SECOND_ALBEDO, CHECKER, ROUGHNESS, IOR, METAL, EMISSION, TRANSMISSION, PER_LENGTH = 3, 6, 7, 8, 9, 10, 13, 14
 IMAGE, PUDDLES, LIGHT, RELIEF, WAVES = (15 + k * MAP_FLOATS for k in range(5))
-DAMP, LIGHT_FACTOR = WAVES + 2, WAVES + 3
+DAMP, LIGHT_FACTOR = WAVES + 3, WAVES + 4
 MATERIAL_FLOATS = LIGHT_FACTOR + 1
 _MAPS = 4  # of a material, in the order of their columns
 _WET_ROUGHNESS = 0.02  # of a puddle

@@ -28,14 +28,17 @@ def image_over(scene: ti.template(), m, column, albedo, at, right, down):
 
 
 @ti.func
-def image_on_solid(scene: ti.template(), i, m, column, albedo, x, n, d, pixel):
+def image_on_solid(scene: ti.template(), i, m, image, ends, albedo, x, n, d, pixel):
     """The albedo (3,) of solid i at x (relative to the camera), where its unit normal is n, under its material's image.
 
     The image's middle lies at the middle of each side, moved by the solid's IMAGE_PLACE.
+    image, ends : columns of the image's numbers in M, and of those of the image across the solid's first axis, if it has one
     """
     B, M = ti.static(scene.B, scene.M)
     east, south = pixel_steps(scene.N, n, d, pixel)
-    facing = along_axes(B, i, n)
+    facing, column = along_axes(B, i, n), image
+    if has_image(M, m, ends) and abs(facing[0]) > ti.max(abs(facing[1]), abs(facing[2])):
+        column = ends
     at = on_axes(facing, along_axes(B, i, x - row_vector(B, i, CENTER)))
     at[0] += B[i, IMAGE_PLACE] / M[m, column + PER_WIDTH]
     at[1] += B[i, IMAGE_PLACE + 1] / M[m, column + PER_HEIGHT]

@@ -1,12 +1,7 @@
-"""What varies over the surface of a collider: images of its colour, light and relief, puddles, and the waves of water.
+"""What varies over the surface of a collider: images of its colour, light and relief, and puddles.
 
 Images, reliefs and puddles are squares of texels with all their smaller versions (a mipmap), repeated along two axes of the
 collider. A pixel's footprint is covered by a few samples along its longer side, each as wide as its shorter side.
-
-Waves are a sum of sines that travel as gravity and capillary waves on deep water: w^2 = g k + (s / rho) k^3, w their angular
-frequency, k the wave number, s the surface tension and rho the density of water. What is shorter than a pixel makes the
-surface rougher instead; the mean that a rough sea reflects follows Bruneton, Neyret and Holzschuch, Real-time realistic ocean
-lighting using seamless transitions from geometry to BRDF (2010).
 
 The one-letter names in kernels are in docs/glossary.md.
 """
@@ -18,26 +13,19 @@ from typing import NamedTuple
 import numpy as np
 
 from gen_art.backend.runtime import ti
-from gen_art.maths.array_functions import cos as cosines
-from gen_art.maths.array_functions import exp as exponentials
-from gen_art.maths.array_functions import log as logarithms
-from gen_art.maths.array_functions import sin as sines
-from gen_art.maths.elementary import cos, exp, log
 from gen_art.maths.random import derive, uniform
 from gen_art.pictures import read_picture
-from gen_art.preset.surface import Puddles, SurfaceLook, Waves
+from gen_art.preset.surface import Puddles, SurfaceLook
 from gen_art.renderer.colour import to_linear
+from gen_art.renderer.surfaces.water_waves import patch_rows, wave_rows
 
-__all__ = ["NO_MAPS", "SurfaceMaps", "map_at", "mean_reflected", "puddle_texels", "wave_slope"]
+__all__ = ["NO_MAPS", "SurfaceMaps", "map_at", "puddle_texels"]
 
 SIDE = 1024  # texels along a side of the largest version of an image
 _PUDDLE_SIDE, _PUDDLE_PERIOD = 512, 16  # texels along a side of puddles, and the sizes of a puddle that it spans
 _EDGE = 0.08  # the part of the range of heights over which a puddle's edge becomes dry
 _MOST_SAMPLES = 16  # along the longer side of a footprint
-_WAVES = 32  # sines that make up a sea
 _WORD = 2**64 - 1
-_GRAVITY, _TENSION = 9.81, 7.28e-5  # m/s^2; surface tension over density of water, m^3/s^2
-_DIRECTION, _LENGTH, _PHASE = range(3)  # channels of the random numbers
 # numbers of a map in a material's row: first texel, side, and 1 / the lengths of the repeated square, 0 for none
 FIRST, MAP_SIDE, PER_WIDTH, PER_HEIGHT = range(4)
 MAP_FLOATS = 4
@@ -50,7 +38,8 @@ class SurfaceMaps(NamedTuple):
 
     texels : (n, 4) float32, linear premultiplied light of images; the wet part in the fourth number of puddles; of a relief the
         slopes to the right and down, and the sum of their squares
-    waves : (m, 4) float32: the two wave numbers (1/m), the slope's amplitude, the phase at the picture's time
+    waves : (m, 4) float32: the two wave numbers (1/m), the slope's amplitude, the phase at the picture's time; of a sea its
+        waves, then what makes it uneven
     """
 
     texels: np.ndarray
@@ -60,7 +49,8 @@ class SurfaceMaps(NamedTuple):
     def of(cls, looks, table: np.ndarray, columns: tuple[int, int, int, int, int], time: float) -> "SurfaceMaps":
         """The maps of the looks of a scene; `table` gets where those of each material are.
 
-        columns : of the numbers of the image, the puddles, the light, the relief and the waves (their first row and their number)
+        columns : of the numbers of the image, the puddles (of bodies, the image of their ends), the light, the relief and the
+            waves (their first row, their number, and the number of rows after them that make them uneven)
         """
         chains: list[np.ndarray] = []
         waves: list[np.ndarray] = []
@@ -68,6 +58,9 @@ class SurfaceMaps(NamedTuple):
             if look.image is not None:
                 chain, ratio = image_texels(look.image.file.place)
                 _note(row, columns[0], chains, chain, look.image.size, look.image.size * ratio)
+                if look.image.ends is not None:  # of bodies, which have no puddles
+                    chain, ratio = image_texels(look.image.ends.place)
+                    _note(row, columns[1], chains, chain, look.image.size, look.image.size * ratio)
             if not isinstance(look, SurfaceLook):
                 continue
             if look.puddles is not None:
@@ -80,8 +73,9 @@ class SurfaceMaps(NamedTuple):
                 chain, height = relief_texels(look.relief.file.place, look.relief.size, look.relief.depth)
                 _note(row, columns[3], chains, chain, look.relief.size, height)
             if look.waves is not None:
-                row[columns[4]], row[columns[4] + 1] = sum(map(len, waves)), _WAVES
-                waves.append(wave_rows(look.waves, time))
+                uneven = patch_rows(look.waves)
+                row[columns[4] : columns[4] + 3] = sum(map(len, waves)), look.waves.number, len(uneven)
+                waves += [wave_rows(look.waves, time), uneven]
         return cls(
             np.concatenate(chains) if chains else NO_MAPS.texels, np.concatenate(waves) if waves else NO_MAPS.waves
         )
@@ -187,23 +181,6 @@ def _smooth_bumps(values: np.ndarray) -> np.ndarray:
     return sum(rows[:, k : k + 1] * matrix[:, k] for k in range(n))
 
 
-def wave_rows(waves: Waves, time: float) -> np.ndarray:
-    """(_WAVES, 4) float32 of SurfaceMaps.waves: lengths even in their logarithm, each with the same mean square slope."""
-    keys = derive(np.uint64(waves.seed & _WORD), np.arange(_WAVES))
-    share = (np.arange(_WAVES) + uniform(keys, _LENGTH)) / _WAVES
-    low, high = waves.length.lo, max(waves.length.hi, waves.length.lo)
-    k = 2.0 * math.pi / exponentials(logarithms(np.float64(low)) + share * (math.log(high) - math.log(low)))
-    # directions by the inverse of a linear density that falls to 0 at `spread` on both sides
-    u = 2.0 * uniform(keys, _DIRECTION) - 1.0
-    turn = np.sign(u) * (1.0 - np.sqrt(1.0 - np.abs(u))) * math.radians(waves.spread)
-    heading = math.radians(waves.direction) + turn
-    frequency = np.sqrt(_GRAVITY * k + _TENSION * k**3)
-    phase = 2.0 * math.pi * uniform(keys, _PHASE) - frequency * time * waves.speed
-    slope = waves.slope * math.sqrt(2.0 / _WAVES)
-    rows = [k * cosines(heading), k * sines(heading), np.full(_WAVES, slope), np.mod(phase, 2.0 * math.pi)]
-    return np.stack(rows, axis=1).astype(np.float32)
-
-
 @ti.func
 def _texel(T: ti.template(), first, side, u, v):
     """(4,) of a square of texels at (u, v), in its sides, repeated; bilinear."""
@@ -250,40 +227,3 @@ def map_at(T: ti.template(), M: ti.template(), m, column, place, east, south):
             result += sample
         result /= ti.cast(samples, ti.f32)
     return result
-
-
-@ti.func
-def wave_slope(W: ti.template(), M: ti.template(), m, column, place, east, south):
-    """(3,) the slopes of waves along the two axes as the mean over a pixel, and the mean square slope of what is shorter."""
-    result = ti.Vector([0.0, 0.0, 0.0])
-    first = ti.cast(M[m, column], ti.i32)
-    for k in range(first, first + ti.cast(M[m, column + 1], ti.i32)):
-        number = ti.Vector([W[k, 0], W[k, 1]])
-        # the pixel as a Gaussian with the variance of its square
-        a, b = number.dot(east), number.dot(south)
-        kept = exp(-(a * a + b * b) * (1.0 / 24.0))
-        slope = W[k, 2] * kept * cos(number.dot(place) + W[k, 3]) / ti.max(number.norm(), 1e-9)
-        result[0] += slope * number[0]
-        result[1] += slope * number[1]
-        result[2] += 0.5 * W[k, 2] * W[k, 2] * (1.0 - kept * kept)
-    return result
-
-
-@ti.func
-def _rough_sea(nv, base, square):
-    deviation = ti.sqrt(square)
-    power = 5.0 * exp(-2.69 * deviation)
-    return base + (1.0 - base) * exp(power * log(ti.max(1.0 - nv, 1e-6))) / (
-        1.0 + 22.7 * deviation * ti.sqrt(deviation)
-    )
-
-
-@ti.func
-def mean_reflected(reflected, nv, ior, square):
-    """What water reflects of light from above, as the mean over waves with this mean square slope along the view.
-
-    reflected : what it reflects where it is flat
-    """
-    at_once = (ior - 1.0) / (ior + 1.0)
-    base = at_once * at_once
-    return reflected * _rough_sea(nv, base, square) / _rough_sea(nv, base, 0.0)

@@ -35,7 +35,7 @@ from gen_art.renderer.surfaces.scene_numbers import (
 from gen_art.renderer.surfaces.sky_occlusion import open_sky_share
 from gen_art.renderer.surfaces.surface_detail import IOR, METAL, ROUGHNESS, TRANSMISSION, WAVES
 from gen_art.renderer.surfaces.surface_light import lamp_share, sky_at
-from gen_art.renderer.surfaces.surface_maps import mean_reflected
+from gen_art.renderer.surfaces.water_waves import mean_reflected
 
 __all__ = [
     "air_between", "background", "layer_shares", "mirror_film_at", "surface_light",
