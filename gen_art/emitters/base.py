@@ -57,8 +57,10 @@ class Emitter(_Birth):
     sample(self, r, n) : NumPy, returns a dict of arrays; r.uniform(channel), r.normal(channel) and r.sphere(channel) give one
         value for each of the n particles. NaN leaves the value that the preset gives
     declares : attributes that its particles have without the preset naming them
+    shares_mass : whether its particles share a mass that is given, so that fewer of them attract as much
     """
 
     kernel_methods = ("birth",)
     sample: ClassVar[Callable | None] = None
+    shares_mass: ClassVar[bool] = False
     declares: ClassVar[tuple[str, ...]] = ()

@@ -62,6 +62,7 @@ def bessel_products(y: np.ndarray) -> np.ndarray:
 class _Galaxy(Emitter):
     """The masses and scales of a galaxy's components, and its circular speed."""
 
+    shares_mass = True
     G: float = param(4.30091e-6, min=0, doc="constant of gravitation in the preset's units")
     disc_mass: float = param(4e10, min=0, doc="mass of the disc")
     disc_scale: float = param(3.0, min=1e-30, doc="scale length of the disc")

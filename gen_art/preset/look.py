@@ -355,7 +355,9 @@ class Look(Model):
         "with `wormhole`, the side on which the particles are: this one, the other one, or `through` for particles that go "
         "through the disc, which are on the other side where they are behind it",
     )
-    stretch: Stretch | None = about(None, "soft discs become ellipsoids: wisps along the flow")
+    stretch: Stretch | None = about(
+        None, "soft discs become ellipsoids: wisps along the flow, or threads and sheets of neighbours"
+    )
     spread: Spread | None = about(None, "soft discs far from others become wide and thin: haze in place of stray beads")
     trail: Trail | None = about(None, "an afterglow that fades")
     ribbon: Ribbon | None = about(None, "the past path of each particle")

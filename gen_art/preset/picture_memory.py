@@ -19,6 +19,7 @@ SORTED = 36  # more, sorted by depth
 REMEMBERED = 32  # of a past position and velocity, for ribbons and streaks
 PATH = 10  # most moments that a streak's path is remembered at
 NEIGHBOURS = 260  # more, while distances to neighbours are found
+SHAPED = 32  # more, while the shapes of neighbourhoods are found
 SOLID = 200  # as a ball, or the link of a thread: its row and those of the lists of it
 WOVEN = 1400  # in a cloth: a corner and two triangles
 LIQUID = 20  # in a liquid: what it is to the camera and to the lamp
@@ -57,7 +58,8 @@ def particle_bytes(preset: Preset, name: str) -> float:
         return 0.0
     glowing = GLOWING if preset.light is not None and name in preset.light.glow else 0
     if look.stretch is not None or look.spread is not None:
-        shaped = 0 if look.spread is None else NEIGHBOURS
+        by_neighbours = look.stretch is not None and look.stretch.by == "neighbours"
+        shaped = NEIGHBOURS + SHAPED * by_neighbours if look.spread is not None or by_neighbours else 0
         more = (SORTED if look.blend != "add" else 0) + (LIT if _smoke_cells(preset, look) else 0)
         return glowing + SHADED + LISTED + shaped + more
     if look.ribbon is not None:

@@ -6,7 +6,7 @@ from gen_art.preset.estimate import estimate
 from gen_art.preset.load import load_preset
 from gen_art.preset.values import Curve, Range
 
-__all__ = ["independent_systems", "thinned"]
+__all__ = ["galaxies", "independent_systems", "thinned"]
 
 MUTUAL = 4  # factor on the limit for systems that attract themselves
 
@@ -39,7 +39,7 @@ def thinned(preset, until: float, limit: int, systems: Collection[str] | None = 
 
 def independent_systems(preset) -> list[str]:
     """The systems whose particles move no other particle: fewer of them leave the motion of the rest as it is."""
-    acting = {name for name, system in preset.systems.items() if system.interactions}
+    acting = {n for n, s in preset.systems.items() if any(each.source_system is None for each in s.interactions)}
     for system in preset.systems.values():
         acting |= {interaction.source_system for interaction in system.interactions} - {None}
     order = _parents_first(preset)
@@ -48,6 +48,17 @@ def independent_systems(preset) -> list[str]:
             emitters = preset.systems[name].emitters.values()
             acting |= {emitter.source.system for emitter in emitters if emitter.source is not None}
     return [name for name in order if name not in acting]
+
+
+def galaxies(preset) -> list[str]:
+    """The systems whose particles attract each other and share a mass that the preset gives: fewer attract as much."""
+
+    def is_galaxy(system) -> bool:
+        shared = all(getattr(emitter.scripted, "shares_mass", False) for emitter in system.emitters.values())
+        gravity = [each for each in system.interactions if each.source_system is None]
+        return bool(gravity) and shared and all(each.name == "self_gravity" for each in gravity)
+
+    return [name for name, system in preset.systems.items() if is_galaxy(system)]
 
 
 def _parents_first(preset) -> list[str]:

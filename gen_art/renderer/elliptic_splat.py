@@ -1,8 +1,9 @@
 """Soft discs stretched to ellipses: what a particle's ellipsoid looks like, and how its light is spread over pixels.
 
-The ellipsoid has the volume of the particle's ball. Along a unit vector d it is k^(2/3) times as long, and across it k^(-1/3)
-times as wide. Along the line of sight its density adds up to that of a Gaussian, whose covariance is the ellipsoid's without its
-row and column ahead. The covariance of the narrowest disc is added to it, so that none is too narrow for the pixels, at any size.
+The ellipsoid has the volume of the particle's ball. By motion it is k^(2/3) times as long along a unit vector d, and k^(-1/3)
+times as wide across it; by neighbours it has the shape that neighbour_shapes.py finds. Along the line of sight its density adds
+up to that of a Gaussian, whose covariance is the ellipsoid's without its row and column ahead. The covariance of the narrowest
+disc is added to it, so that none is too narrow for the pixels, at any size.
 
 The kernel of an ellipse is g(t) of sprite.py, t^2 = (u / width)^2 + ((v - slope u) / height)^2 with u and v from its middle. Its
 weights are divided by their sum, as those of all sprites.
@@ -51,7 +52,7 @@ from gen_art.renderer.sprite import (
 )
 from gen_art.renderer.surfaces.hiding import BEFORE, BEHIND, place_among_surfaces
 
-__all__ = ["draw_ellipse", "ellipses_of_motion", "write_ellipses"]
+__all__ = ["draw_ellipse", "ellipses_of_motion", "ellipses_of_shapes", "write_ellipses"]
 
 XX, XY, YY = range(3)  # rows of ellipses: covariance on the picture, to the right and down, divided by that of the disc
 ROUND = 1e-3  # an ellipse that is as round as this is a disc
@@ -93,6 +94,20 @@ def _of_motion(S: REAL2, C: F2, n: ti.i32, Q: F64, seconds: ti.f32, most: ti.f32
                 x, y = (a[0] * u + a[1] * v + a[2] * w) / speed, -(a[3] * u + a[4] * v + a[5] * w) / speed
                 longer = across * (k * k - 1.0)
                 E[XX, i], E[XY, i], E[YY, i] = across + longer * x * x, longer * x * y, across + longer * y * y
+
+
+@ti.kernel
+def _of_shapes(shapes: F2, n: ti.i32, Q: F64, E: F2):
+    """The ellipses of ellipsoids, (n, 6) xx, yy, zz, xy, xz, yz of their covariances divided by that of the disc."""
+    ti.loop_config(block_dim=1)
+    for block in range((n + BLOCK - 1) // BLOCK):
+        right = ti.Vector([ti.cast(Q[AXES + k], ti.f32) for k in range(3)])
+        down = -ti.Vector([ti.cast(Q[AXES + 3 + k], ti.f32) for k in range(3)])
+        for i in range(block * BLOCK, ti.min((block + 1) * BLOCK, n)):
+            s = ti.Vector([shapes[i, k] for k in range(6)])
+            rows = ti.Matrix([[s[0], s[3], s[4]], [s[3], s[1], s[5]], [s[4], s[5], s[2]]])
+            of_right, of_down = rows @ right, rows @ down
+            E[XX, i], E[XY, i], E[YY, i] = right.dot(of_right), right.dot(of_down), down.dot(of_down)
 
 
 @ti.func
@@ -211,7 +226,7 @@ def draw_ellipse(P: ti.template(), i, tile: ti.template(), x, y, top, bottom):
             tile[row * 4 * SIDE + j] = old * (1.0 - ti.min(w * coverage, 1.0)) + ti.min(w * light[j], most[j])
 
 
-_motion_kernel, write_ellipses = kernel(_of_motion), kernel(_write_ellipses)
+_motion_kernel, _shapes_kernel, write_ellipses = kernel(_of_motion), kernel(_of_shapes), kernel(_write_ellipses)
 
 
 def ellipses_of_motion(projected, system, numbers: np.ndarray, seconds: float, most: float) -> np.ndarray:
@@ -224,4 +239,17 @@ def ellipses_of_motion(projected, system, numbers: np.ndarray, seconds: float, m
     ellipses = np.empty((3, max(n, 1)), np.float32)
     if n:
         _motion_kernel(system.floats, projected.channels, n, numbers, seconds, most, ellipses)
+    return ellipses
+
+
+def ellipses_of_shapes(projected, numbers: np.ndarray, shapes: np.ndarray) -> np.ndarray:
+    """(3, n) ellipses of projected discs that are ellipsoids.
+
+    numbers : of look_tables.kernel_numbers
+    shapes : (n, 6) of neighbour_shapes
+    """
+    n = projected.count
+    ellipses = np.empty((3, max(n, 1)), np.float32)
+    if n:
+        _shapes_kernel(shapes, n, numbers, ellipses)
     return ellipses

@@ -10,6 +10,7 @@ import numpy as np
 from gen_art.arguments import shown
 from gen_art.errors import PresetError, UsageError
 from gen_art.particles.rows import LIFETIME, POSITION, VELOCITY
+from gen_art.preset.disc_shape import Stretch
 from gen_art.preset.from_script import model_of
 from gen_art.preset.light import KeyLight
 from gen_art.preset.look import Look
@@ -18,7 +19,7 @@ from gen_art.preset.surface import Ground, ground_of
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.curved_streaks import Pieces, cut
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
-from gen_art.renderer.elliptic_splat import ellipses_of_motion
+from gen_art.renderer.elliptic_splat import ellipses_of_motion, ellipses_of_shapes
 from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.emitted_light import emitted_light
 from gen_art.renderer.framebuffer import FrameBuffer, splat
@@ -30,6 +31,7 @@ from gen_art.renderer.liquid.lamp_map import lamp_map
 from gen_art.renderer.liquid.liquid_pass import LiquidPass
 from gen_art.renderer.liquid.liquid_system import LiquidSystem, hiding_particles
 from gen_art.renderer.look_tables import SHUTTER, SIZE_MODE, SIZE_VALUE, TIME, LookTables, kernel_numbers
+from gen_art.renderer.neighbour_shapes import neighbour_shapes
 from gen_art.renderer.path_history import MOMENTS, PathHistory
 from gen_art.renderer.ribbons import RibbonHistory, cut_by_plane
 from gen_art.renderer.shading import ProjectedParticles, shade
@@ -386,7 +388,7 @@ class Painter:
                     pieces = self._bend(name, system, q, acceleration, mirror)
                     curved |= {} if pieces is None else {name: pieces}
                 if look.stretch is not None:
-                    stretched[name] = ellipses_of_motion(projected, system, q, look.stretch.time, look.stretch.most)
+                    stretched[name] = _ellipses(look.stretch, projected, system, sim.time, q)
                 drawn[name] = system, projected.used
                 columns = projected.lit[: projected.count]
                 velocities = system.floats[VELOCITY, : projected.count]
@@ -594,6 +596,14 @@ class Painter:
             if largest <= min_footprint:
                 return
         sprites.add(projected, kind, framebuffer, streak_ends(look.tail, look.taper), min_footprint)
+
+
+def _ellipses(stretch: Stretch, projected: ProjectedParticles, system, time: float, q: np.ndarray) -> np.ndarray:
+    """The ellipses of a system's discs."""
+    if stretch.reach is not None:
+        return ellipses_of_shapes(projected, q, neighbour_shapes(system, time, stretch.reach, stretch.most))
+    assert stretch.time is not None
+    return ellipses_of_motion(projected, system, q, stretch.time, stretch.most)
 
 
 def _hide_below(projected: ProjectedParticles, system, point, normal) -> None:

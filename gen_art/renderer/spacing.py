@@ -12,13 +12,12 @@ import numpy as np
 
 from gen_art.backend.runtime import kernel, ti
 from gen_art.maths.elementary import exp, log
-from gen_art.particles.rows import LIFETIME, POSITION
+from gen_art.renderer.neighbour_cells import NeighbourCells
 
 __all__ = ["NO_SPACING", "spacing"]
 
 SAMPLES = 8  # of a cell
 KERNEL_INTEGRAL = 64.0 * np.pi / 315.0  # of (1 - r^2)^3 over the unit ball
-FARTHEST = 2**19  # cells from the origin: three numbers of 21 bits make one of 63
 NO_SPACING = np.zeros(1, np.float32)
 
 F1, F2, I1, I2 = (ti.types.ndarray(d, n) for d, n in ((ti.f32, 1), (ti.f32, 2), (ti.i32, 1), (ti.i32, 2)))
@@ -28,9 +27,7 @@ F1, F2, I1, I2 = (ti.types.ndarray(d, n) for d, n in ((ti.f32, 1), (ti.f32, 2), 
 def _spacing(X: F2, first: I1, runs: I2, per_reach: ti.f32, result: F1):
     """The distance to the neighbours of each sorted particle, divided by the reach.
 
-    X : (n, 3) positions, sorted by cell, from the corner of all
-    first : (cells + 1,) the first particle of each cell
-    runs : (cells, 18) the first cell, and the one after the last, of the nine rows of neighbouring cells
+    X, first, runs : positions, first and runs of NeighbourCells
     """
     ti.loop_config(block_dim=1)
     for block in range((runs.shape[0] + 63) // 64):
@@ -59,28 +56,10 @@ def spacing(system, time: float, reach: float) -> np.ndarray:
 
     reach : how far neighbours are looked for; a lone particle has 0.86 reach
     """
-    n = int(system.count)
-    result = np.zeros(max(n, 1), np.float32)
-    positions = np.asarray(system.floats[POSITION, :n], np.float64)
-    birth, life = system.birth[:n], np.asarray(system.floats[LIFETIME, :n], np.float64)
-    with np.errstate(all="ignore"):
-        near = (np.abs(positions) < FARTHEST * reach).all(axis=0)
-    slots = np.flatnonzero(near & (birth <= time) & (birth + life > time))
-    if not len(slots):
-        return result
-    positions = positions[:, slots]
-    corner = positions.min(axis=1)
-    cells = np.floor((positions - corner[:, None]) / reach).astype(np.int64) + 1
-    key = (cells[2] << 42) | (cells[1] << 21) | cells[0]
-    order = np.argsort(key, kind="stable")
-    keys, first = np.unique(key[order], return_index=True)
-    runs = np.empty((len(keys), 18), np.int32)
-    rows = [(z << 42) + (y << 21) for z in (-1, 0, 1) for y in (-1, 0, 1)]
-    for r, row in enumerate(rows):
-        runs[:, 2 * r] = np.searchsorted(keys, keys + row - 1)
-        runs[:, 2 * r + 1] = np.searchsorted(keys, keys + row + 1, side="right")
-    sorted_positions = np.ascontiguousarray((positions - corner[:, None]).T[order], np.float32)
-    found = np.empty(len(slots), np.float32)
-    _spacing_kernel(sorted_positions, np.append(first, len(slots)).astype(np.int32), runs, 1.0 / reach, found)
-    result[slots[order]] = found * np.float32(reach)
+    result = np.zeros(max(int(system.count), 1), np.float32)
+    cells = NeighbourCells.of(system, time, reach)
+    if cells is not None:
+        found = np.empty(len(cells.slots), np.float32)
+        _spacing_kernel(cells.positions, cells.first, cells.runs, 1.0 / reach, found)
+        result[cells.slots] = found * np.float32(reach)
     return result

@@ -11,7 +11,7 @@ import numpy as np
 
 from gen_art.particles.rows import POSITION, VELOCITY
 from gen_art.preset.estimate import estimate, refuse_if_too_large
-from gen_art.preset.thinning import independent_systems, thinned
+from gen_art.preset.thinning import MUTUAL, galaxies, independent_systems, thinned
 from gen_art.renderer.camera import Camera, CameraView
 from gen_art.renderer.look_tables import (
     AREA_OF,
@@ -35,6 +35,7 @@ __all__ = ["Moment", "survey"]
 
 MOMENTS = 40  # frames of the film, besides the first, the last and the poster
 PARTICLES = 10_000  # of a system at once, about; of systems that nothing else depends on
+ATTRACTING = 4_000  # of a galaxy's bodies, whose attraction to all takes the time
 GOLDEN = 0.6180339887498949  # multiples of it, less their whole parts, fall evenly and keep step with no period
 HALF_LIVES = 4.0  # of a trail: what is older has a sixteenth of its light
 LUMINANCE = (0.2126, 0.7152, 0.0722)
@@ -64,13 +65,15 @@ def survey(preset: "Preset", precision: str = "f32", threads: int | None = None)
 
     It costs a run of the simulation with at most about 10,000 particles a system.
 
-    Systems whose particles act on each other, or on those of another system, run with all their particles. Raises MemoryRefused
-    where those do not fit, and what a simulation raises.
+    Of a galaxy, whose bodies share its mass, 4,000 attract the rest. Other systems whose particles act on each other, or on
+    those of another system, run with all their particles. Raises MemoryRefused where those do not fit, and what a simulation
+    raises.
     """
     from gen_art.simulation import Simulation
 
     clock = preset.clock
     few, _ = thinned(preset, clock.simulated, PARTICLES, independent_systems(preset))
+    few, _ = thinned(few, clock.simulated, ATTRACTING // MUTUAL, galaxies(preset))
     born, all_born = refuse_if_too_large(few, precision).born, estimate(preset, precision).born
     sim = Simulation(few, precision=precision, threads=threads, advice="none")
     camera = Camera.from_spec(few.camera) if few.camera is not None else Camera()

@@ -15,12 +15,13 @@ from gen_art.commands.main import run
 from gen_art.output import job
 from gen_art.output.framing import framing_of
 from gen_art.output.read_recipe import read_recipe
+from gen_art.particles.rows import MASS
 from gen_art.preset.camera import Fit, Frame
 from gen_art.preset.load import load_preset
-from gen_art.preset.thinning import independent_systems
+from gen_art.preset.thinning import MUTUAL, galaxies, independent_systems, thinned
 from gen_art.renderer import fitting
 from gen_art.renderer.camera import Camera
-from gen_art.renderer.survey import Moment, survey
+from gen_art.renderer.survey import ATTRACTING, Moment, survey
 
 
 def piece(frame="auto", changes=None, **camera):
@@ -297,6 +298,31 @@ def test_the_survey_thins_only_what_moves_nothing_else():
     pulling = piece(changes={"systems.balls.interactions": {"self_gravity": {"softening": 0.1}}})
     assert independent_systems(pulling) == []
     assert independent_systems(load_preset("fireworks"))
+
+
+def test_the_survey_thins_galaxies_and_grains_that_follow_them():
+    """What bodies attract moves nothing itself; a fourth of a galaxy's bodies have four times the mass each, and attract as much.
+
+    Mutants: systems with `sources` count as acting on others; bodies of a fixed mass are thinned too; the sources are thinned
+    as grains are.
+    """
+    short = {"clock.duration": "1/30", "clock.preroll": 0, "camera.frame": "auto"}
+    galaxy = load_preset("galaxy", overrides=short)
+    assert independent_systems(galaxy) == ["dust", "lanes"] and galaxies(galaxy) == ["bodies"]
+    (first, *_) = survey(galaxy)
+    assert 20000 < len(first.points) <= 24002
+    few, _ = thinned(galaxy, galaxy.clock.simulated, ATTRACTING // MUTUAL, galaxies(galaxy))
+    masses = [ga.Simulation(each).systems["bodies"].floats[MASS, :n] for each, n in ((galaxy, 16000), (few, 4000))]
+    assert [np.count_nonzero(m) for m in masses] == [16000, 4000]
+    assert masses[1].sum(dtype=float) == pytest.approx(masses[0].sum(dtype=float), rel=1e-5)
+    heavy = {
+        "systems.balls.interactions": {"self_gravity": {"softening": 0.1}},
+        "systems.balls.emitters.hand.count": 9000,
+    }
+    assert galaxies(piece(changes=heavy)) == [] == independent_systems(piece(changes=heavy))
+    assert len(survey(piece(changes={**heavy, "clock.duration": "1/10"}))[0].points) == 9000
+    touching = {"systems.bodies.interactions": {"self_gravity": {"softening": 0.1}, "contacts": {}}}
+    assert galaxies(load_preset("galaxy", overrides={**short, **touching})) == []
 
 
 def test_a_streak_counts_with_its_whole_length():

@@ -19,9 +19,11 @@ def in_folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def ramp(folder):
-    """A picture that becomes brighter to the right by one grey value a pixel: in 2 m, an incline of `incline()` up to its seam."""
-    Image.fromarray(np.tile(np.arange(SIDE, dtype=np.uint8), (SIDE, 1))).save(folder / "ramp.png")
+def ramp(folder, down=False):
+    """A picture that becomes brighter to the right, or down, by one grey value a pixel: in 2 m, an incline of `incline()` up to its
+    seam."""
+    values = np.tile(np.arange(SIDE, dtype=np.uint8), (SIDE, 1))
+    Image.fromarray(values.T if down else values).save(folder / ("down.png" if down else "ramp.png"))
 
 
 def incline(depth=DEPTH, size=2.0):
@@ -63,9 +65,53 @@ def test_a_relief_has_the_light_of_its_incline(in_folder, angle, depth):
     assert got == pytest.approx(cosine, rel=2e-3)
 
 
-@pytest.mark.parametrize("side,right", [([0, 0, 3], [1, 0, 0]), ([3, 0, 0], [0, 0, -1]), ([-3, 0, 0], [0, 0, 1])])
+OBLIQUE = {"position": [3, 2, 4], "target": [0.9, 0, 0.9], "height": 0.6}
+
+
+@pytest.mark.parametrize("camera", [{**FROM_ABOVE, "target": [0, 0, 0]}, OBLIQUE, {**OBLIQUE, "roll": 40}])
+@pytest.mark.parametrize("down", [False, True])
+def test_a_relief_has_its_light_from_everywhere(in_folder, camera, down):
+    """What rises to +x, or to +z as its image brightens downwards, seen from above, at an angle and with a camera that leans over.
+
+    Mutants: the sign of the slope downwards; the sign of the product of a pixel's two steps, which are at right angles from above.
+    """
+    ramp(in_folder, down)
+    s = incline()
+    to_lamp = np.array([0.5, 0.8, 0.0] if not down else [0.0, 0.8, 0.5])
+    light = {"direction": (-to_lamp).tolist(), "intensity": 0.25, **DARK}
+    ground = matte(relief={"file": "down.png" if down else "ramp.png", "size": 2, "depth": DEPTH})
+    got = picture(ground=ground, light=light, camera=camera, size=(64, 64))[..., 0]
+    normal = np.array([0, 1, -s] if down else [-s, 1, 0]) / math.hypot(1, s)
+    cosine = float(normal @ to_lamp) / float(np.linalg.norm(to_lamp))
+    inner = got[36:60, 36:60]  # between two seams
+    assert inner == pytest.approx(cosine, rel=2e-3)
+
+
+def test_an_incline_that_a_pixel_shows_is_no_rougher(in_folder):
+    """Its highlight is that of a level floor, seen and lit from directions that lean by as much the other way.
+
+    Mutant: the slope that is seen counts as one that is not, which takes 40% of the highlight.
+    """
+    ramp(in_folder)
+    a = math.atan(incline(0.1))
+    light = {"intensity": 1, **DARK}
+    finish = {"albedo": "black", "ior": 1.5, "roughness": 0.3}
+    relief = {"file": "ramp.png", "size": 2, "depth": 0.1}
+    upright, leaning = {"direction": [0, -1, 0]}, {"direction": [-math.sin(a), -math.cos(a), 0]}
+    inclined = picture(
+        ground={**finish, "relief": relief}, light={**light, **upright}, camera=FROM_ABOVE, size=(128, 128)
+    )
+    at = [5 * math.sin(a), 5 * math.cos(a), 0]
+    level = picture(ground=finish, light={**light, **leaning}, camera={**FROM_ABOVE, "position": at}, size=(128, 128))
+    assert inclined[64, 70:120, 0] == pytest.approx(level[64, 70:120, 0], rel=5e-3)
+
+
+SIDES = [([0, 0, 3], [1, 0, 0]), ([3, 0, 0], [0, 0, -1]), ([-3, 0, 0], [0, 0, 1]), ([0, 0, -3], [-1, 0, 0])]
+
+
+@pytest.mark.parametrize("side,right", SIDES)
 def test_a_relief_on_a_wall_rises_as_its_image_brightens(in_folder, side, right):
-    """On three sides of a block, the lamp 30 degrees to the right of whoever looks. Mutant: no change of sign with the normal."""
+    """On four sides of a block, the lamp 30 degrees to the right of whoever looks. Mutant: no change of sign with the normal."""
     ramp(in_folder)
     a, s = math.radians(30), incline()
     normal = np.asarray(side) / 3

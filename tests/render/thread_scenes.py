@@ -176,6 +176,7 @@ def ellipses_and_curved_streaks():
         add=Look(draw="disc", radius=0.03, stretch=0.1), haze=Look(draw="disc", radius=0.01, spread=0.3),
         smoke=Look(draw="disc", blend="alpha", radius=0.04, stretch=0.2, opacity=0.2, light={}),
         streaks=Look(draw="streak", width=0.02),
+        threads=Look(draw="disc", radius=0.02, stretch={"by": "neighbours", "reach": 0.2}),
     )  # fmt: skip
     return [clouds(looks, Camera(**BEFORE), 0.5, remembered=("streaks",))]
 

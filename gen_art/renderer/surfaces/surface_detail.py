@@ -20,6 +20,7 @@ SECOND_ALBEDO, CHECKER, ROUGHNESS, IOR, METAL, EMISSION, TRANSMISSION, PER_LENGT
 IMAGE, PUDDLES, LIGHT, RELIEF, WAVES = (15 + k * MAP_FLOATS for k in range(5))
 DAMP, LIGHT_FACTOR = WAVES + 3, WAVES + 4
 MATERIAL_FLOATS = LIGHT_FACTOR + 1
+_FADES, _GONE = 0.6, 1.1  # squares of a checker in a pixel
 _MAPS = 4  # of a material, in the order of their columns
 _WET_ROUGHNESS = 0.02  # of a puddle
 
@@ -27,6 +28,9 @@ _WET_ROUGHNESS = 0.02  # of a puddle
 @ti.func
 def _checker(position, change_x, change_y, size):
     """The share of a checker's second colour in a pixel: the mean over the box that the pixel's edges span.
+
+    Where more than _FADES squares fall into a pixel they fade into the mean of both colours, and at _GONE nothing is left of
+    them: a pixel shows no pattern whose squares are narrower than it, only a coarser one, a moire, of a tenth of its contrast.
 
     position : (2,) in the world; change_x, change_y : (2,) from one pixel to the next
     Source: Quilez, Filtering the checkerboard pattern.
@@ -37,6 +41,7 @@ def _checker(position, change_x, change_y, size):
         w = ti.max((abs(change_x[c]) + abs(change_y[c])) / size, 1e-4)
         low, high = 0.5 * (x - 0.5 * w), 0.5 * (x + 0.5 * w)
         value *= 2.0 * (abs(low - ti.floor(low) - 0.5) - abs(high - ti.floor(high) - 0.5)) / w
+        value *= ti.min(ti.max((_GONE - w) / (_GONE - _FADES), 0.0), 1.0)
     return 0.5 - 0.5 * value
 
 
