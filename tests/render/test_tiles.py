@@ -94,16 +94,17 @@ def test_the_depths_of_a_face_that_covers_tiles(covering, height):
     assert (np.abs(found / depth - 1) < bound)[inside].all()
 
 
-def test_a_list_of_a_tile_s_solids_leaves_out_none_that_shadows_it(monkeypatch):
+@pytest.mark.parametrize("size", [SIZE, (40, 26)])
+def test_a_list_of_a_tile_s_solids_leaves_out_none_that_shadows_it(monkeypatch, size):
     """The same bytes as where every solid of the cell is asked. Mutants: half the cone's width; no second cell."""
     keys = {"ground": {"roughness": 0.9}, "light": {"direction": [0.6, -1, -0.3], "size": 5}, "camera": CAMERA}
-    keys["systems"] = bodies(4)
-    listed = pictures_of(keys)
+    keys["systems"] = bodies(9)
+    listed = pictures_of(keys, size)
     assert listed[..., :3].std() > 0.05
     for module in (tile_lists, draw_surfaces):
         monkeypatch.setattr(module, "SOLIDS_OF_TILE", 1)
     draw_surfaces.draw_kernel.cache_clear()
-    asked = pictures_of(keys)
+    asked = pictures_of(keys, size)
     draw_surfaces.draw_kernel.cache_clear()
     assert np.array_equal(listed, asked)
 
@@ -158,10 +159,10 @@ def test_the_points_of_the_lamp_that_a_box_hides():
 def test_the_sky_among_solids_follows_them():
     """A film's painter keeps the sky's light while nothing moves. Mutant: it keeps it always."""
     system = {
-        "particle": {"radius": 0.3}, "look": {"draw": "sphere", "blend": "opaque"},
+        "particle": {"radius": 0.3}, "look": {"draw": "sphere", "blend": "opaque", "albedo": "white"},
         "emitters": {"one": {"count": 1, "shape": {"point": [0, 0.3, 0]}, "velocity": {"constant": [3, 0, 0]}}},
     }  # fmt: skip
-    scene = preset(ground={}, light={"intensity": 0}, camera=CAMERA, systems={"ball": system})
+    scene = preset(ground={}, light={"intensity": 0, "ambient_intensity": 1.0}, camera=CAMERA, systems={"ball": system})
     sim = ga.Simulation(scene)
     kept = painter(scene)
     sim.step(1)
