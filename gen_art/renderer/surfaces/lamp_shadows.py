@@ -21,7 +21,7 @@ from gen_art.maths.array_functions import cos, sin
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.collider_rays import cast_by, cone_contact, ray_in_start_frame, side_hit
 from gen_art.renderer.surfaces.collider_sets import holds
-from gen_art.renderer.surfaces.solids import BOUND, HALF, solid_hit
+from gen_art.renderer.surfaces.solids import BOUND, HALF, RADIUS, along_axes, solid_hit
 
 __all__ = ["LAMP_POINTS", "ShadowBins", "solid_shadow", "collider_shadow", "lamp_disc", "set_bits"]
 
@@ -122,7 +122,7 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
                         du, dv = u - cone * D[k, 0], v - cone * D[k, 1]
                         if du * du + dv * dv < radius * radius:
                             result |= ti.i64(1) << ti.cast(k, ti.i64)
-            else:
+            elif _cone_meets(B, i, offset, along, to_lamp, half_pixel, tangent, far):
                 # from the rim of the lamp inwards: a convex solid that hides the rim hides all of it
                 k, rim_hidden = points - 1, 1
                 while k >= 0:
@@ -136,6 +136,25 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
                         result = ti.i64(_ALL)
                         k = -1
     return result
+
+
+@ti.func
+def _cone_meets(B: ti.template(), i, offset, along, to_lamp, half_pixel, tangent, far):
+    """Whether a ray of the cone to the lamp may meet the box around solid i, which is made larger by the cone's width.
+
+    offset : from the start of the cone to the solid's centre; along : its part towards the lamp
+    """
+    reach = B[i, BOUND]
+    width = half_pixel + ti.min(ti.max(along + reach, 0.0), far) * tangent
+    width += 1e-5 * (ti.abs(along) + reach)  # round-off
+    p, v = along_axes(B, i, to_lamp * along - offset), along_axes(B, i, to_lamp)
+    low, high = -along, far - along
+    for k in ti.static(range(3)):
+        outer = B[i, HALF + k] + B[i, RADIUS] + width
+        inverse = 1.0 / ti.select(abs(v[k]) > 1e-12, v[k], 1e-12)
+        a, b = (-outer - p[k]) * inverse, (outer - p[k]) * inverse
+        low, high = ti.max(low, ti.min(a, b)), ti.min(high, ti.max(a, b))
+    return low <= high
 
 
 @ti.func
