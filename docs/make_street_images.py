@@ -1,4 +1,4 @@
-"""Draw the images of presets/course/wet_street: setts and their heights, plaster and its heights, a café's wall, its sign, curtains.
+"""Draw the images of presets/course/wet_street: setts, plaster, a café's wall and sign, curtains.
 
     .venv/bin/python docs/make_street_images.py
 

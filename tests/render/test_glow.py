@@ -222,13 +222,13 @@ def test_a_few_lamps_each_cast_shadows_of_their_own(monkeypatch):
     [
         {"capsule": [0.5, 0.08], "at": [0.25, 0.35, 0.1], "turn": [35, 10, 60]},
         {"box": [0.45, 0.25, 0.2], "at": [-0.2, 0.3, 0.1], "turn": [20, 50, -15]},
-        {"box": [0.08, 0.6, 1.0], "at": [0.45, 0.3, 0], "turn": [0, 15, 4]},
+        {"box": [0.08, 0.6, 1.8], "at": [0.45, 0.3, 0], "turn": [0, 15, 4]},
     ],
-    ids=["capsule", "box", "long wall"],
+    ids=["capsule", "box", "a wall whose ball holds the light"],
 )
 def test_a_turned_body_shadows_what_it_stands_before(shape, monkeypatch):
     """The floor is dark where the way to the light goes through the body. Mutants that fail: in the test of the box around the
-    body, its offset with the other sign, the world's axes, half of its size."""
+    body, its offset with the other sign, the world's axes, half of its size; the ball around the body for the body."""
     systems = flame({"point": [0.1, 0.9, 0.0]}, radius=0.005)
     camera, more = {**ABOVE, "height": 1.6}, systems | {
         "thing": {
