@@ -1,9 +1,9 @@
-"""Draw the images of presets/course/wet_street: fronts of houses and a café, what shines in their windows, setts and slabs.
+"""Draw the images of presets/course/wet_street: setts, plaster, a café's wall and sign, curtains.
 
     .venv/bin/python docs/make_street_images.py
 
-A front is 8 m wide and 8 m high. The lamp of the preset hangs at y = 0, 4 m above the street, and images of walls begin at
-y = 0, so each one is turned by half its height. In the reliefs of the preset what is bright stands out.
+In the reliefs of the preset what is bright stands out. Images of walls begin where the world's coordinates are 0, so some
+are turned by a part of their size, as their functions say.
 """
 
 from pathlib import Path
@@ -14,214 +14,164 @@ from PIL import Image, ImageDraw, ImageFilter, ImageFont
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "presets" / "course"
 FONT = ROOT / "gen_art" / "fonts" / "DejaVuSansCondensed-subset.ttf"
-METRE = 128  # pixels
-SIDE = 8 * METRE
-WARM, DIM, COOL = (255, 176, 92), (226, 120, 52), (150, 180, 220)
+# granite: grey, blue grey, dark, brown, red, pale, and how often
+GRANITE = [(112, 108, 102), (92, 94, 98), (76, 74, 72), (124, 112, 98), (104, 84, 72), (134, 130, 124)]
+OFTEN = [0.28, 0.24, 0.2, 0.12, 0.06, 0.10]
+BOTTLES = [(46, 70, 34), (120, 58, 18), (196, 140, 60), (40, 22, 14), (206, 196, 170), (120, 24, 20)]
+WOOD, DARK_WOOD = (74, 40, 20), (52, 27, 12)
 
 
-def box(draw, x0, y0, x1, y1, fill):
-    """A rectangle, in metres from the left and up from the street."""
-    draw.rectangle([x0 * METRE, SIDE - y1 * METRE, x1 * METRE - 1, SIDE - y0 * METRE - 1], fill=fill)
+def filtered(rng, side, band):
+    """White noise of mean 0 and deviation 1 whose waves have the amplitudes band(across, down), by waves along a side."""
+    waves = np.fft.fftfreq(side) * side
+    across, down = waves[None, :], waves[:, None]
+    amplitude = band(across, down) * (np.hypot(across, down) > 0)
+    x = np.fft.ifft2(np.fft.fft2(rng.standard_normal((side, side))) * amplitude).real
+    return x / x.std()
 
 
-def bricks(rng, base):
-    """A wall of bricks of 22 x 7.5 cm, each of its own shade, and darker where rain runs down."""
-    rows, columns = 107, 37
-    shade = rng.uniform(0.72, 1.12, (rows, columns + 1))
-    y, x = np.mgrid[0:SIDE, 0:SIDE]
-    row = (y * rows) // SIDE
-    along = x * columns / SIDE + 0.5 * (row % 2)
-    column = along.astype(int) % (columns + 1)
-    mortar = ((y * rows / SIDE) % 1 < 0.14) | (along % 1 < 0.05)
-    streaks = np.repeat(rng.uniform(0.82, 1.0, SIDE // 16), 16)[None, :]
-    value = shade[row, column] * streaks * np.where(mortar, 0.5, 1.0)
-    foot = np.clip(0.7 + (SIDE - y) / (1.2 * METRE) * 0.3, 0.0, 1.0)  # wet at its foot
-    return Image.fromarray((np.asarray(base) * (value * foot)[..., None]).clip(0, 255).astype(np.uint8))
+def noise(rng, side, waves, octaves=1, gain=0.5):
+    """Smooth noise that repeats, with about `waves` waves along a side, and twice as many in each further octave."""
+    total = np.zeros((side, side))
+    for k in range(octaves):
+        width = waves * 2.0**k
+        total += gain**k * filtered(rng, side, lambda a, b, width=width: np.exp(-(a * a + b * b) / width**2))
+    return total / np.sqrt(sum(gain ** (2 * k) for k in range(octaves)))
 
 
-def window(draw, x, y, width=1.1, height=1.7, frame=(150, 146, 138)):
-    """A sash window with a sill, a lintel, a frame and glazing bars; its panes are nearly black. Returns the panes."""
-    box(draw, x - 0.12, y + height, x + width + 0.12, y + height + 0.28, (128, 122, 112))
-    box(draw, x - 0.14, y - 0.14, x + width + 0.14, y, (150, 144, 134))
-    box(draw, x - 0.14, y - 0.2, x + width + 0.14, y - 0.14, (20, 18, 16))
-    box(draw, x - 0.03, y, x + width + 0.03, y + height, (14, 12, 11))
-    box(draw, x + 0.03, y + 0.03, x + width - 0.03, y + height - 0.03, frame)
-    panes = []
-    w, h = (width - 0.16) / 2, (height - 0.22) / 3
-    for i in range(2):
-        for j in range(3):
-            left, low = x + 0.06 + i * (w + 0.04), y + 0.07 + j * (h + 0.04)
-            panes.append((left, low, left + w, low + h))
-            box(draw, *panes[-1], (9, 9, 11))
-    return panes
+def setts(rng, side=576, arches=2, rows=24, stones=12, rise=0.24):
+    """Granite setts in segmental arches, worn and uneven: heights 0..1, and colours; both repeat.
 
-
-def front(rng):
-    """A house with a door and two windows below, three windows above, and a cornice: the picture and the panes by window."""
-    wall = bricks(rng, (132, 92, 74))
-    draw, panes = ImageDraw.Draw(wall), []
-    box(draw, 0, 0, 8, 0.55, (92, 88, 82))
-    box(draw, 0, 0.52, 8, 0.56, (40, 38, 36))
-    box(draw, 0, 3.55, 8, 3.78, (124, 118, 108))
-    box(draw, 0, 3.5, 8, 3.55, (34, 32, 30))
-    box(draw, 0, 7.55, 8, 8, (120, 114, 104))
-    box(draw, 0, 7.48, 8, 7.55, (24, 22, 20))
-    for x in (1.0, 3.3):
-        panes.append(window(draw, x, 1.25, 1.2, 1.7))
-    for x in (1.0, 3.3, 5.75):
-        panes.append(window(draw, x, 4.5, 1.2, 2.0))
-    box(draw, 5.55, 0.0, 7.05, 3.05, (126, 120, 110))
-    box(draw, 5.72, 0.12, 6.88, 2.95, (12, 11, 10))
-    box(draw, 5.78, 0.14, 6.82, 2.35, (38, 58, 50))
-    for low, high in ((0.3, 0.95), (1.15, 2.15)):
-        for left in (5.9, 6.36):
-            box(draw, left, low, left + 0.34, high, (20, 30, 27))
-            box(draw, left + 0.03, low + 0.04, left + 0.31, high - 0.03, (44, 66, 57))
-    box(draw, 6.66, 1.08, 6.74, 1.16, (190, 160, 90))
-    panes.append([(5.8, 2.45, 6.8, 2.88)])  # the light above the door
-    box(draw, *panes[-1][0], (9, 9, 11))
-    box(draw, 5.4, 0.0, 7.2, 0.12, (140, 134, 124))
-    box(draw, 7.72, 0.0, 7.84, 7.5, (52, 52, 52))  # a downpipe
-    for y in (1.0, 3.0, 5.0, 7.0):
-        box(draw, 7.69, y, 7.87, y + 0.07, (80, 80, 80))
-    return wall, panes
-
-
-def shine(size, lit, rng):
-    """The light of windows: `lit` lists panes of windows, their colours and brightness."""
-    light = np.zeros((SIDE, size, 3))
-    for panes, colour, strength, shift in lit:
-        left, right = min(p[0] for p in panes), max(p[2] for p in panes)
-        low, high = min(p[1] for p in panes), max(p[3] for p in panes)
-        curtain = rng.uniform(0.16, 0.3)
-        for x0, y0, x1, y1 in panes:
-            i0, i1 = int(SIDE - y1 * METRE), int(SIDE - y0 * METRE)
-            j0, j1 = int((x0 + shift) * METRE), int((x1 + shift) * METRE)
-            y, x = np.mgrid[i0:i1, j0:j1]
-            u = (x / METRE - shift - left) / (right - left)
-            v = ((SIDE - y) / METRE - low) / (high - low)
-            value = 0.35 + 0.65 * np.exp(-((u - 0.55) ** 2) / 0.12 - (v - 0.85) ** 2 / 0.25)
-            folds = 0.5 + 0.12 * np.sin(u * 90.0)
-            value = np.where((u < curtain) | (u > 1 - curtain), folds * value, value)
-            light[i0:i1, j0:j1] = (strength * value)[..., None] * np.asarray(colour)
-    return Image.fromarray(light.clip(0, 255).astype(np.uint8))
-
-
-def cafe(rng):
-    """A café: its front, and what shines in it, with guests as dark forms before the lit room."""
-    wall, panes = front(rng)
-    draw, light = ImageDraw.Draw(wall), Image.new("RGB", (SIDE, SIDE))
-    lit = shine(SIDE, [(panes[3], WARM, 0.5, 0.0)], rng)
-    glow = ImageDraw.Draw(light)
-    green, dark = (24, 46, 40), (10, 18, 16)
-    box(draw, 0.3, 0.0, 7.6, 3.5, green)
-    box(draw, 0.3, 3.42, 7.6, 3.5, (60, 80, 70))
-    box(draw, 0.45, 2.82, 7.45, 3.36, dark)
-    font = ImageFont.truetype(str(FONT), 62)
-    draw.text((4.0 * METRE, SIDE - 3.09 * METRE), "C A F É   D U   P O N T", (196, 160, 88), font=font, anchor="mm")
-    # the room behind the glass: a wall lit from above, shelves with bottles, a counter, lamps and guests
-    glass = [(0.6, 0.7, 2.35, 2.7), (2.45, 0.7, 4.2, 2.7), (5.75, 0.7, 7.3, 2.7), (4.5, 0.9, 5.45, 2.45)]
-    y, x = np.mgrid[0:SIDE, 0:SIDE] / METRE
-    up = 8.0 - y
-    room = 0.28 + 0.72 * np.exp(-((up - 2.6) ** 2) / 1.2) * (0.7 + 0.3 * np.cos((x - 1.4) * 2.6))
-    room_light = Image.fromarray((room[..., None] * np.array(WARM) * 0.8).clip(0, 255).astype(np.uint8))
-    inside = ImageDraw.Draw(room_light)
-    for shelf in (1.55, 1.95):
-        box(inside, 0.6, shelf - 0.05, 4.2, shelf, (70, 34, 12))
-        for k in range(26):
-            left = 0.68 + 0.135 * k
-            height = rng.uniform(0.16, 0.3)
-            tint = [(60, 90, 30), (120, 50, 14), (170, 110, 40), (36, 20, 10)][int(rng.integers(4))]
-            box(inside, left, shelf, left + 0.075, shelf + 0.7 * height, tint)
-            box(inside, left + 0.025, shelf + 0.7 * height, left + 0.05, shelf + height, tint)
-    box(inside, 0.6, 0.7, 4.2, 1.12, (60, 28, 10))
-    box(inside, 5.75, 0.7, 7.3, 1.0, (60, 28, 10))
-    for lamp in (1.2, 2.9, 6.5):
-        cx, cy = lamp * METRE, SIDE - 2.34 * METRE
-        inside.line([cx, cy - 60, cx, cy], fill=(30, 16, 8), width=3)
-        inside.pieslice([cx - 26, cy - 22, cx + 26, cy + 22], 180, 360, fill=(255, 236, 180))
-    for guest, tall, hat in ((1.75, 1.66, 1), (3.55, 1.5, 0), (3.02, 1.46, 0), (6.25, 1.62, 1)):
-        cx, head, dark_form = guest * METRE, SIDE - tall * METRE, (24, 11, 5)
-        inside.ellipse([cx - 13, head - 17, cx + 13, head + 17], fill=dark_form)
-        if hat:
-            inside.rectangle([cx - 23, head - 13, cx + 23, head - 9], fill=dark_form)
-            inside.rectangle([cx - 13, head - 26, cx + 13, head - 10], fill=dark_form)
-        shoulders = [
-            (cx - 7, head + 8),
-            (cx + 7, head + 8),
-            (cx + 9, head + 24),
-            (cx + 31, head + 33),
-            (cx + 38, head + 60),
-        ]
-        arms = [
-            (cx + 40, SIDE - 0.7 * METRE),
-            (cx - 40, SIDE - 0.7 * METRE),
-            (cx - 38, head + 60),
-            (cx - 31, head + 33),
-        ]
-        inside.polygon([*shoulders, *arms, (cx - 9, head + 24)], fill=dark_form)
-    room_light = room_light.filter(ImageFilter.GaussianBlur(2.2))  # steam on the glass
-    for x0, y0, x1, y1 in glass:
-        box(draw, x0 - 0.07, y0 - 0.07, x1 + 0.07, y1 + 0.07, (58, 84, 74))
-        box(draw, x0, y0, x1, y1, (8, 8, 9))
-        area = (int(x0 * METRE), int(SIDE - y1 * METRE), int(x1 * METRE), int(SIDE - y0 * METRE))
-        light.paste(room_light.crop(area), area[:2])
-    for x0, y0, x1, _ in (*glass[:3],):
-        box(draw, x0, 2.22, x1, 2.27, (58, 84, 74))
-        box(glow, x0, 2.22, x1, 2.27, (4, 4, 4))
-        box(draw, x0, 0.12, x1, y0 - 0.16, (34, 62, 54))
-    box(glow, 4.95, 0.9, 5.0, 2.45, (6, 6, 5))
-    light.paste(lit.crop((0, 0, SIDE, SIDE // 2)), (0, 0))
-    for y0 in range(2):
-        box(glow, 4.5, 1.3 + 0.6 * y0, 5.45, 1.34 + 0.6 * y0, (6, 6, 5))
-    return wall, light
-
-
-def stones(rng, side, rows, columns, joint, rough, low, high):
-    """Domed stones in courses with joints, repeated, as grey values from low to high."""
+    rise : of an arch, in parts of its width
+    """
     y, x = np.mgrid[0:side, 0:side] / side
-    row = (y * rows).astype(int) % rows
-    offset = 0.5 * (row % 2) + rng.uniform(-0.12, 0.12, rows)[row]
-    along = (x * columns + offset) % columns
-    column = along.astype(int)
-    u, v = along % 1, (y * rows) % 1
-    across, down = np.minimum(u, 1 - u) * rows / columns * 1.0, np.minimum(v, 1 - v)
-    edge = np.minimum(across * columns / rows / joint, down / (joint * columns / rows) * (columns / rows))
-    dome = np.clip(edge, 0, 1)
-    dome = dome * dome * (3 - 2 * dome)
-    level = rng.uniform(0.62, 1.0, (rows, columns))[row, column]
-    lean = rng.uniform(-rough, rough, (2, rows, columns))
-    tilt = lean[0][row, column] * (u - 0.5) + lean[1][row, column] * (v - 0.5)
-    grain = rng.uniform(-1, 1, (side, side))
-    for _ in range(2):
-        grain = (grain + sum(np.roll(grain, s, a) for a in (0, 1) for s in (-1, 1))) / 5
-    value = dome * (level + tilt + 0.12 * rough * grain)
-    return Image.fromarray((low + (high - low) * value.clip(0, 1)).astype(np.uint8))
+    x, y = x + 0.0035 * noise(rng, side, 7), y + 0.0035 * noise(rng, side, 7)
+    arch, across = np.floor(x * arches).astype(int) % arches, x * arches % 1
+    bent = y + rise / arches * (1 - (2 * across - 1) ** 2) + 0.5 * arch / rows
+    row, v = np.floor(bent * rows).astype(int) % rows, bent * rows % 1
+    ends = np.cumsum(rng.uniform(0.72, 1.28, (arches, rows, stones)), axis=2)
+    ends = np.concatenate([np.zeros((arches, rows, 1)), ends / ends[..., -1:]], axis=2)
+    stone = sum((across > ends[arch, row, k]).astype(int) for k in range(1, stones))
+    u = (across - ends[arch, row, stone]) / (ends[arch, row, stone + 1] - ends[arch, row, stone])
+    count, which = arches * rows * stones, (arch * rows + row) * stones + stone
+
+    def of_stone(low, high):
+        return rng.uniform(low, high, count)[which]
+
+    # distance from a stone's middle in parts of the way to its rim, with rounded corners
+    size, power = of_stone(0.80, 0.99), of_stone(3.2, 6.5)
+    a, b = abs(2 * u - 1 + of_stone(-0.05, 0.05)) / size, abs(2 * v - 1 + of_stone(-0.05, 0.05)) / size
+    rim = (a**power + b**power) ** (1 / power) + 0.05 * noise(rng, side, 60)
+    top = 1 - (1 - np.clip((1.05 - rim) / 0.30, 0, 1)) ** 3
+    lean = rng.normal(0, 0.07, (2, count))[:, which]
+    level = of_stone(0.74, 1.0) + lean[0] * (2 * u - 1) + lean[1] * (2 * v - 1)
+    level += 0.10 * (1 - np.clip(rim, 0, 1) ** 2) + 0.022 * noise(rng, side, 40, 3, 0.7)
+    height = top * level + (1 - np.clip(1.5 * top, 0, 1)) * (0.30 + 0.02 * noise(rng, side, 30, 2))
+    tone = np.array(GRANITE)[rng.choice(len(GRANITE), count, p=OFTEN)] * rng.uniform(0.75, 1.15, (count, 1))
+    stones_seen = tone[which] * (1 + 0.10 * noise(rng, side, 70, 2))[..., None]
+    joints = np.array([30, 26, 21]) * (1 + 0.15 * noise(rng, side, 50)[..., None])
+    inside = np.clip((1.02 - rim) / 0.12, 0, 1)[..., None]
+    return np.clip(height / 1.22, 0, 1), 0.62 * (stones_seen * inside + joints * (1 - inside))
+
+
+def plaster(rng, side=256):
+    """An old wall's plaster: stains that darken any colour, as RGBA, and heights 0..1; both repeat."""
+    clouds = noise(rng, side, 3, 4, 0.6)
+    runs = filtered(rng, side, lambda a, b: np.exp(-((a / 30) ** 2) - (b / 2) ** 2))  # where rain runs down
+    stain = np.clip(0.30 + 0.16 * clouds + 0.13 * runs + 0.05 * noise(rng, side, 60, 2), 0, 0.85)
+    colours = np.broadcast_to(np.array([34, 29, 24]), (side, side, 3))
+    alpha = np.round(255 * stain / 8) * 8
+    height = 0.5 + 0.118 * noise(rng, side, 20, 3, 0.7) + 0.063 * clouds
+    return np.concatenate([colours, alpha[..., None]], axis=2), np.clip(height, 0, 1)
+
+
+def room(rng):
+    """A café's wall of 4.2 m x 2.95 m, with bottles on shelves and pictures; it begins 0.75 m to the right."""
+    width, height = 420, 295
+    image = Image.new("RGB", (width, height), (214, 150, 84))
+    draw = ImageDraw.Draw(image)
+
+    def box(x0, y0, x1, y1, fill):
+        draw.rectangle([x0 * 100, height - y1 * 100, x1 * 100 - 1, height - y0 * 100 - 1], fill=fill)
+
+    box(0, 0, 4.2, 1.0, (96, 52, 26))
+    box(0, 0.98, 4.2, 1.05, (60, 30, 14))
+    box(0.2, 1.15, 2.3, 2.6, WOOD)
+    box(0.26, 1.2, 2.24, 2.54, (150, 104, 60))
+    for shelf in (1.22, 1.66, 2.1):
+        box(0.2, shelf, 2.3, shelf + 0.04, DARK_WOOD)
+        x, low = 0.3, shelf + 0.04
+        while x < 2.15:
+            w, h = rng.uniform(0.06, 0.1), rng.uniform(0.2, 0.33)
+            glass = BOTTLES[int(rng.integers(len(BOTTLES)))]
+            box(x, low, x + w, low + 0.68 * h, glass)
+            box(x + 0.36 * w, low + 0.6 * h, x + 0.64 * w, low + h, glass)
+            label = tuple(min(255, int(1.5 * c + 25)) for c in glass)
+            box(x + 0.1 * w, low + 0.2 * h, x + 0.9 * w, low + 0.45 * h, label)
+            x += w + rng.uniform(0.01, 0.05)
+    for x, y, w, h, fill in (
+        (2.5, 1.4, 0.7, 0.95, (120, 66, 44)), (3.36, 1.75, 0.3, 0.45, (196, 180, 140)),
+        (3.36, 1.3, 0.3, 0.35, (110, 130, 120)), (3.76, 1.35, 0.34, 0.85, (150, 80, 50)),
+    ):  # fmt: skip
+        box(x, y, x + w, y + h, DARK_WOOD)
+        box(x + 0.05, y + 0.05, x + w - 0.05, y + h - 0.05, fill)
+    box(2.64, 1.6, 3.06, 1.9, (60, 70, 50))
+    box(2.7, 1.9, 2.95, 2.1, (210, 190, 150))
+    image = image.filter(ImageFilter.GaussianBlur(0.7))
+    return Image.fromarray(np.roll(np.asarray(image), 75, axis=1))
+
+
+def sign():
+    """The light of a sign of 0.9 m x 0.45 m."""
+    width, height = 4 * 192, 4 * 96
+    image = Image.new("RGB", (width, height), (30, 4, 3))
+    draw = ImageDraw.Draw(image)
+    draw.rectangle([20, 20, width - 21, height - 21], outline=(255, 70, 46), width=12)
+    draw.text(
+        (width // 2, height // 2 + 6), "CAFÉ", fill=(255, 84, 52), font=ImageFont.truetype(str(FONT), 200), anchor="mm",
+        stroke_width=6, stroke_fill=(255, 60, 36),
+    )  # fmt: skip
+    return image.resize((192, 96), Image.Resampling.BOX)
+
+
+def curtains():
+    """The light of a window of 1 m x 1.7 m, drawn curtains and a lamp behind them; its foot is 1.15 m above the street."""
+    width, height = 160, 272
+    y, x = np.mgrid[0:height, 0:width]
+    u, v = (x + 0.5) / width, 1 - (y + 0.5) / height
+    lit = 0.30 + 0.7 * np.exp(-((u - 0.58) ** 2) / 0.10 - (v - 0.52) ** 2 / 0.16)
+    edge = 0.29 + 0.07 * np.sin(3 * v) - 0.05 * v
+    cloth = (u < edge) | (u > 1 - 0.9 * edge)
+    folds = 0.55 + 0.25 * np.sin(95 * u + 2 * np.sin(4 * v)) + 0.1 * np.sin(47 * u)
+    seen = np.where((v <= 0.19)[..., None], 0.55, 1.0) * np.array([255, 190, 112]) * lit[..., None]
+    shade = (abs(u - 0.60) < 0.07 + 0.6 * (0.62 - v)) & (v > 0.5) & (v < 0.62)
+    stand, table = (abs(u - 0.60) < 0.012) & (v > 0.2) & (v <= 0.5), (v < 0.22) & (v > 0.19) & (u > 0.4) & (u < 0.8)
+    for where, colour in ((shade, (255, 232, 180)), (stand, (70, 40, 20)), (table, (60, 32, 16))):
+        seen[where] = colour
+    drawn = np.array([255, 150, 84]) * ((0.30 + 0.35 * lit) * folds)[..., None]
+    image = grey_or_colour(np.where(cloth[..., None], drawn, seen)).filter(ImageFilter.GaussianBlur(0.8))
+    return Image.fromarray(np.roll(np.asarray(image), -round(1.15 / 1.7 * height), axis=0))
+
+
+def grey_or_colour(values):
+    """An image of numbers 0..255, (rows, columns) or (rows, columns, 3 or 4)."""
+    return Image.fromarray(np.clip(values, 0, 255).astype(np.uint8))
+
+
+def save(image, name, colours):
+    image.quantize(colours, dither=Image.Dither.NONE).save(FOLDER / f"{name}.png", optimize=True)
 
 
 def main():
-    rng = np.random.default_rng(7)
-    house, panes = front(rng)
-    coffee, coffee_light = cafe(rng)
-    lit = [
-        (panes[2], WARM, 0.75, 0.0),
-        (panes[1], DIM, 0.7, 8.0),
-        (panes[4], COOL, 0.4, 8.0),
-        (panes[3], WARM, 0.7, 16.0),
-    ]
-    lit += [(panes[5], WARM, 0.8, 0.0), (panes[0], DIM, 0.6, 16.0), (panes[5], DIM, 0.7, 16.0)]
-    windows = shine(3 * SIDE, lit, rng).resize((3 * SIDE // 2, SIDE // 2), Image.Resampling.BOX)
-    turned = lambda image: Image.fromarray(np.roll(np.asarray(image), image.height // 2, axis=0))  # noqa: E731
-    pictures = {
-        "street_front": turned(house),
-        "street_cafe": turned(coffee),
-        "street_cafe_light": turned(coffee_light),
-        "street_windows": turned(windows),
-    }
-    for name, image in pictures.items():
-        image.quantize(64, dither=Image.Dither.NONE).save(FOLDER / f"{name}.png", optimize=True)
-    stones(rng, 256, 14, 9, 0.16, 0.5, 14, 120).save(FOLDER / "street_setts.png", optimize=True)
-    stones(rng, 256, 3, 2, 0.018, 0.0, 40, 130).save(FOLDER / "street_slabs.png", optimize=True)
+    heights, colours = setts(np.random.default_rng(11))
+    grey_or_colour(255 * heights).save(FOLDER / "street_setts.webp", quality=72, method=6)
+    save(grey_or_colour(colours).resize((288, 288), Image.Resampling.BOX), "street_stone", 48)
+    stains, heights = plaster(np.random.default_rng(5))
+    grey_or_colour(stains).save(FOLDER / "street_plaster.png", optimize=True)
+    grey_or_colour(255 * heights).save(FOLDER / "street_plaster_relief.webp", quality=75, method=6)
+    save(room(np.random.default_rng(3)), "street_cafe", 48)
+    save(sign(), "street_sign", 32)
+    save(curtains(), "street_curtains", 48)
 
 
 if __name__ == "__main__":

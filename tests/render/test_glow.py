@@ -8,6 +8,7 @@ import pytest
 import gen_art as ga
 import gen_art.renderer.painter as painting
 from gen_art.errors import PresetError
+from gen_art.interactions.rigid.shapes import parts_of
 from gen_art.output.job import still
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.painter import Painter
@@ -200,6 +201,59 @@ def test_what_stands_behind_the_light_casts_no_shadow(monkeypatch):
     outside = (angle > cone + 0.1) & ~ball_seen
     assert got[..., 0][outside] == pytest.approx(free[..., 0][outside], rel=1e-5)
     assert umbra.sum() > 10
+
+
+def test_a_few_lamps_each_cast_shadows_of_their_own(monkeypatch):
+    """A wall between two lamps leaves each floor the light of its own lamp. Mutant that fails: both in one leaf, as one lamp."""
+    systems = flame({"point": [-0.6, 0.5, 0.1]}, radius=0.02)
+    systems["flame"]["emitters"]["two"] = {"count": 1, "shape": {"point": [0.5, 0.7, 0.2]}}
+    wall = {"block": {"min": [-0.02, -1, -9], "max": [0.02, 1.5, 9], "look": MATTE}}
+    got, lights, view = surfaces(preset(systems, colliders=wall), monkeypatch)
+    x = on_plane(view, 1, 0.0)
+    for sign in (-1.0, 1.0):
+        floor, lamp = sign * x[..., 0] > 0.1, sign * lights.positions[:, 0] > 0
+        own = type(lights)(lights.positions[lamp], lights.power[lamp], lights.areas[lamp])
+        assert lamp.sum() == 1 and floor.sum() > 1000
+        assert got[..., 0][floor] == pytest.approx(direct_sum(x, [0, 1, 0], own)[..., 0][floor], rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        {"capsule": [0.5, 0.08], "at": [0.25, 0.35, 0.1], "turn": [35, 10, 60]},
+        {"box": [0.45, 0.25, 0.2], "at": [-0.2, 0.3, 0.1], "turn": [20, 50, -15]},
+        {"box": [0.08, 0.6, 1.8], "at": [0.45, 0.3, 0], "turn": [0, 15, 4]},
+    ],
+    ids=["capsule", "box", "a wall whose ball holds the light"],
+)
+def test_a_turned_body_shadows_what_it_stands_before(shape, monkeypatch):
+    """The floor is dark where the way to the light goes through the body. Mutants that fail: in the test of the box around the
+    body, its offset with the other sign, the world's axes, half of its size; the ball around the body for the body."""
+    systems = flame({"point": [0.1, 0.9, 0.0]}, radius=0.005)
+    camera, more = {**ABOVE, "height": 1.6}, systems | {
+        "thing": {
+            "inherit_forces": False, "interactions": {"rigid": {}}, "look": {"draw": "body", "albedo": "white"},
+            "integrator": "leapfrog", "emitters": {"one": {"body": {"shape": shape, "static": True, "points": 20}}},
+        }
+    }  # fmt: skip
+    free, _, view = surfaces(preset(systems, camera=camera), monkeypatch)
+    got, _, _ = surfaces(preset(more, camera=camera), monkeypatch)
+    x, light, part = on_plane(view, 1, 0.0), np.array([0.1, 0.9, 0.0]), parts_of(shape)[0]
+    way = np.linspace(0, 1, 401)[:, None] * (light - x).reshape(-1, 1, 3) + x.reshape(-1, 1, 3)
+    inside = part.distance(way.reshape(-1, 3)).reshape(len(way), -1).min(axis=1).reshape(x.shape[:2])
+    up = np.stack([x[..., 0], 0 * x[..., 0], x[..., 2]], axis=-1)[..., None, :] + np.linspace(0, 3, 301)[:, None] * [
+        0,
+        1,
+        0,
+    ]
+    seen = (
+        part.distance(up.reshape(-1, 3)).reshape(*x.shape[:2], -1).min(axis=-1) < 0.04
+    )  # the camera sees the body there
+    # a pixel's half diagonal and the light's radius are less than 0.025 m
+    umbra, outside = (inside < -0.0225) & ~seen, (inside > 0.025) & ~seen
+    assert umbra.sum() > 20 and outside.sum() > 1000
+    assert (got[..., 0][umbra] <= 0.1 * free[..., 0][umbra]).all()
+    assert got[..., 0][outside] == pytest.approx(free[..., 0][outside], rel=1e-5)
 
 
 def test_a_glowing_ball_lights_the_floor_and_does_not_shadow_itself(monkeypatch):

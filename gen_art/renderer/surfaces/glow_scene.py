@@ -10,7 +10,7 @@ from gen_art.renderer.surfaces.lamp_shadows import lamp_disc
 from gen_art.renderer.surfaces.light_tree import LIGHT_FLOATS, NODE_FLOATS, SECOND, LightTree, W
 from gen_art.renderer.surfaces.near_bins import NearBins
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
-from gen_art.renderer.surfaces.solids import BOUND, CENTER, MATERIAL
+from gen_art.renderer.surfaces.solids import AXES, BOUND, CENTER, HALF, MATERIAL, RADIUS
 
 _DISC = lamp_disc(GLOW_POINTS)
 
@@ -44,10 +44,18 @@ class GlowScene:
         rows = casters.rows
         own = np.isin(rows[:, MATERIAL], casters.glowing)
         centers, radii = rows[:, CENTER : CENTER + 3].astype(np.float64), rows[:, BOUND].astype(np.float64)
-        bins = NearBins.of(
-            lamps[:, :3].astype(np.float64), lamps[:, LAMP_RADIUS].astype(np.float64), centers, radii, own
-        )
+        places = lamps[:, :3].astype(np.float64)
+        holding = np.array([_around(rows, place) for place in places])
+        bins = NearBins.of(places, lamps[:, LAMP_RADIUS].astype(np.float64), centers, radii, own, holding)
         return cls((tree.nodes, tree.links, tree.lights, tree.lamps, lamps, bins.starts, bins.solids, _DISC))
+
+
+def _around(rows: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """(n,) bool, the solids that contain a place; rows : (n, SOLID_FLOATS)."""
+    numbers = rows.astype(np.float64)
+    offset, axes = place - numbers[:, CENTER : CENTER + 3], numbers[:, AXES : AXES + 9].reshape(-1, 3, 3)
+    beyond = abs((axes * offset[:, None, :]).sum(axis=2)) - numbers[:, HALF : HALF + 3]
+    return np.sqrt((np.maximum(beyond, 0.0) ** 2).sum(axis=1)) <= numbers[:, RADIUS]
 
 
 NO_GLOW = GlowScene(

@@ -158,9 +158,8 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
                 k, rim_hidden = ti.select(reaches == 1, points - 1, -1), 1
                 half, middle = row_vector(B, i, HALF), along_axes(B, i, to_lamp)
                 sideways, upwards = along_axes(B, i, side), along_axes(B, i, up)
-                beside = along_axes(
-                    B, i, to_lamp * along - offset
-                )  # of the point of the ray that is nearest to the centre
+                # of the point of the ray that is nearest to the centre
+                beside = along_axes(B, i, to_lamp * along - offset)
                 width = half_pixel + along * tangent
                 while k >= 0:
                     across = sideways * D[k, 0] + upwards * D[k, 1]

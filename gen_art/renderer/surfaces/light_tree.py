@@ -18,7 +18,7 @@ import numpy as np
 
 __all__ = ["LAMPS", "LEAF", "LIGHT_FLOATS", "NODE_FLOATS", "LightTree"]
 
-LEAF = 8  # most lights of a leaf
+LEAF = 8  # most lights of a leaf, where there are more lights than LAMPS
 LAMPS = 8  # most parts of the tree with shadows of their own
 # shifts and masks that move the bits of a number three places apart
 _SPREAD = (
@@ -95,18 +95,24 @@ def _merged(x, power, w, keys):
     return np.stack(means[:3], axis=1), np.stack(sums, axis=1), means[3], keys[first]
 
 
+def _most_in_leaf(lights: int) -> int:
+    """The most lights of a leaf: a few lamps each have a leaf of their own, so that each casts shadows of its own."""
+    return 1 if lights <= LAMPS else LEAF
+
+
 def _levels(keys: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """For each level from the root on: first light and end of each node, and its parent in the level above."""
     levels = [(np.zeros(1, np.int64), np.array([len(keys)]), np.full(1, -1))]
+    most = _most_in_leaf(len(keys))
     for level in range(1, _BITS + 1):
         start, end, _ = levels[-1]
-        if not (end - start > LEAF).any():
+        if not (end - start > most).any():
             break
         cell = keys >> (3 * (_BITS - level))
         first = np.flatnonzero(np.concatenate([[True], cell[1:] != cell[:-1]]))
         last = np.append(first[1:], len(keys))
         parent = np.searchsorted(start, first, side="right") - 1
-        inside = (parent >= 0) & (first < end[parent]) & ((end - start)[parent] > LEAF)
+        inside = (parent >= 0) & (first < end[parent]) & ((end - start)[parent] > most)
         levels.append((first[inside], last[inside], parent[inside]))
     return levels
 
@@ -121,6 +127,7 @@ def _rows(levels, x, power, w) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.n
         [power, *(power[:, k] * y[:, c] for k in range(3) for c in range(3)), *(weight * y[:, a] * y[:, b] for a, b in pairs),
          weight * w, weight * w * w]
     )  # fmt: skip
+    most = _most_in_leaf(len(x))
     sums: list[np.ndarray] = []
     lows: list[np.ndarray] = []
     highs: list[np.ndarray] = []
@@ -134,7 +141,7 @@ def _rows(levels, x, power, w) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.n
             np.zeros((len(start), 3)),
         )
         size = np.ones(len(start), np.int64)
-        leaf = np.flatnonzero(end - start <= LEAF) if level < len(levels) - 1 else np.arange(len(start))
+        leaf = np.flatnonzero(end - start <= most) if level < len(levels) - 1 else np.arange(len(start))
         for k in range(int((end - start)[leaf].max(initial=0))):
             here = leaf[(end - start)[leaf] > k]
             one = start[here] + k

@@ -32,20 +32,21 @@ class NearBins:
     solids: np.ndarray
 
     @classmethod
-    def of(cls, lamps, widths, positions, radii, own) -> "NearBins":
+    def of(cls, lamps, widths, positions, radii, own, holding=None) -> "NearBins":
         """The bins of solids around lamps.
 
         lamps, widths : (k, 3), (k,) their centres and radii
         positions, radii : (n, 3), (n,) of the balls around the solids
         own : (n,) bool, solids that give the light themselves, which do not hide it
+        holding : (k, n) bool, solids around a lamp's middle, which do not hide it; when left out, they are those balls
         """
         firsts, lasts, which = [], [], []
         solid = np.flatnonzero(~np.asarray(own, bool))
         for k, (lamp, width) in enumerate(zip(lamps, widths)):
             offset = positions[solid] - lamp
             distance = np.sqrt((offset**2).sum(axis=1))
-            outside = distance > radii[solid]  # a solid around the lamp's middle does not hide it
-            here, offset, distance = solid[outside], offset[outside], distance[outside]
+            outside = distance > radii[solid] if holding is None else ~holding[k, solid]
+            here, offset, distance = solid[outside], offset[outside], np.maximum(distance[outside], 1e-30)
             sine = np.minimum((radii[here] + width) / distance, 1.0)
             first, last, one = _cells(offset / distance[:, None], sine)
             firsts.append(first + [k * ROWS, 0])
