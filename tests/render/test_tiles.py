@@ -96,7 +96,7 @@ def test_the_depths_of_a_face_that_covers_tiles(covering, height):
 
 @pytest.mark.parametrize("size", [SIZE, (40, 26)])
 def test_a_list_of_a_tile_s_solids_leaves_out_none_that_shadows_it(monkeypatch, size):
-    """The same bytes as where every solid of the cell is asked. Mutants: half the cone's width; no second cell."""
+    """The same bytes as where every solid of the cell is asked. Mutant: a third of the cone's width."""
     keys = {"ground": {"roughness": 0.9}, "light": {"direction": [0.6, -1, -0.3], "size": 5}, "camera": CAMERA}
     keys["systems"] = bodies(9)
     listed = pictures_of(keys, size)
@@ -159,8 +159,8 @@ def test_the_points_of_the_lamp_that_a_box_hides():
 def test_the_sky_among_solids_follows_them():
     """A film's painter keeps the sky's light while nothing moves. Mutant: it keeps it always."""
     system = {
-        "particle": {"radius": 0.3}, "look": {"draw": "sphere", "blend": "opaque", "albedo": "white"},
-        "emitters": {"one": {"count": 1, "shape": {"point": [0, 0.3, 0]}, "velocity": {"constant": [3, 0, 0]}}},
+        "particle": {"radius": 0.2}, "look": {"draw": "sphere", "blend": "opaque", "albedo": "white"},
+        "emitters": {"some": {"count": 5, "shape": {"disc": 0.8, "center": [0, 0.3, 0]}, "velocity": {"constant": [1, 0, 0]}}},
     }  # fmt: skip
     scene = preset(ground={}, light={"intensity": 0, "ambient_intensity": 1.0}, camera=CAMERA, systems={"ball": system})
     sim = ga.Simulation(scene)
