@@ -37,7 +37,7 @@ __all__ = [
 ]
 
 LAMP_POINTS = 64
-SOLIDS_OF_TILE = 32  # most solids that are listed for a tile of the picture
+SOLIDS_OF_TILE = 64  # most solids that are listed for a tile of the picture
 _ALL = -1  # all bits of a set
 _GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 _CELLS = 1024  # most cells along a side of the grid
@@ -85,7 +85,7 @@ class ShadowBins:
         across = np.asarray(positions, np.float64) @ axes[:2].T
         reach = (1.0 + _UMBRAS) * radii
         low, high = (across - reach[:, None]).min(axis=0), (across + reach[:, None]).max(axis=0)
-        cell = max(2.0 * float(np.median(reach)), float((high - low).max()) / _CELLS, 1e-9)
+        cell = max(float(np.median(reach)), float((high - low).max()) / _CELLS, 1e-9)
         shape = np.maximum(np.ceil((high - low) / cell).astype(np.int64), 1)
         first = np.clip(((across - reach[:, None] - low) / cell).astype(np.int64), 0, shape - 1)
         last = np.clip(((across + reach[:, None] - low) / cell).astype(np.int64), 0, shape - 1)
