@@ -73,7 +73,7 @@ def draw_kernel(
 
         owners : collider of each surface
         M : (materials, 15); E : (materials, ANGLES, 3) of reflected_share
-        B : (solids, 24) rows; rectangles : (solids, 4) first and last column and row of the pixels that each may cover
+        B : (solids, SOLID_FLOATS) rows; rectangles : (solids, 4) first and last column and row of the pixels that each may cover
         bin_starts, bin_solids : the solids of each bin of the framebuffer; shadow_starts, shadow_solids : of ShadowBins
         D : of lamp_disc; sky, open_sky : of SkyLight; smoke : optical depths from the lamp
         depths : (rows, columns, SUBPIXELS), NEVER where nothing is met
