@@ -1,4 +1,4 @@
-"""Draws the images of presets: roof tiles, wood, a sewn flag, a room out of focus. Run it from the repository's root.
+"""Draws the images of presets: dirt on roof tiles, soot, wood, a sewn flag, a room out of focus. Run it from the root.
 
 Each is small, repeats where it has to, and comes out the same every time (NumPy's PCG64 with a fixed seed).
 """
@@ -34,20 +34,30 @@ def save(pixels, name, colours=0, quality=55):
     image.save(PRESETS / name, optimize=True)
 
 
-def roof_tiles(side=256, courses=6, across=4):
-    """Plain clay tiles in courses that overlap: each has its own colour, a dark lower edge and gaps to its neighbours."""
-    random = np.random.Generator(np.random.PCG64(3))
-    y, x = np.mgrid[0:side, 0:side] / side
-    course = np.floor(y * courses).astype(int)
-    along = x * across + 0.5 * (course % 2)
-    tile = np.floor(along).astype(int) % across
-    shade = (1 + 0.13 * random.standard_normal((courses, across)))[course, tile]
-    warm = (0.05 * random.standard_normal((courses, across)))[course, tile]
-    down, left = y * courses - course, along - np.floor(along)
-    edge = np.clip(down / 0.12, 0, 1) * np.clip(np.minimum(left, 1 - left) / 0.02, 0.25, 1)
-    dirt = 1 + 0.06 * bumps((side, side), 64, 64, 1) + 0.08 * bumps((side, side), 8, 8, 2)
-    base = np.stack([0.50 + warm, 0.27 + 0 * warm, 0.19 - 0.5 * warm], axis=2)
-    return base * (shade * dirt * (0.35 + 0.65 * edge) * (1.06 - 0.12 * down))[..., None]
+def roof_clay(side=256):
+    """What years leave on clay tiles and bricks, over any colour: soot, a pale bloom, dots of lichen. Clear where clean."""
+    shape = (side, side)
+    dirt = np.clip(
+        0.10 + 0.10 * bumps(shape, 7, 5, 1) + 0.06 * bumps(shape, 29, 23, 2) + 0.05 * bumps(shape, 96, 96, 3), 0, 0.5
+    )
+    bloom = np.clip(0.12 * bumps(shape, 9, 11, 4) + 0.06 * bumps(shape, 80, 80, 5) - 0.06, 0, 0.3)
+    lichen = np.clip(2 * (0.7 * bumps(shape, 60, 60, 6) + 0.7 * bumps(shape, 8, 8, 7) - 1.9), 0, 0.6)
+    layers = ((dirt, (0.10, 0.08, 0.07)), (bloom, (0.62, 0.55, 0.48)), (lichen, (0.58, 0.57, 0.42)))
+    cover, colour = np.zeros(shape), np.zeros((*shape, 3))
+    for alpha, over in layers:
+        colour = colour * (1 - alpha[..., None]) + np.array(over) * alpha[..., None]
+        cover = cover * (1 - alpha) + alpha
+    colour = np.round(12 * colour / np.maximum(cover, 1e-6)[..., None]) / 12
+    return np.concatenate([colour, np.round(cover * 24)[..., None] / 24], axis=2)
+
+
+def pot_soot(side=128):
+    """Soot on a chimney pot, dark at its top, run down by rain in streaks."""
+    shape = (side, side)
+    y = (np.arange(side)[:, None] + 0.5) / side
+    reach = 0.68 + 0.05 * bumps(shape, 1, 24, 11) + 0.03 * bumps(shape, 24, 24, 12)
+    alpha = np.clip((reach - y) / 0.38, 0, 1) * 0.8 + np.clip(0.05 * bumps(shape, 9, 32, 13), 0, 0.2)
+    return stain(alpha, (0.07, 0.055, 0.05), 24)
 
 
 def rings(radius):
@@ -195,7 +205,8 @@ def flag(columns=600, rows=400, width=1.5, height=1.0):
 
 
 if __name__ == "__main__":
-    save(roof_tiles(), "roof_tiles.png", 48)
+    save(roof_clay(), "roof_clay.png")
+    save(pot_soot(), "pot_soot.png")
     save(block_side(), "course/block_side.png")
     save(block_end(), "course/block_end.png")
     save(table_top(), "course/table_top.webp")
