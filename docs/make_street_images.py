@@ -62,10 +62,10 @@ def setts(rng, side=576, arches=2, rows=24, stones=12, rise=0.24):
     size, power = of_stone(0.80, 0.99), of_stone(3.2, 6.5)
     a, b = abs(2 * u - 1 + of_stone(-0.05, 0.05)) / size, abs(2 * v - 1 + of_stone(-0.05, 0.05)) / size
     rim = (a**power + b**power) ** (1 / power) + 0.05 * noise(rng, side, 60)
-    top = 1 - (1 - np.clip((1.05 - rim) / 0.30, 0, 1)) ** 3
-    lean = rng.normal(0, 0.07, (2, count))[:, which]
-    level = of_stone(0.74, 1.0) + lean[0] * (2 * u - 1) + lean[1] * (2 * v - 1)
-    level += 0.10 * (1 - np.clip(rim, 0, 1) ** 2) + 0.022 * noise(rng, side, 40, 3, 0.7)
+    top = 1 - (1 - np.clip((1.05 - rim) / of_stone(0.2, 0.85), 0, 1)) ** 3  # some are worn round
+    lean = rng.normal(0, 0.09, (2, count))[:, which]
+    level = of_stone(0.62, 1.0) + lean[0] * (2 * u - 1) + lean[1] * (2 * v - 1)
+    level += 0.10 * (1 - np.clip(rim, 0, 1) ** 2) + 0.045 * noise(rng, side, 36, 3, 0.7)
     height = top * level + (1 - np.clip(1.5 * top, 0, 1)) * (0.30 + 0.02 * noise(rng, side, 30, 2))
     tone = np.array(GRANITE)[rng.choice(len(GRANITE), count, p=OFTEN)] * rng.uniform(0.75, 1.15, (count, 1))
     stones_seen = tone[which] * (1 + 0.10 * noise(rng, side, 70, 2))[..., None]
