@@ -121,7 +121,7 @@ def table_top(side=1024, boards=9):
 
 
 def room(columns=800, rows=360):
-    """A room out of focus: a window into a garden by day with the light that it throws on wall and curtains, a plant, a shelf, a lamp.
+    """A room out of focus: a window into a garden by day, its light on the wall, a plant, books, a lamp.
 
     The sky in the window is white, and all in the room is much darker, as it is indoors.
     """
@@ -149,7 +149,7 @@ def room(columns=800, rows=360):
     random = np.random.Generator(np.random.PCG64(60))
     # the wall, lighter beside the window
     x, y = np.meshgrid(np.arange(columns), np.arange(rows))
-    near = np.exp(-np.hypot((x - 160) / 190, (y - 110) / 170) ** 1.3)
+    near = np.exp(-(np.hypot((x - 160) / 190, (y - 110) / 170) ** 1.3))
     wall = np.stack([34 + 66 * near, 39 + 64 * near, 40 + 56 * near], axis=2)
     image = Image.fromarray(wall.astype(np.uint8))
     # through the window: sky, trees
@@ -187,7 +187,12 @@ def room(columns=800, rows=360):
         cx, cy = 500 + 34 * random.standard_normal(), 112 + 30 * random.standard_normal()
         green, turn, long = int(random.uniform(30, 74)), random.uniform(-0.9, 0.9), random.uniform(16, 34)
         dx, dy = np.sin(turn) * long, np.cos(turn) * long
-        leaf = [(cx - dx, cy + dy), (cx - 0.32 * dy, cy - 0.1 * dx), (cx + dx, cy - dy), (cx + 0.32 * dy, cy + 0.1 * dx)]
+        leaf = [
+            (cx - dx, cy + dy),
+            (cx - 0.32 * dy, cy - 0.1 * dx),
+            (cx + dx, cy - dy),
+            (cx + 0.32 * dy, cy + 0.1 * dx),
+        ]
         shape("polygon", leaf, (int(0.66 * green), green, int(0.42 * green), 255))
     shape("polygon", [(472, 186), (528, 186), (518, 268), (482, 268)], (92, 58, 40, 255))
     shape("polygon", [(700, 44), (748, 44), (764, 82), (684, 82)], (232, 184, 116, 255))  # a lamp
