@@ -106,8 +106,8 @@ def block_end(side=256):
     return stain(0.20 + 0.34 * dark + 0.05 * rays + 0.05 * specks + 0.02 * saw, (0.27, 0.13, 0.045))
 
 
-def table_top(side=1024, boards=6):
-    """Oiled walnut boards along x, glued side by side, each of its own tone, with rings, fibres and fine dark pores."""
+def table_top(side=1024, boards=9):
+    """Oiled walnut boards along x, glued side by side, each of its own tone and figure, with fine fibres and dark pores."""
     shape = (side, side)
     random = np.random.Generator(np.random.PCG64(50))
     v = (np.arange(side)[:, None] + 0.5) / side * boards + np.zeros((1, side))
@@ -117,48 +117,98 @@ def table_top(side=1024, boards=6):
     years = np.zeros(shape)
     for k in range(boards):
         here = board == k
-        wander = 0.12 * bumps(shape, boards, 3, 51 + k) + 0.03 * bumps(shape, 6 * boards, 8, 61 + k)
-        depth = 0.25 + 0.2 * random.random() + 0.16 * bumps((1, side), 1, 2, 71 + k)
-        radius = 7 * np.sqrt((across - random.uniform(-0.6, 1.6)) ** 2 + depth**2) + wander
-        years = np.where(here, rings(radius), years)
-        light = np.where(here, 1 + 0.10 * random.standard_normal() + 0.05 * wander, light)
-    fibres = 0.05 * bumps(shape, 512, 24, 81) + 0.05 * bumps(shape, 256, 10, 82)
-    pores = np.clip(bumps(shape, 512, 60, 83) - 1.5, 0, 1.5)
-    joint = np.clip(np.minimum(across, 1 - across) / 0.006, 0, 1)
-    light = light * (1 + fibres) * (1 - 0.30 * years) * (1 - 0.28 * pores) * (0.45 + 0.55 * joint)
+        wander = 0.14 * bumps(shape, boards, 2, 51 + k) + 0.03 * bumps(shape, 6 * boards, 5, 71 + k)
+        depth = 0.5 + 0.4 * random.random() + 0.20 * bumps((1, side), 1, 2, 91 + k)
+        radius = 11 * np.sqrt((across - random.uniform(-1.2, 2.2)) ** 2 + depth**2) + wander
+        figure = random.uniform(0.3, 1.0) * np.clip(0.65 + 0.4 * bumps(shape, boards, 3, 111 + k), 0.1, 1.4)
+        years = np.where(here, rings(radius) * figure, years)
+        light = np.where(here, 1 + 0.08 * random.standard_normal() + 0.05 * wander, light)
+    fibres = 0.035 * bumps(shape, 512, 12, 81) + 0.035 * bumps(shape, 256, 6, 82) + 0.05 * bumps(shape, 40, 2, 84)
+    pores = np.clip(bumps(shape, 512, 60, 83) - 1.7, 0, 1.5)
+    joint = np.clip(np.minimum(across, 1 - across) / 0.008, 0, 1)
+    light = light * (1 + fibres) * (1 - 0.26 * years) * (1 - 0.20 * pores) * (0.55 + 0.45 * joint)
     return np.stack([0.42 * light, 0.29 * light**1.06, 0.20 * light**1.12], axis=2)
 
 
-def room(columns=640, rows=288):
-    """A room far out of focus: a window by day at the left, a plant, a shelf with books, a lamp; soft as a lens makes it."""
+def room(columns=800, rows=360):
+    """A room out of focus: a window into a garden by day, its light on the wall, a plant, books, a lamp.
+
+    The sky in the window is white, and all in the room is much darker, as it is indoors.
+    """
     from PIL import ImageDraw, ImageFilter
 
-    image = Image.new("RGB", (columns, rows), (54, 62, 64))
-    draw = ImageDraw.Draw(image)
-    draw.rectangle([60, 0, 190, 190], fill=(252, 253, 255))  # window
-    draw.rectangle([120, 0, 130, 190], fill=(96, 92, 88))
-    draw.rectangle([60, 92, 190, 100], fill=(96, 92, 88))
-    draw.polygon([(0, 0), (66, 0), (84, 214), (0, 214)], fill=(140, 116, 90))  # curtain
-    draw.polygon([(184, 0), (214, 0), (206, 214), (176, 214)], fill=(124, 102, 80))
-    for y, first, last in ((66, 480, 640), (140, 480, 640)):  # shelves with books
-        draw.rectangle([first, y, last, y + 7], fill=(84, 56, 36))
+    scale = 4  # drawn larger, so that edges fall between texels
+    image = Image.new("RGB", (columns, rows))
+
+    def layer():
+        big = Image.new("RGBA", (columns * scale, rows * scale), (0, 0, 0, 0))
+        pen = ImageDraw.Draw(big)
+
+        def shape(kind, points, colour):
+            where = [tuple(scale * c for c in p) for p in points]
+            getattr(pen, kind)(where if kind == "polygon" else [*where[0], *where[1]], fill=colour)
+
+        return big, shape
+
+    def over(below, big, blur):
+        small = big.resize((columns, rows), Image.Resampling.BOX)
+        for _ in range(3):
+            small = small.filter(ImageFilter.BoxBlur(blur))
+        return Image.alpha_composite(below.convert("RGBA"), small).convert("RGB")
+
     random = np.random.Generator(np.random.PCG64(60))
-    covers = [(150, 60, 44), (60, 84, 110), (190, 150, 90), (90, 104, 70), (200, 190, 170), (110, 50, 60), (70, 62, 56)]
-    for y, first, last in ((66, 486, 580), (140, 510, 630)):
-        x = float(first)
-        while x < last:
-            wide, tall = random.uniform(6, 13), random.uniform(34, 56)
-            draw.rectangle([x, y - tall, x + wide - 1, y], fill=covers[int(random.integers(len(covers)))])
-            x += wide
-    for _ in range(26):  # a plant
-        x, y, r = 400 + 30 * random.standard_normal(), 96 + 26 * random.standard_normal(), random.uniform(8, 15)
-        green = int(random.uniform(46, 84))
-        draw.ellipse([x - r, y - r, x + r, y + r], fill=(int(0.62 * green), green, int(0.45 * green)))
-    draw.polygon([(378, 150), (422, 150), (414, 214), (386, 214)], fill=(136, 84, 58))
-    draw.polygon([(560, 40), (600, 40), (612, 66), (548, 66)], fill=(255, 206, 128))  # lamp
-    draw.rectangle([0, 204, columns, rows], fill=(70, 52, 40))  # a sideboard
-    for _ in range(2):  # nearly the disc of a lens
-        image = image.filter(ImageFilter.BoxBlur(8))
+    # the wall, lighter beside the window
+    x, y = np.meshgrid(np.arange(columns), np.arange(rows))
+    near = np.exp(-(np.hypot((x - 160) / 190, (y - 110) / 170) ** 1.3))
+    wall = np.stack([34 + 66 * near, 39 + 64 * near, 40 + 56 * near], axis=2)
+    image = Image.fromarray(wall.astype(np.uint8))
+    # through the window: sky, trees
+    big, shape = layer()
+    shape("rectangle", [(70, 0), (250, 236)], (255, 255, 255, 255))
+    for _ in range(70):
+        cx, cy, r = random.uniform(60, 260), 236 - 92 * random.random() ** 1.6, random.uniform(9, 20)
+        green = int(random.uniform(120, 190))
+        shape("ellipse", [(cx - r, cy - r), (cx + r, cy + r)], (int(0.82 * green), green, int(0.58 * green), 255))
+    image = over(image, big, 3)
+    big, shape = layer()
+    wood = (92, 88, 82, 255)
+    shape("polygon", [(0, 238), (282, 238), (282, 262), (0, 262)], wood)  # its sill, frame and bars
+    shape("rectangle", [(154, 0), (165, 238)], (112, 108, 104, 255))
+    shape("rectangle", [(62, 116), (258, 123)], (112, 108, 104, 255))
+    shape("rectangle", [(250, 0), (262, 238)], wood)
+    for left, right, lean, colour in ((0, 84, 14, (150, 128, 98)), (240, 290, -10, (104, 88, 68))):  # curtains in folds
+        folds = 6 if left == 0 else 5
+        for k in range(folds):
+            a, b = left + (right - left) * k / folds, left + (right - left) * (k + 1.05) / folds
+            shade = (1.0, 0.72, 0.9, 0.62, 0.84, 0.7)[k]
+            tone = tuple(int(shade * c) for c in colour)
+            shape("polygon", [(a, 0), (b, 0), (b + lean, 290), (a + lean, 290)], (*tone, 255))
+    for level, first in ((84, 600), (176, 600)):  # shelves with books
+        shape("rectangle", [(first, level), (columns, level + 8)], (56, 38, 26, 255))
+    covers = [(96, 40, 30), (40, 54, 72), (120, 96, 58), (60, 68, 46), (128, 122, 108), (72, 34, 40), (48, 42, 38)]
+    for level, first, last in ((84, 608, 725), (176, 640, 790)):
+        at = float(first)
+        while at < last:
+            wide, tall = random.uniform(8, 16), random.uniform(42, 70)
+            cover = covers[int(random.integers(len(covers)))]
+            shape("rectangle", [(at, level - tall), (at + wide - 1, level)], (*cover, 255))
+            at += wide
+    for _ in range(46):  # a plant
+        cx, cy = 500 + 34 * random.standard_normal(), 112 + 30 * random.standard_normal()
+        green, turn, long = int(random.uniform(30, 74)), random.uniform(-0.9, 0.9), random.uniform(16, 34)
+        dx, dy = np.sin(turn) * long, np.cos(turn) * long
+        leaf = [
+            (cx - dx, cy + dy),
+            (cx - 0.32 * dy, cy - 0.1 * dx),
+            (cx + dx, cy - dy),
+            (cx + 0.32 * dy, cy + 0.1 * dx),
+        ]
+        shape("polygon", leaf, (int(0.66 * green), green, int(0.42 * green), 255))
+    shape("polygon", [(472, 186), (528, 186), (518, 268), (482, 268)], (92, 58, 40, 255))
+    shape("polygon", [(700, 44), (748, 44), (764, 82), (684, 82)], (232, 184, 116, 255))  # a lamp
+    shape("rectangle", [(0, 258), (columns, rows)], (46, 35, 27, 255))  # a sideboard
+    image = over(image, big, 4)
+    image = image.point([round(255 * (v / 255) ** 1.3) for v in range(256)] * 3)  # white stays, the room becomes darker
     image.putalpha(254)  # of a sprite without alpha, dark parts are transparent, and WebP leaves out an alpha of 255
     return np.asarray(image, np.float64) / 255.0
 
