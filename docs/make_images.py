@@ -165,11 +165,14 @@ def room(columns=800, rows=360):
     # through the window: sky, trees
     big, shape = layer()
     shape("rectangle", [(70, 0), (250, 236)], (255, 255, 255, 255))
-    for _ in range(70):
-        cx, cy, r = random.uniform(60, 260), 236 - 92 * random.random() ** 1.6, random.uniform(9, 20)
-        green = int(random.uniform(120, 190))
-        shape("ellipse", [(cx - r, cy - r), (cx + r, cy + r)], (int(0.82 * green), green, int(0.58 * green), 255))
     image = over(image, big, 3)
+    crowns = 168 + 22 * bumps((1, columns), 1, 14, 61) + 6 * bumps((1, columns), 1, 60, 62)  # far out of focus and in haze
+    leaves = 1 + 0.07 * bumps((rows, columns), 12, 26, 63) + 0.05 * bumps((rows, columns), 30, 66, 64)
+    garden = 1 / (1 + np.exp((crowns - y) / 7)) * ((x > 66) & (x < 254) & (y < 236))
+    green = leaves[..., None] * np.array([168, 186, 148]) * (1 - 0.25 * np.clip((y - 168) / 70, 0, 1))[..., None]
+    picture = np.asarray(image, np.float64)
+    picture += (green - picture) * 0.85 * garden[..., None]
+    image = Image.fromarray(np.clip(picture, 0, 255).astype(np.uint8))
     big, shape = layer()
     wood = (92, 88, 82, 255)
     shape("polygon", [(0, 238), (282, 238), (282, 262), (0, 262)], wood)  # its sill, frame and bars
