@@ -166,7 +166,7 @@ def room(columns=800, rows=360):
     big, shape = layer()
     shape("rectangle", [(70, 0), (250, 236)], (255, 255, 255, 255))
     image = over(image, big, 3)
-    crowns = 168 + 22 * bumps((1, columns), 1, 14, 61) + 6 * bumps((1, columns), 1, 60, 62)  # far out of focus and in haze
+    crowns = 168 + 22 * bumps((1, columns), 1, 14, 61) + 6 * bumps((1, columns), 1, 60, 62)  # of trees
     leaves = 1 + 0.07 * bumps((rows, columns), 12, 26, 63) + 0.05 * bumps((rows, columns), 30, 66, 64)
     garden = 1 / (1 + np.exp((crowns - y) / 7)) * ((x > 66) & (x < 254) & (y < 236))
     green = leaves[..., None] * np.array([168, 186, 148]) * (1 - 0.25 * np.clip((y - 168) / 70, 0, 1))[..., None]
