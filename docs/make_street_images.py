@@ -8,7 +8,7 @@ In the reliefs of the preset what is bright stands out. Images of walls begin wh
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFilter, ImageFont
+from PIL import Image, ImageDraw, ImageFont
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "presets" / "course"
@@ -70,7 +70,13 @@ def setts(rng, side=768, width=2.6, rows=20, stones=13):
     top = np.sqrt(1 - (1 - e) ** 2)
     u, v = (across - left) / (right - left) - 0.5, (y - depths[row]) / (depths[row + 1] - depths[row]) - 0.5
     lean = rng.normal(0, 0.07, (2, count))[:, which]
-    level = of_stone(0.72, 0.96) + lean[0] * u + lean[1] * v + 0.035 * noise(rng, side, 28, 2) + 0.012 * noise(rng, side, 150, 2)
+    level = (
+        of_stone(0.72, 0.96)
+        + lean[0] * u
+        + lean[1] * v
+        + 0.035 * noise(rng, side, 28, 2)
+        + 0.012 * noise(rng, side, 150, 2)
+    )
     water = 0.38 + 0.16 * noise(rng, side, 3, 2)
     height = np.maximum(top * level, water)
     tone = np.array(GRANITE)[rng.choice(len(GRANITE), count, p=OFTEN)] * rng.uniform(0.6, 1.2, (count, 1))
@@ -81,7 +87,7 @@ def setts(rng, side=768, width=2.6, rows=20, stones=13):
 
 
 def ashlar(rng, side=512, width=5.12, courses=16):
-    """A wall of cut stones: what darkens any colour, as RGBA, and heights 0..1. It is wet at its foot, which is the lower edge."""
+    """A wall of cut stones, wet at its foot, the lower edge: what darkens any colour, as RGBA, and heights 0..1."""
     y, x = np.mgrid[0:side, 0:side] / side
     up = 1 - y
     x = (x + 0.0008 * noise(rng, side, 20)) % 1
@@ -120,33 +126,40 @@ def plaster(rng, side=256):
 
 
 def glass(rng, side=512):
-    """The light of a café through condensed glass of 2.95 m x 2.95 m: lamps, shelves and a door, blurred; drops have run down it."""
+    """The light of a café through condensed glass of 2.95 m x 2.95 m: blurred lamps and shapes; drops have run down it."""
     y, x = np.mgrid[0:side, 0:side] / side
     up = 1 - y
-    light = np.full((side, side, 3), 0.0) + np.array([0.60, 0.33, 0.12])
-    light *= (0.16 + 0.5 * np.exp(-(((up - 0.72) / 0.24) ** 2)))[..., None]
+    light = np.full((side, side, 3), 0.0) + np.array([0.70, 0.27, 0.05])
+    light *= (0.09 + 0.5 * np.exp(-(((up - 0.72) / 0.24) ** 2)))[..., None]
     for _ in range(26):  # people, chairs, bottles: nothing is told but that they are there
         cx, cy = rng.uniform(0, 1), rng.uniform(0.05, 0.5)
-        w, h = rng.uniform(0.02, 0.09), rng.uniform(0.05, 0.2)
+        w, h = rng.uniform(0.02, 0.07), rng.uniform(0.06, 0.22)
         away = np.minimum(abs(x - cx), 1 - abs(x - cx))
-        light *= (1 - 0.75 * np.exp(-((away / w) ** 4) - (abs(up - cy) / h) ** 4))[..., None]
+        light *= (1 - 0.9 * np.exp(-((away / w) ** 4) - (abs(up - cy) / h) ** 4))[..., None]
     for cx, cy, r, power, tint in (
-        (0.12, 0.76, 0.055, 3.2, (1, 0.72, 0.38)), (0.38, 0.70, 0.040, 2.2, (1, 0.70, 0.36)), (0.66, 0.77, 0.050, 3.0, (1, 0.74, 0.40)),
-        (0.88, 0.69, 0.035, 1.8, (1, 0.66, 0.30)), (0.52, 0.56, 0.028, 0.7, (1, 0.35, 0.16)), (0.80, 0.54, 0.022, 0.6, (0.6, 0.8, 0.5)),
+        (0.12, 0.76, 0.055, 3.2, (1, 0.72, 0.38)), (0.38, 0.70, 0.040, 2.2, (1, 0.70, 0.36)),
+        (0.66, 0.77, 0.050, 3.0, (1, 0.74, 0.40)), (0.88, 0.69, 0.035, 1.8, (1, 0.66, 0.30)),
+        (0.52, 0.56, 0.028, 0.7, (1, 0.35, 0.16)), (0.80, 0.54, 0.022, 0.6, (0.6, 0.8, 0.5)),
     ):  # fmt: skip
         away = np.minimum(abs(x - cx), 1 - abs(x - cx))
         d = np.hypot(away, up - cy)
-        light += (power / (1 + np.exp((d - r) / (0.16 * r))) + 0.22 * power * np.exp(-((d / 0.13) ** 2)))[..., None] * np.array(tint) * 0.4
+        light += (
+            (power / (1 + np.exp((d - r) / (0.16 * r))) + 0.22 * power * np.exp(-((d / 0.13) ** 2)))[..., None]
+            * np.array(tint)
+            * 0.4
+        )
     mist = np.clip(0.5 + 0.22 * noise(rng, side, 5, 4, 0.6), 0, 1)
     mean = light.mean(axis=(0, 1))
-    light = light * (1 - 0.25 * mist[..., None]) + 0.25 * mist[..., None] * mean
+    light = light * (1 - 0.2 * mist[..., None]) + 0.12 * mist[..., None] * mean
     tracks = np.zeros((side, side))
     for _ in range(24):
         cx, top, foot = rng.uniform(0, 1), rng.uniform(0.5, 1), rng.uniform(0.05, 0.6)
         bend = 0.004 * np.cumsum(rng.standard_normal(side)) / 6
         away = abs(x - cx - bend[:, None])
-        tracks = np.maximum(tracks, np.exp(-((away / rng.uniform(0.0015, 0.004)) ** 2)) * ((up < top) & (up > top - foot)))
-    light *= (1 - 0.5 * tracks)[..., None] * (1 + 0.10 * noise(rng, side, 120)[..., None])
+        tracks = np.maximum(
+            tracks, np.exp(-((away / rng.uniform(0.0015, 0.004)) ** 2)) * ((up < top) & (up > top - foot))
+        )
+    light *= (1 - 0.3 * tracks)[..., None] * (1 + 0.04 * noise(rng, side, 120)[..., None])
     return grey_or_colour(255 * np.clip(light, 0, 1) ** (1 / 2.2))
 
 
