@@ -1,15 +1,14 @@
-"""Draw the images of presets/course/wet_street: setts, plaster, a café's wall and sign, curtains.
+"""Draw the images of presets/course/wet_street: setts, plaster, cut stone, a café's windows and sign.
 
     .venv/bin/python docs/make_street_images.py
 
-In the reliefs of the preset what is bright stands out. Images of walls begin where the world's coordinates are 0, so some
-are turned by a part of their size, as their functions say.
+In the reliefs of the preset what is bright stands out. Images of walls begin where the world's coordinates are 0.
 """
 
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFilter, ImageFont
+from PIL import Image, ImageDraw, ImageFont
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "presets" / "course"
@@ -17,8 +16,6 @@ FONT = ROOT / "gen_art" / "fonts" / "DejaVuSansCondensed-subset.ttf"
 # granite: grey, blue grey, dark, brown, red, pale, and how often
 GRANITE = [(112, 108, 102), (92, 94, 98), (76, 74, 72), (124, 112, 98), (104, 84, 72), (134, 130, 124)]
 OFTEN = [0.28, 0.24, 0.2, 0.12, 0.06, 0.10]
-BOTTLES = [(46, 70, 34), (120, 58, 18), (196, 140, 60), (40, 22, 14), (206, 196, 170), (120, 24, 20)]
-WOOD, DARK_WOOD = (74, 40, 20), (52, 27, 12)
 
 
 def filtered(rng, side, band):
@@ -39,39 +36,82 @@ def noise(rng, side, waves, octaves=1, gain=0.5):
     return total / np.sqrt(sum(gain ** (2 * k) for k in range(octaves)))
 
 
-def setts(rng, side=576, arches=2, rows=24, stones=12, rise=0.24):
-    """Granite setts in segmental arches, worn and uneven: heights 0..1, and colours; both repeat.
+def setts(rng, side=768, width=2.6, rows=20, stones=13):
+    """Granite setts in courses of a bond: heights 0..1, colours, and where water stands; all repeat.
 
-    rise : of an arch, in parts of its width
+    width : of the image [m]
+    Tops are flat with rounded edges. Water fills the joints to a level that differs from place to place, and lies level.
     """
     y, x = np.mgrid[0:side, 0:side] / side
-    x, y = x + 0.0035 * noise(rng, side, 7), y + 0.0035 * noise(rng, side, 7)
-    arch, across = np.floor(x * arches).astype(int) % arches, x * arches % 1
-    bent = y + rise / arches * (1 - (2 * across - 1) ** 2) + 0.5 * arch / rows
-    row, v = np.floor(bent * rows).astype(int) % rows, bent * rows % 1
-    ends = np.cumsum(rng.uniform(0.72, 1.28, (arches, rows, stones)), axis=2)
-    ends = np.concatenate([np.zeros((arches, rows, 1)), ends / ends[..., -1:]], axis=2)
-    stone = sum((across > ends[arch, row, k]).astype(int) for k in range(1, stones))
-    u = (across - ends[arch, row, stone]) / (ends[arch, row, stone + 1] - ends[arch, row, stone])
-    count, which = arches * rows * stones, (arch * rows + row) * stones + stone
+    x, y = x + 0.0022 * noise(rng, side, 9), y + 0.0022 * noise(rng, side, 9)
+    depths = np.cumsum(np.concatenate([[0.0], rng.uniform(0.86, 1.14, rows)]))
+    depths /= depths[-1]
+    y = y % 1
+    row = np.clip(np.searchsorted(depths, y, side="right") - 1, 0, rows - 1)
+    across = (x + (0.5 * row + rng.uniform(-0.2, 0.2, rows)[row]) / stones) % 1
+    ends = np.cumsum(rng.uniform(0.7, 1.3, (rows, stones)), axis=1)
+    ends = np.concatenate([np.zeros((rows, 1)), ends / ends[:, -1:]], axis=1)
+    stone = sum((across > ends[row, k]).astype(int) for k in range(1, stones))
+    left, right = ends[row, stone], ends[row, stone + 1]
+    count, which = rows * stones, row * stones + stone
 
     def of_stone(low, high):
         return rng.uniform(low, high, count)[which]
 
-    # distance from a stone's middle in parts of the way to its rim, with rounded corners
-    size, power = of_stone(0.80, 0.99), of_stone(3.2, 6.5)
-    a, b = abs(2 * u - 1 + of_stone(-0.05, 0.05)) / size, abs(2 * v - 1 + of_stone(-0.05, 0.05)) / size
-    rim = (a**power + b**power) ** (1 / power) + 0.05 * noise(rng, side, 60)
-    top = 1 - (1 - np.clip((1.05 - rim) / of_stone(0.2, 0.85), 0, 1)) ** 3  # some are worn round
-    lean = rng.normal(0, 0.09, (2, count))[:, which]
-    level = of_stone(0.62, 1.0) + lean[0] * (2 * u - 1) + lean[1] * (2 * v - 1)
-    level += 0.10 * (1 - np.clip(rim, 0, 1) ** 2) + 0.045 * noise(rng, side, 36, 3, 0.7)
-    height = top * level + (1 - np.clip(1.5 * top, 0, 1)) * (0.30 + 0.02 * noise(rng, side, 30, 2))
-    tone = np.array(GRANITE)[rng.choice(len(GRANITE), count, p=OFTEN)] * rng.uniform(0.75, 1.15, (count, 1))
-    stones_seen = tone[which] * (1 + 0.10 * noise(rng, side, 70, 2))[..., None]
-    joints = np.array([30, 26, 21]) * (1 + 0.15 * noise(rng, side, 50)[..., None])
-    inside = np.clip((1.02 - rim) / 0.12, 0, 1)[..., None]
-    return np.clip(height / 1.22, 0, 1), 0.62 * (stones_seen * inside + joints * (1 - inside))
+    # distance from the cell's edge, in metres, with rounded corners
+    near_x = width * np.minimum(across - left, right - across)
+    near_y = width * np.minimum(y - depths[row], depths[row + 1] - y)
+    corner = of_stone(0.018, 0.04)
+    gap = np.hypot(np.maximum(corner - near_x, 0), np.maximum(corner - near_y, 0))
+    inner = np.minimum(near_x, near_y)
+    edge = np.where(inner < corner, corner - gap, inner) + 0.0016 * noise(rng, side, 70, 2)
+    joint, worn = of_stone(0.004, 0.008), of_stone(0.010, 0.024)
+    e = np.clip((edge - joint) / worn, 0, 1)
+    top = np.sqrt(1 - (1 - e) ** 2)
+    u, v = (across - left) / (right - left) - 0.5, (y - depths[row]) / (depths[row + 1] - depths[row]) - 0.5
+    lean = rng.normal(0, 0.07, (2, count))[:, which]
+    level = (
+        of_stone(0.72, 0.96)
+        + lean[0] * u
+        + lean[1] * v
+        + 0.035 * noise(rng, side, 28, 2)
+        + 0.012 * noise(rng, side, 150, 2)
+    )
+    water = 0.38 + 0.16 * noise(rng, side, 3, 2)
+    height = np.maximum(top * level, water)
+    tone = np.array(GRANITE)[rng.choice(len(GRANITE), count, p=OFTEN)] * rng.uniform(0.6, 1.2, (count, 1))
+    grains = 1 + 0.16 * noise(rng, side, 190)[..., None] + 0.10 * noise(rng, side, 30, 2)[..., None]
+    joints = np.array([20, 17, 14]) * np.ones((side, side, 1))
+    inside = np.clip((edge - joint) / 0.008, 0, 1)[..., None]
+    return np.clip(height, 0, 1), 0.55 * (tone[which] * grains * inside + joints * (1 - inside))
+
+
+def ashlar(rng, side=512, width=5.12, courses=16):
+    """A wall of cut stones, wet at its foot, the lower edge: what darkens any colour, as RGBA, and heights 0..1."""
+    y, x = np.mgrid[0:side, 0:side] / side
+    up = 1 - y
+    x = (x + 0.0008 * noise(rng, side, 20)) % 1
+    course = np.minimum((up * courses).astype(int), courses - 1)
+    blocks = 8
+    ends = np.cumsum(rng.uniform(0.7, 1.3, (courses, blocks)), axis=1)
+    ends = np.concatenate([np.zeros((courses, 1)), ends / ends[:, -1:]], axis=1)
+    across = (x + rng.uniform(0, 1, courses)[course]) % 1
+    stone = sum((across > ends[course, k]).astype(int) for k in range(1, blocks))
+    which = course * blocks + stone
+    near = width * np.minimum(
+        np.minimum(across - ends[course, stone], ends[course, stone + 1] - across),
+        np.minimum(up * courses - course, course + 1 - up * courses) / courses,
+    )
+    near += 0.003 * noise(rng, side, 60, 2)
+    inside = np.clip((near - 0.006) / 0.014, 0, 1)
+    lean = rng.normal(0, 0.06, courses * blocks)[which]
+    height = inside * (0.75 + lean + 0.05 * noise(rng, side, 40, 3, 0.7))
+    foot = np.exp(-((width * up / (0.55 + 0.12 * noise(rng, side, 6, 3)[-1:, :])) ** 2))  # rain splashes up
+    runs = filtered(rng, side, lambda a, b: np.exp(-((a / 40) ** 2) - (b / 5) ** 2))
+    stain = 0.22 + rng.uniform(-0.12, 0.22, courses * blocks)[which] + 0.07 * runs + 0.06 * noise(rng, side, 5, 5, 0.7)
+    stain = 1 - (1 - np.clip(stain, 0, 0.8)) * (0.35 + 0.65 * inside) * (1 - 0.6 * foot)
+    colours = np.broadcast_to(np.array([26, 23, 20]), (side, side, 3))
+    return np.concatenate([colours, np.round(255 * stain / 8)[..., None] * 8], axis=2), np.clip(height, 0, 1)
 
 
 def plaster(rng, side=256):
@@ -85,40 +125,42 @@ def plaster(rng, side=256):
     return np.concatenate([colours, alpha[..., None]], axis=2), np.clip(height, 0, 1)
 
 
-def room(rng):
-    """A café's wall of 4.2 m x 2.95 m, with bottles on shelves and pictures; it begins 0.75 m to the right."""
-    width, height = 420, 295
-    image = Image.new("RGB", (width, height), (214, 150, 84))
-    draw = ImageDraw.Draw(image)
-
-    def box(x0, y0, x1, y1, fill):
-        draw.rectangle([x0 * 100, height - y1 * 100, x1 * 100 - 1, height - y0 * 100 - 1], fill=fill)
-
-    box(0, 0, 4.2, 1.0, (96, 52, 26))
-    box(0, 0.98, 4.2, 1.05, (60, 30, 14))
-    box(0.2, 1.15, 2.3, 2.6, WOOD)
-    box(0.26, 1.2, 2.24, 2.54, (150, 104, 60))
-    for shelf in (1.22, 1.66, 2.1):
-        box(0.2, shelf, 2.3, shelf + 0.04, DARK_WOOD)
-        x, low = 0.3, shelf + 0.04
-        while x < 2.15:
-            w, h = rng.uniform(0.06, 0.1), rng.uniform(0.2, 0.33)
-            glass = BOTTLES[int(rng.integers(len(BOTTLES)))]
-            box(x, low, x + w, low + 0.68 * h, glass)
-            box(x + 0.36 * w, low + 0.6 * h, x + 0.64 * w, low + h, glass)
-            label = tuple(min(255, int(1.5 * c + 25)) for c in glass)
-            box(x + 0.1 * w, low + 0.2 * h, x + 0.9 * w, low + 0.45 * h, label)
-            x += w + rng.uniform(0.01, 0.05)
-    for x, y, w, h, fill in (
-        (2.5, 1.4, 0.7, 0.95, (120, 66, 44)), (3.36, 1.75, 0.3, 0.45, (196, 180, 140)),
-        (3.36, 1.3, 0.3, 0.35, (110, 130, 120)), (3.76, 1.35, 0.34, 0.85, (150, 80, 50)),
+def glass(rng, side=512):
+    """The light of a café through condensed glass of 2.95 m x 2.95 m: blurred lamps and shapes; drops have run down it."""
+    y, x = np.mgrid[0:side, 0:side] / side
+    up = 1 - y
+    light = np.full((side, side, 3), 0.0) + np.array([0.70, 0.27, 0.05])
+    light *= (0.09 + 0.5 * np.exp(-(((up - 0.72) / 0.24) ** 2)))[..., None]
+    for _ in range(26):  # people, chairs, bottles: nothing is told but that they are there
+        cx, cy = rng.uniform(0, 1), rng.uniform(0.05, 0.5)
+        w, h = rng.uniform(0.02, 0.07), rng.uniform(0.06, 0.22)
+        away = np.minimum(abs(x - cx), 1 - abs(x - cx))
+        light *= (1 - 0.9 * np.exp(-((away / w) ** 4) - (abs(up - cy) / h) ** 4))[..., None]
+    for cx, cy, r, power, tint in (
+        (0.12, 0.76, 0.055, 3.2, (1, 0.72, 0.38)), (0.38, 0.70, 0.040, 2.2, (1, 0.70, 0.36)),
+        (0.66, 0.77, 0.050, 3.0, (1, 0.74, 0.40)), (0.88, 0.69, 0.035, 1.8, (1, 0.66, 0.30)),
+        (0.52, 0.56, 0.028, 0.7, (1, 0.35, 0.16)), (0.80, 0.54, 0.022, 0.6, (0.6, 0.8, 0.5)),
     ):  # fmt: skip
-        box(x, y, x + w, y + h, DARK_WOOD)
-        box(x + 0.05, y + 0.05, x + w - 0.05, y + h - 0.05, fill)
-    box(2.64, 1.6, 3.06, 1.9, (60, 70, 50))
-    box(2.7, 1.9, 2.95, 2.1, (210, 190, 150))
-    image = image.filter(ImageFilter.GaussianBlur(0.7))
-    return Image.fromarray(np.roll(np.asarray(image), 75, axis=1))
+        away = np.minimum(abs(x - cx), 1 - abs(x - cx))
+        d = np.hypot(away, up - cy)
+        light += (
+            (power / (1 + np.exp((d - r) / (0.16 * r))) + 0.22 * power * np.exp(-((d / 0.13) ** 2)))[..., None]
+            * np.array(tint)
+            * 0.4
+        )
+    mist = np.clip(0.5 + 0.22 * noise(rng, side, 5, 4, 0.6), 0, 1)
+    mean = light.mean(axis=(0, 1))
+    light = light * (1 - 0.2 * mist[..., None]) + 0.12 * mist[..., None] * mean
+    tracks = np.zeros((side, side))
+    for _ in range(24):
+        cx, top, foot = rng.uniform(0, 1), rng.uniform(0.5, 1), rng.uniform(0.05, 0.6)
+        bend = 0.004 * np.cumsum(rng.standard_normal(side)) / 6
+        away = abs(x - cx - bend[:, None])
+        tracks = np.maximum(
+            tracks, np.exp(-((away / rng.uniform(0.0015, 0.004)) ** 2)) * ((up < top) & (up > top - foot))
+        )
+    light *= (1 - 0.3 * tracks)[..., None] * (1 + 0.04 * noise(rng, side, 120)[..., None])
+    return grey_or_colour(255 * np.clip(light, 0, 1) ** (1 / 2.2))
 
 
 def sign():
@@ -134,25 +176,6 @@ def sign():
     return image.resize((192, 96), Image.Resampling.BOX)
 
 
-def curtains():
-    """The light of a window of 1 m x 1.7 m, drawn curtains and a lamp behind them; its foot is 1.15 m above the street."""
-    width, height = 160, 272
-    y, x = np.mgrid[0:height, 0:width]
-    u, v = (x + 0.5) / width, 1 - (y + 0.5) / height
-    lit = 0.30 + 0.7 * np.exp(-((u - 0.58) ** 2) / 0.10 - (v - 0.52) ** 2 / 0.16)
-    edge = 0.29 + 0.07 * np.sin(3 * v) - 0.05 * v
-    cloth = (u < edge) | (u > 1 - 0.9 * edge)
-    folds = 0.55 + 0.25 * np.sin(95 * u + 2 * np.sin(4 * v)) + 0.1 * np.sin(47 * u)
-    seen = np.where((v <= 0.19)[..., None], 0.55, 1.0) * np.array([255, 190, 112]) * lit[..., None]
-    shade = (abs(u - 0.60) < 0.07 + 0.6 * (0.62 - v)) & (v > 0.5) & (v < 0.62)
-    stand, table = (abs(u - 0.60) < 0.012) & (v > 0.2) & (v <= 0.5), (v < 0.22) & (v > 0.19) & (u > 0.4) & (u < 0.8)
-    for where, colour in ((shade, (255, 232, 180)), (stand, (70, 40, 20)), (table, (60, 32, 16))):
-        seen[where] = colour
-    drawn = np.array([255, 150, 84]) * ((0.30 + 0.35 * lit) * folds)[..., None]
-    image = grey_or_colour(np.where(cloth[..., None], drawn, seen)).filter(ImageFilter.GaussianBlur(0.8))
-    return Image.fromarray(np.roll(np.asarray(image), -round(1.15 / 1.7 * height), axis=0))
-
-
 def grey_or_colour(values):
     """An image of numbers 0..255, (rows, columns) or (rows, columns, 3 or 4)."""
     return Image.fromarray(np.clip(values, 0, 255).astype(np.uint8))
@@ -164,14 +187,16 @@ def save(image, name, colours):
 
 def main():
     heights, colours = setts(np.random.default_rng(11))
-    grey_or_colour(255 * heights).save(FOLDER / "street_setts.webp", quality=72, method=6)
-    save(grey_or_colour(colours).resize((288, 288), Image.Resampling.BOX), "street_stone", 48)
+    grey_or_colour(255 * heights).save(FOLDER / "street_setts.webp", quality=90, method=6)
+    save(grey_or_colour(colours).resize((384, 384), Image.Resampling.BOX), "street_stone", 48)
     stains, heights = plaster(np.random.default_rng(5))
     grey_or_colour(stains).save(FOLDER / "street_plaster.png", optimize=True)
     grey_or_colour(255 * heights).save(FOLDER / "street_plaster_relief.webp", quality=75, method=6)
-    save(room(np.random.default_rng(3)), "street_cafe", 48)
+    stains, heights = ashlar(np.random.default_rng(7))
+    grey_or_colour(stains).save(FOLDER / "street_ashlar.png", optimize=True)
+    grey_or_colour(255 * heights).save(FOLDER / "street_ashlar_relief.webp", quality=75, method=6)
+    glass(np.random.default_rng(3)).save(FOLDER / "street_glass.webp", quality=80, method=6)
     save(sign(), "street_sign", 32)
-    save(curtains(), "street_curtains", 48)
 
 
 if __name__ == "__main__":
