@@ -66,8 +66,12 @@ class Collider(Parametric):
     def takes_energy(self) -> bool:
         """Whether an impact changes the energy of a particle."""
         elastic = self.values["restitution"] == 1.0 and self.values["friction"][1] == 0.0
-        moves = any(self.values["velocity"]) or self.rotates
-        return not (elastic and self.values["action"] == "bounce" and not moves)
+        return not (elastic and self.values["action"] == "bounce" and not self.moves)
+
+    @property
+    def moves(self) -> bool:
+        """Whether the surface moves: with a velocity, or as it rotates."""
+        return any(self.values["velocity"]) or self.rotates
 
     @property
     def rotates(self) -> bool:

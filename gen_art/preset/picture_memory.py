@@ -7,7 +7,7 @@ says how well they predict others.
 from gen_art.preset.camera import CameraSpec
 from gen_art.preset.look import Look
 from gen_art.preset.schema import Preset
-from gen_art.preset.surface import surface_look
+from gen_art.preset.surface import TRACED_ROUGHNESS, surface_look
 
 __all__ = ["fixed_bytes", "particle_bytes", "pixel_bytes"]
 
@@ -26,9 +26,10 @@ LIQUID = 20  # in a liquid: what it is to the camera and to the lamp
 GLOWING = 590  # of a system whose light falls on others: its row in the tree of lights
 # of a cell of the density grid: eight arrays, for smoke that fills half of its cube
 CELL = 4 * 4
-# of a pixel: of the framebuffer; of the developed picture, its bloom and its file; the depths of surfaces; what a mirror
-# shows and its pyramid; the layers of a liquid, and what is seen through it; the mean of a lens's views, and what they hide
-FRAMEBUFFER, PICTURE, DEPTHS, MIRRORED, LAYERED, DEFOCUSED = 16, 10, 16, 22, 44, 48
+# of a pixel: of the framebuffer; of the developed picture, its bloom and its file; the depths of surfaces, and their light in
+# parts; what a mirror shows and its pyramid, and how it is read; the layers of a liquid, and what is seen through it; the mean of
+# a lens's views, and what they hide
+FRAMEBUFFER, PICTURE, DEPTHS, PARTS, MIRRORED, READ, LAYERED, DEFOCUSED = 16, 10, 16, 28, 22, 56, 44, 48
 SURFACES = 45e6  # for the kernels of surfaces, and for the sky's light among them
 LIQUIDS = 30e6  # for those of liquids, and for the shadow that they cast
 PHOTONS = 10e6  # for light that glass gathers
@@ -41,7 +42,10 @@ def pixel_bytes(preset: Preset) -> float:
     averaged = (camera.supersample > 1) + (camera.subframes > 1)
     surfaces = 0
     if _shows_surfaces(preset):
-        surfaces += DEPTHS + MIRRORED * any(look.mirror for look in _surfaces(preset))
+        mirror = any(look.mirror for look in _surfaces(preset))
+        surfaces += DEPTHS + (MIRRORED + DEPTHS) * mirror
+        if _in_parts(preset):
+            surfaces += PARTS + (READ + PARTS) * mirror
     if any(look.is_liquid for look in _looks(preset)):
         surfaces += LAYERED
     if (
@@ -120,6 +124,16 @@ def _is_solid(preset: Preset, look: Look) -> bool:
 def _shows_surfaces(preset: Preset) -> bool:
     """Whether anything but sprites may be in the picture."""
     return bool(_surfaces(preset)) or any(look.is_liquid or _is_solid(preset, look) for look in _looks(preset))
+
+
+def _in_parts(preset: Preset) -> bool:
+    """Whether the light of surfaces is kept in parts: where none shows others, and there are neither cloth nor liquids."""
+    looks, shown = _looks(preset), _surfaces(preset)
+    finishes = [*shown, *(look.finish for look in looks if _is_solid(preset, look))]
+    alone = len(shown) == 1 and len(finishes) == 1
+    shows_others = any(f.transmission > 0.0 or (f.roughness <= TRACED_ROUGHNESS and not alone) for f in finishes)
+    glow = preset.light is not None and preset.light.glow
+    return not (shows_others or glow or any(look.is_liquid or look.draw == "cloth" for look in looks))
 
 
 def _smoke_cells(preset: Preset, look: Look) -> int:

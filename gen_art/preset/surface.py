@@ -20,11 +20,13 @@ __all__ = [
     "Relief",
     "SurfaceImage",
     "SurfaceLook",
+    "TRACED_ROUGHNESS",
     "Waves",
     "ground_of",
     "surface_look",
 ]
 
+TRACED_ROUGHNESS = 0.3  # up to which surfaces reflect each other
 _FORMS = (Mapping, str, bool, list, tuple)  # what a script may give for a surface
 
 

@@ -131,6 +131,7 @@ class Painter:
         self._wormhole = WormholeView.of(self.scene.wormhole, camera, self.sky, transparent)
         self.framebuffer = FrameBuffer(self.size)
         self._surfaces: SurfacePass | None = None
+        self._mirrored_surfaces: SurfacePass | None = None  # those that the mirror shows
         self._liquids: LiquidPass | None = None
         self._film: MirrorFilm | None = None
         self._around: Painter | None = None
@@ -229,8 +230,8 @@ class Painter:
             # without the sun's disc: the lamp's own highlight stands for its reflection
             draw_sky(replace(self.sky, disc=np.zeros_like(self.sky.disc)), behind, self.framebuffer)
         depths = None
-        if look.waves is not None and self._surfaces is not None:
-            depths = self._surfaces.depths[:, :, 0]
+        if look.waves is not None and self._mirrored_surfaces is not None:
+            depths = self._mirrored_surfaces.depths[:, :, 0]
         self._film.take(self.framebuffer.pixels, look.roughness > 0.0 or look.waves is not None, depths)
         if look.roughness > 0.0 and look.waves is None and look.puddles is None:
             self._film.blur(view, point, normal, look.roughness)
@@ -499,8 +500,7 @@ class Painter:
         depths_only: bool,
     ) -> SurfaceDepths:  # fmt: skip
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
-        if self._surfaces is None:
-            self._surfaces = SurfacePass(self.size)
+        surfaces = self._surface_pass(mirror is not None)
         of_lamp = smoke.get(smoke_key(scene.lighting))
         shadow = NO_LIQUID
         # a clear liquid does not shadow itself
@@ -508,7 +508,7 @@ class Painter:
         if liquids and scene.shadows and receivers and not depths_only:
             shadow = lamp_map(liquids, lamp_axes(scene.lighting.direction))
         of_liquids = [liquid.finish for liquid in liquids]
-        self._surfaces.draw(
+        surfaces.draw(
             scene, casters, [*finishes, *of_liquids], of_lamp and of_lamp[:2], framebuffer, film, mirror, emitted, shadow,
             None if depths_only else hiding_particles(liquids), layers, not depths_only,
         )  # fmt: skip
@@ -517,11 +517,28 @@ class Painter:
                 self._liquids = LiquidPass(self.size)
             first = len(scene.surfaces) + len(finishes)
             if depths_only:
-                self._liquids.find_depths(liquids, self._surfaces)
+                self._liquids.find_depths(liquids, surfaces)
             else:
-                self._liquids.draw(liquids, first, casters, self._surfaces, framebuffer, self.sky is not None, layers)
-        depths, tiles, view = self._surfaces.depths, self._surfaces.bounds, casters.view
+                self._liquids.draw(liquids, first, casters, surfaces, framebuffer, self.sky is not None, layers)
+            surfaces.forget()  # liquids are drawn into its depths
+        depths, tiles, view = surfaces.depths, surfaces.bounds, casters.view
         return SurfaceDepths.of(depths, tiles, 1.0 / view.scale(self.size[1]), view.height is not None)
+
+    def forget_surfaces(self) -> None:
+        """Trace the surfaces of the next picture anew, even if neither they nor the camera have moved."""
+        for surfaces in (self._surfaces, self._mirrored_surfaces):
+            if surfaces is not None:
+                surfaces.forget()
+
+    def _surface_pass(self, in_mirror: bool) -> SurfacePass:
+        """The pass that draws what the camera sees itself, or what it sees in the mirror: each keeps what rests."""
+        if in_mirror:
+            if self._mirrored_surfaces is None:
+                self._mirrored_surfaces = SurfacePass(self.size)
+            return self._mirrored_surfaces
+        if self._surfaces is None:
+            self._surfaces = SurfacePass(self.size)
+        return self._surfaces
 
     def _add_ribbons(
         self, sim, name: str, view, film_time: float, weight: float, framebuffer: FrameBuffer, mirror, bent: LensedView

@@ -25,19 +25,20 @@ __all__ = ["draw_piece"]
 
 
 @ti.func
-def draw_piece(P: ti.template(), i, tile: ti.template(), x, y, top, bottom, side):
+def draw_piece(P: ti.template(), i, tile: ti.template(), x, y, left, right, top, bottom, side):
     """Draw a piece column by column along its longer axis, as `piece_shape` sums its weights.
 
     tile : side x side pixels of four floats
     x, y : the head, from the tile's corner
+    left, right, top, bottom : first column and row that it touches, and the ends of both
     """
     footprint, slope, across, tail, taper = P[i, FOOTPRINT], P[i, SLOPE], P[i, ACROSS], P[i, TAIL], P[i, TAPER]
     dm, head_m, head_n = P[i, DX], x, y
-    low, high, low_n, high_n = 0, side, top, bottom  # limits along and across
+    low, high, low_n, high_n = left, right, top, bottom  # limits along and across
     step_m, step_n = 4, 4 * side
     if abs(P[i, DY]) > abs(P[i, DX]):
         dm, head_m, head_n = P[i, DY], y, x
-        low, high, low_n, high_n = top, bottom, 0, side
+        low, high, low_n, high_n = top, bottom, left, right
         step_m, step_n = 4 * side, 4
     span, sign = abs(dm), ti.select(dm > 0.0, 1.0, -1.0)
     r, g, b = P[i, RED] * P[i, NORM], P[i, GREEN] * P[i, NORM], P[i, BLUE] * P[i, NORM]

@@ -317,7 +317,9 @@ def draw_kernel(kinds: frozenset, surfaces_hide: bool):
                                 draw_ellipse(P, i, tile, x, y, top, bottom)
                         if ti.static(PIECE in kinds):
                             if kind == PIECE:
-                                draw_piece(P, i, tile, x, y, top, bottom, TILE)
+                                left = ti.max(ti.cast(headers[i, LEFT], ti.i32) - ox, 0)
+                                right = ti.min(ti.cast(headers[i, RIGHT], ti.i32) - ox + 1, TILE)
+                                draw_piece(P, i, tile, x, y, left, right, top, bottom, TILE)
                         if ti.static(SPHERE in kinds):
                             if kind == SPHERE:
                                 _sphere(P, i, tile, x, y, top, bottom)

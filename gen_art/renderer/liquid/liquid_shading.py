@@ -226,12 +226,12 @@ def draw_liquid_kernel(terms: ColliderTerms, coloured: bool, layered: bool):
                             pixel = ti.select(N[PARALLEL] > 0.5, 1.0, t) / N[SCALE]
                             clear = N[SKY_CELL] + N[SKY_LIFT]
                             detail = ti.Vector([0.0, M[m, ROUGHNESS], 0.0])
-                            own, mirrored, around, _ = surface_light(
+                            own, of_lamp, mirrored, around, _ = surface_light(
                                 entries, 0, scene, m, x, n, -d, albedo, albedo * 0.0, emission, clear, pixel, detail,
                                 -1, every_caster(),
                             )  # fmt: skip
                             air = air_between(scene, d, z)
-                            light += (own + mirrored * around) * air[3] + ti.Vector([air[0], air[1], air[2]])
+                            light += (own + of_lamp + mirrored * around) * air[3] + ti.Vector([air[0], air[1], air[2]])
                             if ti.static(layered):
                                 moves = ti.Vector([flow[row, column, 0], flow[row, column, 1], flow[row, column, 2]])
                                 values = layers_of_place(entries, scene, P, x, n, albedo, moves, z, pixel)

@@ -27,6 +27,7 @@ from gen_art.renderer.surfaces.tile_rays import (
     box_in_tile,
     depth_along,
     middle_ray,
+    not_empty,
     solid_distance,
     subpixel_ray,
     trace_colliders,
@@ -45,7 +46,8 @@ F1, F2, F3, I1, I2 = (
 
 @cache
 def draw_kernel(
-    terms: ColliderTerms, follows: bool, with_sheets: bool, glowing: bool, mapped: bool, layered: bool, shaded: bool = True
+    terms: ColliderTerms, follows: bool, with_sheets: bool, glowing: bool, mapped: bool, layered: bool, shaded: bool = True,
+    in_parts: bool = False,
 ):  # fmt: skip
     """The kernel that draws surfaces of these colliders, solids, and cloth if there is any.
 
@@ -54,6 +56,7 @@ def draw_kernel(
     mapped : whether there are images, puddles or waves on them
     layered : whether the layers of surface_layers.py are filled, too
     shaded : whether their light is drawn; else their depths alone are found
+    in_parts : whether the light goes into LightParts instead of the framebuffer
     """
     entries, surfaces = terms.entries, len(terms.owners)
     has_occluders = surfaces > 1
@@ -68,6 +71,7 @@ def draw_kernel(
         sheet_starts: I1, sheet_faces: I1, face_rectangles: I2, face_starts: I1, bin_faces: I1, glow_nodes: F2,
         glow_links: I2, glow_lights: F2, glow_parts: I2, glow_lamps: F2, near_starts: I1, near_solids: I1, near_disc: F2,
         occluders: F2, images: F2, waves: F2, film_depths: F2, layers: F3, P: F1, solid_moves: F2, corner_moves: F2,
+        own_light: F3, mirrored: F3,
     ):  # fmt: skip
         """Draw surfaces into a clear framebuffer, and their distances along the line of sight into `depths`.
 
@@ -86,6 +90,7 @@ def draw_kernel(
         glow_... : of a LightTree; near_starts, near_solids : of NearBins; near_disc : of lamp_disc
         occluders : of sky_occluders; images, waves : of SurfaceMaps; film_depths : of the MirrorFilm
         layers, P, solid_moves, corner_moves : of SurfaceLayers
+        own_light, mirrored : of LightParts
         """
         ti.loop_config(block_dim=1)
         for tile in range(across * down * TILES * TILES):
@@ -117,7 +122,7 @@ def draw_kernel(
                     for k in range(face_starts[bin], face_starts[bin + 1]):
                         j = bin_faces[k]
                         box = box_in_tile(face_rectangles, j, ox, oy, width, rows)
-                        if box[0] <= box[1] and box[2] <= box[3]:
+                        if not_empty(box):
                             trace_face(scene, j, first_face + j, box, ox, oy, distance, owner)
                 casters, nearby, even, first_pixel = every_caster(), ti.Vector([0] * SOLIDS_OF_TILE), 0, 0
                 nearest, farthest = NEVER, -NEVER
@@ -135,7 +140,7 @@ def draw_kernel(
                                 even = may_be_even(entries, surfaces, follows, scene, covering // FACETS, casters)
                 if even == 1:
                     first_pixel = -NODES
-                parts = ti.select(N[MIRROR] >= 0.0, LIGHT_PARTS, 3)
+                parts = ti.select(N[MIRROR] >= 0.0, LIGHT_PARTS, 6)
                 nodes, rough = ti.Vector([0.0] * (NODES * LIGHT_PARTS)), 0.0
                 normal, level = vector_at(N, FORWARD), vector_at(N, FORWARD)
                 for q in range(first_pixel, TILE * TILE):
@@ -147,6 +152,7 @@ def draw_kernel(
                     column, row = ox + p % TILE, oy + p // TILE
                     if column < ox + width and row < oy + rows:
                         total, covered, first, whole = ti.Vector([0.0, 0.0, 0.0]), 0.0, p * SUBPIXELS, 1
+                        of_lamp, of_film, read = ti.Vector([0.0, 0.0, 0.0]), ti.Vector([0.0] * 6), ti.Vector([0.0] * 8)
                         layer_sums = ti.Vector([0.0] * LAYER_FLOATS)
                         apart = 0  # whether each ray is shaded by itself: what a smooth surface shows has edges
                         if ti.static(follows):
@@ -197,14 +203,23 @@ def draw_kernel(
                                     if q < 0:
                                         for k in ti.static(range(LIGHT_PARTS)):
                                             nodes[(q + NODES) * LIGHT_PARTS + k] = light[k]
+                                    elif ti.static(in_parts):
+                                        for k in ti.static(range(3)):
+                                            total[k] += share * light[k]
+                                            of_lamp[k] += share * light[3 + k]
+                                        if light[6] + light[7] + light[8] > 0.0:
+                                            for k in ti.static(range(6)):
+                                                of_film[k] += share * light[6 + k]
+                                            read[0], read[7] = rough, depth
+                                            for k in ti.static(range(3)):
+                                                read[1 + k], read[4 + k] = normal[k], level[k]
                                     else:
                                         film = ti.Vector([0.0, 0.0, 0.0, 0.0])
-                                        if light[3] + light[4] + light[5] > 0.0:
+                                        if light[6] + light[7] + light[8] > 0.0:
                                             film = mirror_film_at(scene, rough, level, normal, -d, column, row, depth)
                                         for k in ti.static(range(3)):
-                                            total[k] += share * (
-                                                light[k] + light[3 + k] * film[k] - light[6 + k] * film[3]
-                                            )
+                                            seen = light[6 + k] * film[k] - light[9 + k] * film[3]
+                                            total[k] += share * (light[k] + light[3 + k] + seen)
                                 covered += share
                                 if ti.static(layered):
                                     if q >= 0:
@@ -214,7 +229,16 @@ def draw_kernel(
                         if whole == 1:
                             for s in range(1, SUBPIXELS):
                                 depths[row, column, s] = depths[row, column, 0]
-                        if ti.static(shaded):
+                        if ti.static(in_parts):
+                            for k in ti.static(range(3)):
+                                own_light[row, column, k], own_light[row, column, 3 + k] = total[k], of_lamp[k]
+                            own_light[row, column, 6] = covered
+                            if N[MIRROR] >= 0.0:
+                                for k in ti.static(range(6)):
+                                    mirrored[row, column, k] = of_film[k]
+                                for k in ti.static(range(8)):
+                                    mirrored[row, column, 6 + k] = read[k]
+                        elif ti.static(shaded):
                             place = row * stride + column * 4
                             for k in ti.static(range(3)):
                                 framebuffer[place + k] = total[k]

@@ -4,8 +4,9 @@ The one-letter names in kernels are in docs/glossary.md.
 """
 
 from gen_art.backend.runtime import ti
+from gen_art.preset.surface import TRACED_ROUGHNESS
 from gen_art.renderer.surfaces.collider_rays import without_itself
-from gen_art.renderer.surfaces.ray_tree import LIGHT_PARTS, TRACED_ROUGHNESS
+from gen_art.renderer.surfaces.ray_tree import LIGHT_PARTS
 from gen_art.renderer.surfaces.scene_numbers import LAMP_TANGENT, LIQUID_CELL, PHOTON_CELL, SCALE
 from gen_art.renderer.surfaces.solids import MATERIAL
 from gen_art.renderer.surfaces.surface_detail import (
@@ -25,6 +26,7 @@ __all__ = ["NODES", "even_light", "is_even", "may_be_even", "node_pixel"]
 NODES = 9  # pixels of a tile that are shaded, in three rows and columns: the first, the middle and the last
 _MIDDLE, _LAST = TILE // 2, TILE - 1
 _EVEN = 0.008  # of the light: the most by which a node between two others may differ from a straight line
+_KINDS = LIGHT_PARTS // 3
 _LOBE = 4.0  # pixels: the least width of the lamp's highlight, so that no node misses it
 
 
@@ -75,16 +77,19 @@ def is_even(nodes: ti.template()):
 
     nodes : (NODES * LIGHT_PARTS,) as light_along returns them
     """
-    least, even = ti.Vector([0.0] * 3), 1
-    for k in ti.static(range(3)):  # of each kind of part, the brightest colour of the tile's middle
+    brightest, even = ti.Vector([0.0] * _KINDS), 1  # colour of each kind of part in the tile's middle
+    for k in ti.static(range(_KINDS)):
         for c in ti.static(range(3)):
-            least[k] = ti.max(least[k], abs(nodes[4 * LIGHT_PARTS + 3 * k + c]))
+            brightest[k] = ti.max(brightest[k], abs(nodes[4 * LIGHT_PARTS + 3 * k + c]))
+    # own light and the lamp's are seen as one
+    brightest[0] = ti.max(brightest[0], brightest[1])
+    brightest[1] = brightest[0]
     for line in range(6):
         first, step = ti.select(line < 3, 3 * line, line - 3), ti.select(line < 3, 1, 3)
         for k in range(LIGHT_PARTS):
             a, b = nodes[first * LIGHT_PARTS + k], nodes[(first + 2 * step) * LIGHT_PARTS + k]
             straight = a + (b - a) * (_MIDDLE / _LAST)
-            if not abs(nodes[(first + step) * LIGHT_PARTS + k] - straight) <= _EVEN * least[k // 3]:
+            if not abs(nodes[(first + step) * LIGHT_PARTS + k] - straight) <= _EVEN * brightest[k // 3]:
                 even = 0
     return even
 

@@ -10,6 +10,7 @@ The one-letter names in kernels are in docs/glossary.md.
 # ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from gen_art.backend.runtime import ti
 from gen_art.maths.elementary import exp, log
+from gen_art.preset.surface import TRACED_ROUGHNESS
 from gen_art.renderer.surfaces.collider_rays import first_hit, surface_exit, surface_normal
 from gen_art.renderer.surfaces.collider_sets import ALL_COLLIDERS, every_caster
 from gen_art.renderer.surfaces.draw_sheets import sheet_material
@@ -33,7 +34,6 @@ from gen_art.renderer.surfaces.surface_shading import air_between, background, s
 
 __all__ = [
     "LIGHT_PARTS",
-    "TRACED_ROUGHNESS",
     "leaving_distance",
     "light_along",
     "nearest_hit",
@@ -42,10 +42,9 @@ __all__ = [
     "surface_point",
 ]
 
-TRACED_ROUGHNESS = 0.3  # roughness up to which surfaces reflect each other
 _SHARP = 0.05  # roughness up to which one ray shows a reflection; a rougher surface sends FACETS of them
 _FACETS = 4
-LIGHT_PARTS = 9  # that light_along returns
+LIGHT_PARTS = 12  # that light_along returns
 _AWAY = 0.05  # pixels from a surface at which the next ray starts
 MOST_RAYS = 16
 _WAITING = 12  # rays that may wait
@@ -188,8 +187,8 @@ def light_along(
     """The light along a camera's ray that meets `owner` at `distance`, with the part that the mirror's film adds left open.
 
     Returns parts (LIGHT_PARTS,), and how the film is read: the unit normals (n, flat) of mirror_film_at, and its roughness.
-    The radiance is parts[0:3] + parts[3:6] film - parts[6:9] coverage, of the film's light and coverage; the last six are 0
-    where no mirror is met.
+    The radiance is parts[0:3] + parts[3:6] + parts[6:9] film - parts[9:12] coverage, of the film's light and coverage. parts[3:6]
+    is the lamp's light from what the ray meets first; the last six are 0 where no mirror is met.
 
     follows : whether rays go on to what a surface reflects and refracts; else it reflects the sky and its mirror alone
     depth : distance along the line of sight
@@ -199,7 +198,8 @@ def light_along(
     per_length, same_everywhere = 1.0 / N[SCALE], N[PARALLEL]  # of a pixel's side
     air = air_between(scene, direction, depth)
     result = ti.Vector([air[0], air[1], air[2]])
-    of_film, normal, level, film_roughness = ti.Vector([0.0] * 6), direction, direction, 0.0
+    lamp_first, of_film = ti.Vector([0.0, 0.0, 0.0]), ti.Vector([0.0] * 6)
+    normal, level, film_roughness = direction, direction, 0.0
     waiting, count, followed = ti.Vector([0.0] * (_WAITING * _NUMBERS if follows else _NUMBERS)), 0, 0
     count = _put(waiting, count, origin, direction, ti.Vector([air[3], air[3], air[3]]), 0.0, -1)
     while count > 0:
@@ -247,7 +247,7 @@ def light_along(
                 hiding = every_caster()
                 if followed == 1 and who < surfaces + scene.B.shape[0]:
                     hiding = casters
-                own, mirrored, around, entering = surface_light(
+                own, of_lamp, mirrored, around, entering = surface_light(
                     entries,
                     surfaces,
                     scene,
@@ -266,6 +266,10 @@ def light_along(
                     nearby,
                 )
                 result += share * own
+                if followed == 1:
+                    lamp_first = share * of_lamp
+                else:
+                    result += share * of_lamp
                 mirrored *= share
                 reflects = room and detail[1] <= TRACED_ROUGHNESS and mirrored.max() > _LEAST
                 if N[MIRROR] == ti.cast(m, ti.f32):
@@ -301,5 +305,5 @@ def light_along(
                     result += mirrored * around
     parts = ti.Vector([0.0] * LIGHT_PARTS)
     for k in ti.static(range(3)):
-        parts[k], parts[3 + k], parts[6 + k] = result[k], of_film[k], of_film[3 + k]
+        parts[k], parts[3 + k], parts[6 + k], parts[9 + k] = result[k], lamp_first[k], of_film[k], of_film[3 + k]
     return parts, normal, level, film_roughness

@@ -114,5 +114,5 @@ def _check_mirrors(surfaces) -> None:
     for collider in mirrors:
         if not isinstance(collider, Plane):
             raise UsageError(f"only a plane or the ground can be a mirror, not a {collider.name}: leave out `mirror`")
-        if collider.rotates or any(collider.values["velocity"]):
+        if collider.moves:
             raise UsageError("a mirror must stand still: leave out the velocity of the plane, or its `mirror`")

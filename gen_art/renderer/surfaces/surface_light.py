@@ -69,7 +69,7 @@ def sky_at(N: ti.template(), sky: ti.template(), open_sky: ti.template(), place)
 
 
 @ti.func
-def _smoke_depth(N: ti.template(), depth: ti.template(), place):
+def smoke_depth(N: ti.template(), depth: ti.template(), place):
     """Optical depth of smoke between the lamp and a world position; the grid's third axis is the direction of its light."""
     result = 0.0
     if N[SMOKE_SHAPE] > 1.5:
@@ -154,5 +154,5 @@ def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel, casters, 
             hidden = sheet_shadow(hidden, scene, x, to_lamp, side, up, tangent, half_pixel)
         share = 1.0 - ti.cast(set_bits(hidden), ti.f32) * (1.0 / LAMP_POINTS)
         if share > 0.0:
-            share *= exp(-_smoke_depth(N, scene.smoke, place))
+            share *= exp(-smoke_depth(N, scene.smoke, place))
     return share

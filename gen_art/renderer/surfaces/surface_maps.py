@@ -40,17 +40,27 @@ class SurfaceMaps(NamedTuple):
         slopes to the right and down, and the sum of their squares
     waves : (m, 4) float32: the two wave numbers (1/m), the slope's amplitude, the phase at the picture's time; of a sea its
         waves, then what makes it uneven
+    chains : the maps that `texels` joins
     """
 
     texels: np.ndarray
     waves: np.ndarray
+    chains: tuple[np.ndarray, ...] = ()
 
     @classmethod
-    def of(cls, looks, table: np.ndarray, columns: tuple[int, int, int, int, int], time: float) -> "SurfaceMaps":
+    def of(
+        cls,
+        looks,
+        table: np.ndarray,
+        columns: tuple[int, int, int, int, int],
+        time: float,
+        before: "SurfaceMaps | None" = None,
+    ) -> "SurfaceMaps":
         """The maps of the looks of a scene; `table` gets where those of each material are.
 
         columns : of the numbers of the image, the puddles (of bodies, the image of their ends), the light, the relief and the
             waves (their first row, their number, and the number of rows after them that make them uneven)
+        before : of the picture before, whose texels are kept where the maps are the same
         """
         chains: list[np.ndarray] = []
         waves: list[np.ndarray] = []
@@ -76,9 +86,10 @@ class SurfaceMaps(NamedTuple):
                 uneven = patch_rows(look.waves)
                 row[columns[4] : columns[4] + 3] = sum(map(len, waves)), look.waves.number, len(uneven)
                 waves += [wave_rows(look.waves, time), uneven]
-        return cls(
-            np.concatenate(chains) if chains else NO_MAPS.texels, np.concatenate(waves) if waves else NO_MAPS.waves
-        )
+        before = before or NO_MAPS
+        same = len(chains) == len(before.chains) and all(a is b for a, b in zip(chains, before.chains))
+        texels = before.texels if same else np.concatenate(chains or [NO_MAPS.texels])
+        return cls(texels, np.concatenate(waves) if waves else NO_MAPS.waves, tuple(chains))
 
     @property
     def any(self) -> bool:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gen_art.preset.surface import Finish, SurfaceLook
+from gen_art.preset.surface import TRACED_ROUGHNESS, Finish, SurfaceLook
 from gen_art.renderer.colour import linear
 from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.surfaces.caustics import caustic_photons
@@ -13,13 +13,20 @@ from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.draw_surfaces import draw_kernel
 from gen_art.renderer.surfaces.glow_scene import NO_GLOW, GlowScene
 from gen_art.renderer.surfaces.lamp_shadows import lamp_disc
+from gen_art.renderer.surfaces.light_parts import MIRROR_PARTS, OWN_PARTS, LightParts
 from gen_art.renderer.surfaces.liquid_shadow import NO_LIQUID, LiquidShadow
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm, blur_points
 from gen_art.renderer.surfaces.photon_cells import NO_PHOTONS
-from gen_art.renderer.surfaces.ray_tree import TRACED_ROUGHNESS
 from gen_art.renderer.surfaces.reflection import reflected_share
 from gen_art.renderer.surfaces.scene import Scene
-from gen_art.renderer.surfaces.scene_numbers import PHOTON_CELL, scene_numbers
+from gen_art.renderer.surfaces.scene_numbers import (
+    PHOTON_CELL,
+    SMOKE_CELL,
+    SMOKE_CORNER,
+    SMOKE_SHAPE,
+    TIME,
+    scene_numbers,
+)
 from gen_art.renderer.surfaces.shadow_casters import NO_SKY, ShadowCasters, filled
 from gen_art.renderer.surfaces.sheet_rows import face_rectangles
 from gen_art.renderer.surfaces.sky_light import SkyLight
@@ -46,7 +53,7 @@ from gen_art.renderer.surfaces.surface_detail import (
     WAVES,
 )
 from gen_art.renderer.surfaces.surface_layers import NO_LAYERS, SurfaceLayers
-from gen_art.renderer.surfaces.surface_maps import SurfaceMaps
+from gen_art.renderer.surfaces.surface_maps import NO_MAPS, SurfaceMaps
 from gen_art.renderer.surfaces.tiles import BIN, SUBPIXELS, TILE
 from gen_art.renderer.surfaces.view_problems import check_camera, check_distances
 
@@ -55,6 +62,7 @@ __all__ = ["SurfacePass"]
 
 _THROUGH = 0.85  # of the sky's light, what clear glass lets pass: it reflects some 15% of light from all sides
 _NO_DOME = np.zeros((2, 2, 3), np.float32)
+_NO_PARTS = np.zeros((1, 1, OWN_PARTS), np.float32), np.zeros((1, 1, MIRROR_PARTS), np.float32)
 
 
 class SceneArrays(NamedTuple):
@@ -95,6 +103,8 @@ class SurfacePass:
         self.bounds = np.full((-(-size[1] // TILE), -(-size[0] // TILE), 2), NEVER, np.float32)
         self._checked = False  # whether the shapes' distances were tested, once for a film
         self._sky: tuple | None = None  # (light, what hides it, the SkyLight of these)
+        self._parts: LightParts | None = None
+        self._maps = NO_MAPS
         self._disc, self._blur = lamp_disc(), blur_points()
 
     def draw(
@@ -123,7 +133,7 @@ class SurfacePass:
                 self._checked = True
         looks = [*(look for _, look in scene.surfaces), *finishes]
         table = np.stack([_material(look) for look in looks])
-        maps = SurfaceMaps.of(looks, table, (IMAGE, PUDDLES, LIGHT, RELIEF, WAVES), time)
+        maps = self._maps = SurfaceMaps.of(looks, table, (IMAGE, PUDDLES, LIGHT, RELIEF, WAVES), time, self._maps)
         shares = np.stack([reflected_share(look.roughness, look.ior) for look in looks])
         cloth = casters.sheets
         sky = self._sky_light(casters, table, hidden_by, scene.shadows) if shaded else NO_SKY
@@ -155,18 +165,43 @@ class SurfacePass:
         if clip is not None and len(scene.surfaces) == 1 and not len(rows) and not cloth.any:
             self.depths.fill(NEVER)  # behind the mirror there is none but the mirror itself
             self.bounds.fill(NEVER)
+            self.forget()
             return
-        a, wanted = self.arrays, layers or NO_LAYERS
-        draw_kernel(casters.terms, follows, cloth.any, glow is not None, maps.any, layers is not None, shaded)(
-            a.numbers, a.colliders, owners, a.materials, a.shares, a.solids, filled(rectangles), bin_starts,
-            filled(bin_solids), a.shadow_starts, a.shadow_solids, a.disc, a.sky, a.open_sky, a.smoke, across, down,
-            framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, a.film, a.levels, a.blur, a.dome,
-            a.liquid_first, a.liquid_depths, places.starts, filled(places.solids), photons.rows, photons.starts,
-            filled(cloth.corners), filled(cloth.faces), filled(cloth.looks), cloth.grid, cloth.starts, filled(cloth.listed),
-            filled(of_faces), face_starts, filled(bin_faces), *(NO_GLOW if glow is None else glow).arrays,
-            sky_occluders(scene.surfaces, _THROUGH), maps.texels, maps.waves, film.depths, wanted.values, wanted.earlier,
-            wanted.solids, wanted.corners,
-        )  # fmt: skip
+        a, wanted, occluders = self.arrays, layers or NO_LAYERS, sky_occluders(scene.surfaces, _THROUGH)
+        parts, drawn_with = None, numbers
+        if shaded and not (follows or cloth.any or liquid is not NO_LIQUID or glow is not None or layers is not None):
+            parts, drawn_with = self._light_parts(mirror >= 0), _without_smoke(numbers, scene.surfaces)
+            resting = parts.rest(
+                casters.terms, drawn_with, a.colliders, owners, a.materials, a.shares, a.solids, a.sky, a.open_sky, a.dome,
+                occluders, maps.texels, maps.waves,
+            )  # fmt: skip
+        if parts is None:
+            self.forget()
+        if parts is None or not resting:
+            own_light, mirrored = (parts.own, parts.mirrored) if parts is not None else _NO_PARTS
+            options = follows, cloth.any, glow is not None, maps.any, layers is not None, shaded, parts is not None
+            draw_kernel(casters.terms, *options)(
+                drawn_with, a.colliders, owners, a.materials, a.shares, a.solids, filled(rectangles), bin_starts,
+                filled(bin_solids), a.shadow_starts, a.shadow_solids, a.disc, a.sky, a.open_sky, a.smoke, across, down,
+                framebuffer.buffer, framebuffer.stride, self.depths, self.bounds, a.film, a.levels, a.blur, a.dome,
+                a.liquid_first, a.liquid_depths, places.starts, filled(places.solids), photons.rows, photons.starts,
+                filled(cloth.corners), filled(cloth.faces), filled(cloth.looks), cloth.grid, cloth.starts,
+                filled(cloth.listed), filled(of_faces), face_starts, filled(bin_faces),
+                *(NO_GLOW if glow is None else glow).arrays, occluders, maps.texels, maps.waves, film.depths, wanted.values,
+                wanted.earlier, wanted.solids, wanted.corners, own_light, mirrored,
+            )  # fmt: skip
+        if parts is not None:
+            parts.put_together(numbers, a.smoke, film, a.blur, maps.any, self.depths, self.bounds, framebuffer)
+
+    def forget(self) -> None:
+        """Draw the next picture anew, even if nothing has moved: for who changes the depths."""
+        if self._parts is not None:
+            self._parts.forget()
+
+    def _light_parts(self, with_mirror: bool) -> LightParts:
+        if self._parts is None or self._parts.with_mirror != with_mirror:
+            self._parts = LightParts(self.size, with_mirror)
+        return self._parts
 
     def _sky_light(self, casters: ShadowCasters, table: np.ndarray, hidden_by, shadows: bool) -> SkyLight:
         """The sky's light past what hides it; that of the last picture where neither has changed."""
@@ -175,6 +210,15 @@ class SurfacePass:
         if self._sky is None or self._sky[0] is not light or not all(map(np.array_equal, self._sky[1], given)):
             self._sky = light, given, SkyLight.of(light, *given)
         return self._sky[2]
+
+
+def _without_smoke(numbers: np.ndarray, surfaces) -> np.ndarray:
+    """N without the smoke's grid, and at time 0 where no collider moves: equal as long as the surfaces rest."""
+    result = numbers.copy()
+    result[SMOKE_CORNER : SMOKE_CORNER + 3], result[SMOKE_CELL], result[SMOKE_SHAPE : SMOKE_SHAPE + 3] = 0.0, 1.0, 0.0
+    if not any(collider.moves for collider, _ in surfaces):
+        result[TIME] = 0.0
+    return result
 
 
 def _more_than_one(scene: Scene, solids: int) -> bool:

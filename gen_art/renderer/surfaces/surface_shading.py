@@ -64,9 +64,10 @@ def surface_light(
     entries: ti.template(), surfaces: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, clear,
     pixel, detail, who, casters, nearby: ti.template() = None,
 ):  # fmt: skip
-    """The light from x towards the viewer, in parts: (own, mirrored, around, entering).
+    """The light from x towards the viewer, in parts: (own, of_lamp, mirrored, around, entering).
 
-    own : (3,) radiance of what is scattered and emitted, and of the lamp's highlight
+    own : (3,) radiance of what is scattered and emitted, without the lamp's light
+    of_lamp : (3,) radiance of the lamp's light that is scattered, and of its highlight
     mirrored : (3,) the share that is reflected of the light from the mirrored direction
     around : (3,) radiance from there, if nothing but the sky lies there
     entering : the share of the light that goes into a transparent body
@@ -100,14 +101,15 @@ def surface_light(
     sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * clear)
     if ti.static(scene.occluded):
         sky *= open_sky_share(entries, scene, x, n, without_itself(entries, casters[1], who))
-    shining = through * 0.0  # what comes through from the other side
+    shining, lamp_through = through * 0.0, through * 0.0  # what comes through from the other side
     if ti.static(scene.with_sheets):
         if through.max() > 0.0:
             behind = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) - n * clear)
             for k in ti.static(range(3)):
                 slope = ti.Vector([behind[3 + 3 * k], behind[4 + 3 * k], behind[5 + 3 * k]])
                 of_sky = ti.max(behind[k] - (2.0 / 3.0) * slope.dot(n), 0.0)
-                shining[k] = through[k] * (4.0 * N[LAMP_COLOUR + k] * share * passed[k] * ti.max(-nl, 0.0) + of_sky)
+                shining[k] = through[k] * of_sky
+                lamp_through[k] = through[k] * 4.0 * N[LAMP_COLOUR + k] * share * passed[k] * ti.max(-nl, 0.0)
     metal, rough, ior = M[m, METAL], detail[1], M[m, IOR]
     share_of = layer_shares(M, E, m, nv)
     a, b, c = share_of[0], share_of[1], share_of[2]
@@ -139,29 +141,31 @@ def surface_light(
     if ti.static(scene.glowing):
         dull = ti.select(N[MIRROR] == ti.cast(m, ti.f32), 1.0, rough)  # a mirror shows the particles themselves
         glow = glow_at(scene, x, n, view, dull, ior, pixel)
-    own, mirrored, around = emission, emission * 0.0, emission * 0.0
+    own, of_lamp, mirrored, around = emission, emission * 0.0, emission * 0.0, emission * 0.0
     scattered = 1.0 - M[m, TRANSMISSION]
     for k in ti.static(range(3)):
         lamp = N[LAMP_COLOUR + k] * share * passed[k]
         slope = ti.Vector([sky[3 + 3 * k], sky[4 + 3 * k], sky[5 + 3 * k]])
-        arriving = 4.0 * lamp * ti.max(nl, 0.0) + ti.max(sky[k] + (2.0 / 3.0) * slope.dot(n), 0.0) + gathered[k]
+        arriving = ti.max(sky[k] + (2.0 / 3.0) * slope.dot(n), 0.0) + gathered[k]
         open_share = ti.min(sky[k] / ti.max(scene.open_sky[k], 1e-20), 1.0)
         around[k] = even * ti.max(sky[k] + blur * slope.dot(towards), 0.0) + (1.0 - even) * dome[k] * open_share
         if ti.static(scene.glowing):
             arriving += glow[k]
-        painted = (1.0 - c) * scattered * arriving * albedo[k] + dielectric * lamp
+        colour = (1.0 - c) * scattered * albedo[k]
+        painted, lit_paint = colour * arriving, (colour * 4.0 * ti.max(nl, 0.0) + dielectric) * lamp
         if ti.static(scene.with_sheets):
-            painted += (1.0 - c) * shining[k]
+            painted, lit_paint = painted + (1.0 - c) * shining[k], lit_paint + (1.0 - c) * lamp_through[k]
         again = 1.0 + albedo[k] * (1.0 / ti.max(a + b, 1e-3) - 1.0)  # what a rough metal reflects twice
-        bare = (albedo[k] + (1.0 - albedo[k]) * schlick) * lobe * lamp
+        bare, lit_metal = 0.0, (albedo[k] + (1.0 - albedo[k]) * schlick) * lobe * lamp
         if ti.static(scene.glowing):
             painted += glow[6 + k]
             bare += albedo[k] * glow[3 + k] + (1.0 - albedo[k]) * glow[9 + k]
             if rough >= DULL:
                 bare += (albedo[k] * a + b) * glow[k]
         own[k] += (1.0 - metal) * painted + metal * bare * again
+        of_lamp[k] = (1.0 - metal) * lit_paint + metal * lit_metal * again
         mirrored[k] = (1.0 - metal) * c + metal * (albedo[k] * a + b) * again
-    return own, mirrored, around, (1.0 - metal) * (1.0 - c) * M[m, TRANSMISSION]
+    return own, of_lamp, mirrored, around, (1.0 - metal) * (1.0 - c) * M[m, TRANSMISSION]
 
 
 @ti.func

@@ -1,4 +1,4 @@
-"""What matters in a tile of the picture: what its rays may meet, and the colliders that may hide light from its places.
+"""What matters in a tile of the picture: what its rays may meet, and what may hide light from its places.
 
 The one-letter names in kernels are in docs/glossary.md.
 """

@@ -18,6 +18,7 @@ __all__ = [
     "box_in_tile",
     "depth_along",
     "middle_ray",
+    "not_empty",
     "solid_distance",
     "subpixel_ray",
     "trace_colliders",
@@ -37,6 +38,7 @@ def subpixel_ray(N: ti.template(), column, row, s):
 
 @ti.func
 def middle_ray(N: ti.template(), column, row):
+    """(origin, direction) of the ray through the middle of a pixel."""
     return camera_ray(N, ti.cast(column, ti.f32) + 0.5, ti.cast(row, ti.f32) + 0.5)
 
 
@@ -115,7 +117,7 @@ def _trace_among(
     entries: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), among, ox, oy,
     distance: ti.template(), owner: ti.template(),
 ):  # fmt: skip
-    """The same for the colliders of a set."""
+    """Trace a tile's rays to the colliders of the set `among`, as trace_colliders does to all."""
     N = ti.static(scene.N)
     middle_t, middle_owner, differ = ti.Vector([NEVER] * _WITH_BORDER), ti.Vector([-1] * _WITH_BORDER), 0
     k, end, covering = -_CORNERS, _WITH_BORDER + _RAYS, -1
@@ -228,6 +230,12 @@ def box_in_tile(rectangles: ti.template(), i, ox, oy, width, rows):
 
 
 @ti.func
+def not_empty(box):
+    """Whether a box_in_tile holds a pixel."""
+    return box[0] <= box[1] and box[2] <= box[3]
+
+
+@ti.func
 def _trace_solid(scene: ti.template(), i, who, box, ox, oy, distance: ti.template(), owner: ti.template()):
     """Put a solid into a tile's rays where it is nearer.
 
@@ -257,7 +265,7 @@ def trace_solids(
     alone, count, covers = -1, 0, covering
     for k in range(first, end):
         box = box_in_tile(rectangles, bin_solids[k], ox, oy, width, rows)
-        if box[0] <= box[1] and box[2] <= box[3] and solid_in_tile(scene, bin_solids[k], ox, oy):
+        if not_empty(box) and solid_in_tile(scene, bin_solids[k], ox, oy):
             alone, count = bin_solids[k], count + 1
     if count > 0:
         covers = -1
@@ -267,6 +275,6 @@ def trace_solids(
         for k in range(first, end):
             i = bin_solids[k]
             box = box_in_tile(rectangles, i, ox, oy, width, rows)
-            if box[0] <= box[1] and box[2] <= box[3] and solid_in_tile(scene, i, ox, oy):
+            if not_empty(box) and solid_in_tile(scene, i, ox, oy):
                 _trace_solid(scene, i, surfaces + i, box, ox, oy, distance, owner)
     return covers
