@@ -155,9 +155,9 @@ def wall(columns=512, rows=256, width=8.0):
     panes = panes * sum(soft(a, a + 0.80, across, 0.055) for a in (0.55, 1.47, 2.39))
     turn = 2 * np.pi / width  # periodic in x, as the image repeats
     pool = np.exp(-2 * (1 - np.cos(turn * (x - 1.0))) / (4.5 * turn**2) - (y - 1.5) ** 2 / 3.0)
-    light = 0.15 + 0.24 * pool + 0.27 * panes
-    light = light * (1 + 0.03 * bumps(shape, 9, 17, 141) + 0.015 * bumps(shape, 60, 120, 142))
-    return np.stack([1.0 * light, 0.98 * light, 0.93 * light], axis=2)
+    plaster = 1 + 0.03 * bumps(shape, 9, 17, 141) + 0.010 * bumps(shape, 110, 230, 142)
+    fill, sun = (0.12 + 0.20 * pool) * plaster, 0.28 * panes * plaster  # the fill is cool beside the sun
+    return np.stack([0.92 * fill + 1.04 * sun, 1.0 * fill + 1.0 * sun, 1.04 * fill + 0.92 * sun], axis=2)
 
 
 def flag(columns=600, rows=400, width=1.5, height=1.0):
