@@ -1,4 +1,4 @@
-"""Draws the images of presets: dirt on roof tiles, soot, wood, a sewn flag, a room out of focus. Run it from the root.
+"""Draws the images of presets: dirt on roof tiles, soot, wood, a sewn flag, a table, a wall. Run it from the root.
 
 Each is small, repeats where it has to, and comes out the same every time (NumPy's PCG64 with a fixed seed).
 """
@@ -106,114 +106,58 @@ def block_end(side=256):
     return stain(0.20 + 0.34 * dark + 0.05 * rays + 0.05 * specks + 0.02 * saw, (0.27, 0.13, 0.045))
 
 
-def table_top(side=1024, boards=9):
-    """Oiled walnut boards along x, glued side by side, each of its own tone and figure, with fine fibres and dark pores."""
+def table_top(side=1024, boards=4):
+    """Oiled walnut boards along x, glued side by side: each is sawn from another part of a trunk, so that its years lie close
+    together and straight, or meet in long arches. Dark pores are short strokes along the fibres.
+    """
     shape = (side, side)
     random = np.random.Generator(np.random.PCG64(50))
     v = (np.arange(side)[:, None] + 0.5) / side * boards + np.zeros((1, side))
     board = np.floor(v).astype(int) % boards
     across = v - np.floor(v)
-    light = np.zeros(shape)
-    years = np.zeros(shape)
-    for k in range(boards):
+    light, years = np.ones(shape), np.zeros(shape)
+    cuts = (
+        (0.5, 0.10, 0.30, 14),
+        (-1.6, 0.6, 0.1, 13),
+        (1.3, 0.3, 0.2, 12),
+        (2.6, 0.7, 0.1, 13),
+    )  # heart, depth, its change, rings
+    for k, (heart, depth, change, rings_across) in enumerate(cuts):
         here = board == k
-        wander = 0.14 * bumps(shape, boards, 2, 51 + k) + 0.03 * bumps(shape, 6 * boards, 5, 71 + k)
-        depth = 0.5 + 0.4 * random.random() + 0.20 * bumps((1, side), 1, 2, 91 + k)
-        radius = 11 * np.sqrt((across - random.uniform(-1.2, 2.2)) ** 2 + depth**2) + wander
-        figure = random.uniform(0.3, 1.0) * np.clip(0.65 + 0.4 * bumps(shape, boards, 3, 111 + k), 0.1, 1.4)
-        years = np.where(here, rings(radius) * figure, years)
-        light = np.where(here, 1 + 0.08 * random.standard_normal() + 0.05 * wander, light)
-    fibres = 0.035 * bumps(shape, 512, 12, 81) + 0.035 * bumps(shape, 256, 6, 82) + 0.05 * bumps(shape, 40, 2, 84)
-    pores = np.clip(bumps(shape, 512, 60, 83) - 1.7, 0, 1.5)
-    joint = np.clip(np.minimum(across, 1 - across) / 0.008, 0, 1)
-    light = light * (1 + fibres) * (1 - 0.26 * years) * (1 - 0.20 * pores) * (0.55 + 0.45 * joint)
-    return np.stack([0.42 * light, 0.29 * light**1.06, 0.20 * light**1.12], axis=2)
+        wander = 0.012 * bumps(shape, 2 * boards, 3, 51 + k) + 0.004 * bumps(shape, 10 * boards, 8, 71 + k)
+        down = depth + change * (1 + bumps((1, side), 1, 2, 91 + k))
+        radius = rings_across * (np.sqrt((across - heart) ** 2 + down**2) + wander)
+        years = np.where(here, rings(radius + 0.06 * bumps(shape, 160, 10, 111 + k)), years)
+        light = np.where(here, random.uniform(0.86, 1.12) * (1 + 0.05 * bumps(shape, 3 * boards, 2, 131 + k)), light)
+    fibres = 0.05 * bumps(shape, 512, 14, 81) + 0.05 * bumps(shape, 256, 8, 82) + 0.04 * bumps(shape, 64, 4, 84)
+    pores = np.clip(bumps(shape, 512, 40, 83) - 1.3, 0, 1.2) * (0.5 + 0.8 * years)
+    joint = np.clip(np.minimum(across, 1 - across) / 0.006, 0, 1)
+    light = light * (1 + fibres) * (1 - 0.26 * years) * (1 - 0.34 * pores) * (0.5 + 0.5 * joint)
+    return np.stack([0.34 * light, 0.235 * light**1.08, 0.165 * light**1.14], axis=2)
 
 
-def room(columns=800, rows=360):
-    """A room out of focus: a window into a garden by day, its light on the wall, a plant, books, a lamp.
+def wall(columns=512, rows=256, width=8.0):
+    """A plastered wall on which the light of a window lies, soft as at some distance from it, with the shadow of its bars.
 
-    The sky in the window is white, and all in the room is much darker, as it is indoors.
+    Its columns begin at the middle of what is seen, and it repeats.
     """
-    from PIL import ImageDraw, ImageFilter
+    shape = (rows, columns)
+    y = (rows - np.arange(rows)[:, None] - 0.5) * width / columns + np.zeros(shape)  # m
+    x = ((np.arange(columns)[None, :] + 0.5) * width / columns + width / 2) % width - width / 2 + np.zeros(shape)
 
-    scale = 4  # drawn larger, so that edges fall between texels
-    image = Image.new("RGB", (columns, rows))
+    def soft(first, last, at, edge):
+        """1 between the two, over soft edges of this width."""
+        return 1 / (1 + np.exp((first - at) / edge)) - 1 / (1 + np.exp((last - at) / edge))
 
-    def layer():
-        big = Image.new("RGBA", (columns * scale, rows * scale), (0, 0, 0, 0))
-        pen = ImageDraw.Draw(big)
-
-        def shape(kind, points, colour):
-            where = [tuple(scale * c for c in p) for p in points]
-            getattr(pen, kind)(where if kind == "polygon" else [*where[0], *where[1]], fill=colour)
-
-        return big, shape
-
-    def over(below, big, blur):
-        small = big.resize((columns, rows), Image.Resampling.BOX)
-        for _ in range(3):
-            small = small.filter(ImageFilter.BoxBlur(blur))
-        return Image.alpha_composite(below.convert("RGBA"), small).convert("RGB")
-
-    random = np.random.Generator(np.random.PCG64(60))
-    # the wall, lighter beside the window
-    x, y = np.meshgrid(np.arange(columns), np.arange(rows))
-    near = np.exp(-(np.hypot((x - 160) / 190, (y - 110) / 170) ** 1.3))
-    wall = np.stack([34 + 66 * near, 39 + 64 * near, 40 + 56 * near], axis=2)
-    image = Image.fromarray(wall.astype(np.uint8))
-    # through the window: sky, trees
-    big, shape = layer()
-    shape("rectangle", [(70, 0), (250, 236)], (255, 255, 255, 255))
-    image = over(image, big, 3)
-    crowns = 168 + 22 * bumps((1, columns), 1, 14, 61) + 6 * bumps((1, columns), 1, 60, 62)  # of trees
-    leaves = 1 + 0.07 * bumps((rows, columns), 12, 26, 63) + 0.05 * bumps((rows, columns), 30, 66, 64)
-    garden = 1 / (1 + np.exp((crowns - y) / 7)) * ((x > 66) & (x < 254) & (y < 236))
-    green = leaves[..., None] * np.array([168, 186, 148]) * (1 - 0.25 * np.clip((y - 168) / 70, 0, 1))[..., None]
-    picture = np.asarray(image, np.float64)
-    picture += (green - picture) * 0.85 * garden[..., None]
-    image = Image.fromarray(np.clip(picture, 0, 255).astype(np.uint8))
-    big, shape = layer()
-    wood = (92, 88, 82, 255)
-    shape("polygon", [(0, 238), (282, 238), (282, 262), (0, 262)], wood)  # its sill, frame and bars
-    shape("rectangle", [(154, 0), (165, 238)], (112, 108, 104, 255))
-    shape("rectangle", [(62, 116), (258, 123)], (112, 108, 104, 255))
-    shape("rectangle", [(250, 0), (262, 238)], wood)
-    for left, right, lean, colour in ((0, 84, 14, (150, 128, 98)), (240, 290, -10, (104, 88, 68))):  # curtains in folds
-        folds = 6 if left == 0 else 5
-        for k in range(folds):
-            a, b = left + (right - left) * k / folds, left + (right - left) * (k + 1.05) / folds
-            shade = (1.0, 0.72, 0.9, 0.62, 0.84, 0.7)[k]
-            tone = tuple(int(shade * c) for c in colour)
-            shape("polygon", [(a, 0), (b, 0), (b + lean, 290), (a + lean, 290)], (*tone, 255))
-    for level, first in ((84, 600), (176, 600)):  # shelves with books
-        shape("rectangle", [(first, level), (columns, level + 8)], (56, 38, 26, 255))
-    covers = [(96, 40, 30), (40, 54, 72), (120, 96, 58), (60, 68, 46), (128, 122, 108), (72, 34, 40), (48, 42, 38)]
-    for level, first, last in ((84, 608, 725), (176, 640, 790)):
-        at = float(first)
-        while at < last:
-            wide, tall = random.uniform(8, 16), random.uniform(42, 70)
-            cover = covers[int(random.integers(len(covers)))]
-            shape("rectangle", [(at, level - tall), (at + wide - 1, level)], (*cover, 255))
-            at += wide
-    for _ in range(46):  # a plant
-        cx, cy = 500 + 34 * random.standard_normal(), 112 + 30 * random.standard_normal()
-        green, turn, long = int(random.uniform(30, 74)), random.uniform(-0.9, 0.9), random.uniform(16, 34)
-        dx, dy = np.sin(turn) * long, np.cos(turn) * long
-        leaf = [
-            (cx - dx, cy + dy),
-            (cx - 0.32 * dy, cy - 0.1 * dx),
-            (cx + dx, cy - dy),
-            (cx + 0.32 * dy, cy + 0.1 * dx),
-        ]
-        shape("polygon", leaf, (int(0.66 * green), green, int(0.42 * green), 255))
-    shape("polygon", [(472, 186), (528, 186), (518, 268), (482, 268)], (92, 58, 40, 255))
-    shape("polygon", [(700, 44), (748, 44), (764, 82), (684, 82)], (232, 184, 116, 255))  # a lamp
-    shape("rectangle", [(0, 258), (columns, rows)], (46, 35, 27, 255))  # a sideboard
-    image = over(image, big, 4)
-    image = image.point([round(255 * (v / 255) ** 1.3) for v in range(256)] * 3)  # white stays, the room becomes darker
-    image.putalpha(254)  # of a sprite without alpha, dark parts are transparent, and WebP leaves out an alpha of 255
-    return np.asarray(image, np.float64) / 255.0
+    along = x - 0.22 * y  # it falls in at a slant, so the upright bars lean
+    across = y + 0.10 * x
+    panes = sum(soft(a, a + 0.78, along, 0.055) for a in (0.10, 1.0))
+    panes = panes * sum(soft(a, a + 0.80, across, 0.055) for a in (0.55, 1.47, 2.39))
+    turn = 2 * np.pi / width  # periodic in x, as the image repeats
+    pool = np.exp(-2 * (1 - np.cos(turn * (x - 1.0))) / (4.5 * turn**2) - (y - 1.5) ** 2 / 3.0)
+    plaster = 1 + 0.03 * bumps(shape, 9, 17, 141) + 0.010 * bumps(shape, 110, 230, 142)
+    fill, sun = (0.12 + 0.20 * pool) * plaster, 0.28 * panes * plaster  # the fill is cool beside the sun
+    return np.stack([0.92 * fill + 1.04 * sun, 1.0 * fill + 1.0 * sun, 1.04 * fill + 0.92 * sun], axis=2)
 
 
 def flag(columns=600, rows=400, width=1.5, height=1.0):
@@ -262,6 +206,6 @@ if __name__ == "__main__":
     save(pot_soot(), "pot_soot.png")
     save(block_side(), "course/block_side.png")
     save(block_end(), "course/block_end.png")
-    save(table_top(), "course/table_top.webp")
-    save(room(), "course/room.webp", quality=90)
+    save(table_top(), "course/table_top.webp", quality=60)
+    save(wall(), "course/wall.webp", quality=90)
     save(flag(), "course/flag.png", 120)
