@@ -5,6 +5,8 @@ import pytest
 from gen_art.preset.estimate import estimate
 from gen_art.preset.load import load_preset
 from gen_art.preset.reader import read_text
+from gen_art.renderer.surfaces.light_parts import MIRROR_PARTS, OWN_PARTS
+from gen_art.renderer.surfaces.tiles import SUBPIXELS
 from gen_art.simulation import Simulation
 
 from .piece import TEXT
@@ -24,8 +26,10 @@ def test_the_estimate_agrees_with_the_simulation():
 
 
 def test_the_estimate_counts_what_surfaces_need():
-    """Of each pixel: the depths of surfaces, 4 float32; a mirror's picture and its pyramid, 4 float32 times 1 + 1/4 + 1/16 + ...;
-    with a lens the depths and the framebuffer once more, of at least 16 bytes each. Of two systems, only the one that glows."""
+    """Of each pixel: the depths of surfaces, 4 float32, and their light in parts, where none of them shows others; a mirror's picture
+    and its pyramid, 4 float32 times 1 + 1/4 + 1/16 + ..., how it is read, and the depths and parts of what it shows; with a lens the
+    depths and the framebuffer once more, of at least 16 bytes each. Of two systems, only the one that glows."""
+    depths, parts, read = 4 * SUBPIXELS, 4 * OWN_PARTS, 4 * MIRROR_PARTS
 
     def pixel(**keys):
         basis = {
@@ -35,10 +39,13 @@ def test_the_estimate_counts_what_surfaces_need():
         return estimate(load_preset({**basis, **keys})).pixel
 
     bare, ground = pixel(), pixel(ground="white")
-    assert ground - bare == 16
-    assert pixel(ground={"mirror": True}) - ground == pytest.approx(16 * 4 / 3, rel=0.05)
+    assert ground - bare == depths + parts
+    mirrored = 16 * 4 / 3 + read + depths + parts
+    assert pixel(ground={"mirror": True}) - ground == pytest.approx(mirrored, rel=0.02)
     assert pixel(camera={"lens": 0.1}) == bare and pixel(ground="white", camera={"lens": 0.1}) - ground >= 32
-    assert pixel(ground="white", camera={"supersample": 2}) - pixel(camera={"supersample": 2}) == 64
+    assert pixel(ground="white", camera={"supersample": 2}) - pixel(camera={"supersample": 2}) == 4 * (depths + parts)
     collider = {"sphere": {"look": "white"}}
     assert pixel(colliders=collider) == ground and pixel(colliders={"sphere": {}}) == bare
     assert pixel(colliders={"sphere": {"look": "white"}}, ground="white") == ground
+    smooth = {"sphere": {"look": {"roughness": 0.1}}}  # it shows the ground: light is not kept in parts
+    assert pixel(colliders=smooth, ground="white") == ground - parts
