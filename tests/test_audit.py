@@ -107,8 +107,8 @@ def test_thinning_scales_rates_counts_and_what_events_feed():
     from gen_art.preset.estimate import estimate
 
     assert max(estimate(few, "f64", 9.0).peak.values()) < 300
-    path = "systems.stars.emitters.bursts.choose.peony.count"
-    assert changes[path][0] == 380 and changes[path][1] % 2 == 0  # balanced pairs stay pairs
+    path = "systems.stars.emitters.peony.count"
+    assert changes[path][0] == 340 and changes[path][1] % 2 == 0  # balanced pairs stay pairs
     assert few.seed == full.seed and few.name == full.name
     assert thinned(few, 9.0, 300)[1] == {}
 

@@ -156,6 +156,11 @@ class Camera:
         distance = 1.25 * radius / math.tan(math.radians(20.0)) + half_extent[2]
         return cls(position=tuple(centre + (0.0, 0.0, distance)), target=tuple(centre))
 
+    @property
+    def moves(self) -> bool:
+        """Whether its view changes with time."""
+        return bool(self.spec.path) or self.spec.orbit is not None or self.spec.shake is not None
+
     def at(self, time: float = 0.0) -> CameraView:
         """The camera at film time `time` (seconds). Raises UsageError if it then stands at its target."""
         time = arguments.number("time", time, "s")

@@ -70,6 +70,11 @@ class Lighting:
             return None if self.of_scene else ONCE_MORE
         return None if chosen == "full" else float(chosen)
 
+    @property
+    def dark(self) -> bool:
+        """Whether no light comes from anywhere, not even from particles."""
+        return not (self.lamp.any() or self.ambient.any() or self.key.glow)
+
     def radiance(self, direction) -> np.ndarray:
         """(3,) light from a unit direction (3,), c0 + c1.w, not below 0."""
         return np.maximum(self.ambient[:, 0] + self.ambient[:, 1:] @ np.asarray(direction), 0.0)

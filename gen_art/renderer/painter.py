@@ -408,7 +408,7 @@ class Painter:
                     )
                 elif look.is_liquid:
                     liquids.append(LiquidSystem(look.liquid, look.liquid_finish, projected, velocities))
-                elif light is not None and projected.count:
+                elif light is not None and not light.dark and projected.count:
                     lit[name] = light, projected.used, columns
         scene = self.scene  # the mirror too: it shadows what it shows, and rays from behind do not meet it
         if bent is not NO_LENS and (solids or sheets or liquids or scene.surfaces):
@@ -511,6 +511,7 @@ class Painter:
         surfaces.draw(
             scene, casters, [*finishes, *of_liquids], of_lamp and of_lamp[:2], framebuffer, film, mirror, emitted, shadow,
             None if depths_only else hiding_particles(liquids), layers, not depths_only,
+            self.camera is not None and not self.camera.moves,
         )  # fmt: skip
         if liquids:
             if self._liquids is None:

@@ -18,13 +18,15 @@ class Sprites:
     rows : (capacity, 16) float32
     headers : (capacity, 6) int16
     depths : (capacity,) float32
-    texels : (n, 4) float32, the mipmap chains of all images
+    texels : (n, 4) float32, the mipmap chains of all images, which stay from picture to picture
     layered : whether any sprite hides what is behind it
     hidden_by : SurfaceDepths of the surfaces behind which sprites are hidden
     """
 
     def __init__(self):
         self._allocate(0)
+        self.texels = NO_TEXELS
+        self._chains: dict[object, int] = {}  # the first texel of each image
         self.clear()
 
     def _allocate(self, capacity: int) -> None:
@@ -33,7 +35,7 @@ class Sprites:
         self.depths = np.empty(capacity, np.float32)
 
     def clear(self) -> None:
-        self.count, self.layered, self.texels, self.hidden_by = 0, False, NO_TEXELS, NOTHING_HIDES
+        self.count, self.layered, self.hidden_by = 0, False, NOTHING_HIDES
 
     def _reserve(self, n: int) -> int:
         """Make room for n more sprites; returns the index of the first."""
@@ -71,15 +73,17 @@ class Sprites:
     def add_images(self, projected, picture, framebuffer) -> None:
         """Append a system's particles as images; `picture` is the look's entry."""
         image, _ = texels(picture.image.place)
-        first = len(self.texels)
-        self.texels = np.concatenate([self.texels, image])
+        if picture.image.place not in self._chains:
+            self._chains[picture.image.place] = len(self.texels)
+            self.texels = np.concatenate([self.texels, image])
+        first = self._chains[picture.image.place]
         side = round(((3 * len(image) + 1) / 4) ** 0.5)
         n, base = projected.count, self._reserve(projected.count)
         random_angle = picture.turn == "random"
         lo, hi = math.radians(picture.spin.lo), math.radians(picture.spin.hi)
         if n:
             write_image_sprites(
-                projected.channels, n, self.texels, first, side, 0.0 if random_angle else math.radians(picture.turn),
+                projected.channels, n, self.texels, first, side, first + len(image) - 1, 0.0 if random_angle else math.radians(picture.turn),
                 math.tau if random_angle else 0.0, lo, hi - lo, self.rows, self.headers, self.depths, base, framebuffer.width,
                 framebuffer.height, *self._hiding,
             )  # fmt: skip

@@ -47,6 +47,7 @@ from gen_art.renderer.surfaces.hiding import BEFORE, BEHIND, place_among_surface
 __all__ = ["NO_TEXELS", "read_texel", "texels", "write_image_sprites"]
 
 SIDE = 1024  # texels of the largest level
+LARGE = 512.0  # pixels of half a side, from which on no texel is smaller than a pixel
 NO_TEXELS = np.zeros((1, 4), np.float32)
 
 F1, F2, F3 = (ti.types.ndarray(ti.f32, n) for n in (1, 2, 3))
@@ -105,14 +106,14 @@ def read_texel(T: ti.template(), start, side, u, v, c):
 
 @ti.kernel
 def _write_image_sprites(
-    C: F2, n: ti.i32, T: F2, first: ti.i32, largest: ti.i32, angle0: ti.f32, angle_range: ti.f32, spin0: ti.f32,
+    C: F2, n: ti.i32, T: F2, first: ti.i32, largest: ti.i32, only: ti.i32, angle0: ti.f32, angle_range: ti.f32, spin0: ti.f32,
     spin_range: ti.f32, P: F2, headers: H2, depths: F1, base: ti.i32, width: ti.i32, frame_height: ti.i32, bounds: F3,
     pixel: ti.f32, parallel: ti.i32,
 ):  # fmt: skip
     """Fill sprite rows base.. from n projected particles whose look is an image.
 
     C : (11, n) channels of the particles; AGE and RANDOM stand in the channels DX and DY
-    T : (m, 4) texels; the chain begins at row `first` with a level of `largest` x `largest`
+    T : (m, 4) texels; the chain begins at row `first` with a level of `largest` x `largest` and ends at row `only`, their mean
     bounds, pixel, parallel : of SurfaceDepths
     angle0, angle_range : radians, a particle's angle at birth is angle0 + angle_range * its random number
     spin0, spin_range : radians/s, the same for its rate of rotation
@@ -144,14 +145,19 @@ def _write_image_sprites(
                     start, side = start + side * side, side // 2
                 extent = half_side * (abs(a) + abs(b)) * (1.0 + 1.0 / ti.cast(side, ti.f32))
                 texel = ti.cast(side, ti.f32) * 0.5
-                total = 0.0
-                for k in range(ti.cast(ti.floor(y - extent), ti.i32), ti.cast(ti.floor(y + extent), ti.i32) + 1):
-                    q = (ti.cast(k, ti.f32) + 0.5 - y) / half_side
-                    for m in range(ti.cast(ti.floor(x - extent), ti.i32), ti.cast(ti.floor(x + extent), ti.i32) + 1):
-                        p = (ti.cast(m, ti.f32) + 0.5 - x) / half_side
-                        total += read_texel(
-                            T, start, side, (1.0 + p * a - q * b) * texel, (1.0 + p * b + q * a) * texel, 3
-                        )
+                # of its coverage: of a large image the integral, of a small one the sum over its pixels
+                total = T[only, 3] * 4.0 * half_side * half_side
+                if half_side < LARGE:
+                    total = 0.0
+                    for k in range(ti.cast(ti.floor(y - extent), ti.i32), ti.cast(ti.floor(y + extent), ti.i32) + 1):
+                        q = (ti.cast(k, ti.f32) + 0.5 - y) / half_side
+                        for m in range(
+                            ti.cast(ti.floor(x - extent), ti.i32), ti.cast(ti.floor(x + extent), ti.i32) + 1
+                        ):
+                            p = (ti.cast(m, ti.f32) + 0.5 - x) / half_side
+                            total += read_texel(
+                                T, start, side, (1.0 + p * a - q * b) * texel, (1.0 + p * b + q * a) * texel, 3
+                            )
                 P[i, X], P[i, Y], P[i, FOOTPRINT], P[i, COSINE], P[i, SINE] = x, y, half_side, a, b
                 for e in ti.static((RED, GREEN, BLUE, ALPHA)):
                     P[i, e] = C[e, c]

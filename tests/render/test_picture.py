@@ -148,3 +148,46 @@ def test_a_picture_goes_with_its_draw(folder):
         Look(draw="disc", picture="arrow.png")
     with pytest.raises(ValidationError, match="need each other"):
         Look(draw="picture")
+
+
+def test_a_large_picture_gives_its_energy(folder):
+    """Its coverage is not summed over its pixels. Mutants: no factor 4; the mean of another image of the picture."""
+    camera, size = Camera(position=(0, 0, 10), height=1300.0), (1300, 1300)
+    square = np.full((8, 8, 4), 255, np.uint8)
+    Image.fromarray(square).save(folder / "square.png")
+    for before in ([], ["square.png"]):
+        looks = {"a": Look(draw="picture", picture="arrow.png", radius=620.0)}
+        looks |= {f"b{k}": Look(draw="picture", picture=name, radius=1.0) for k, name in enumerate(before)}
+        systems = {f"b{k}": state([[-640, 640, 0]]) for k in range(len(before))} | {"a": state([[0, 0, 0]])}
+        got = Painter(size, camera, looks).paint(scene(1.0, **systems), 0.0)[..., 0].sum(dtype=float)
+        assert got == pytest.approx(4 * 620.0**2 * texels(folder / "arrow.png")[1] + 4 * len(before), rel=1e-4)
+
+
+def test_pictures_stay_what_they_are_from_frame_to_frame(folder):
+    """Two images in either order of drawing. Mutant: the second picture begins where the first one does."""
+    Image.fromarray(np.full((8, 8, 4), 255, np.uint8)).save(folder / "square.png")
+    looks = {name: Look(draw="picture", picture=f"{name}.png", radius=20.0) for name in ("arrow", "square")}
+    painter = Painter(SIZE, PIXELS, looks)
+    one, two = state([[-50, 0, 0]]), state([[50, 0, 0]])
+    first = np.array(painter.paint(scene(1.0, arrow=one, square=two), 0.0))
+    painter.paint(scene(1.0, square=two), 0.0)
+    assert (painter.paint(scene(1.0, arrow=one, square=two), 0.0) == first).all()
+    assert not (first[:, :150] == first[:, 150:]).all()
+
+
+def test_a_picture_in_no_light_shows_its_own(folder):
+    """`light` without any light costs nothing and changes nothing. Mutant: `dark` where the lamp shines."""
+    look = {
+        "blend": "alpha",
+        "radius": 20.0,
+        "opacity": 1,
+        "albedo": "white",
+        "emission": {"color": "white", "intensity": 0.5},
+    }
+    dark = {"intensity": 0, "ambient_intensity": 0}
+    unlit, faint, bright = (
+        paint({**look, "light": dark | more}, [[0, 0, 0], [60, 30, 5]])
+        for more in ({}, {"ambient_intensity": 1e-9}, {"ambient_intensity": 1})
+    )
+    assert unlit == pytest.approx(faint, abs=1e-6) and unlit.max() > 0.4
+    assert bright.sum() > 1.01 * unlit.sum()

@@ -110,7 +110,7 @@ class SurfacePass:
     def draw(
         self, scene: Scene, casters: ShadowCasters, finishes: Sequence[Finish], smoke, framebuffer,
         film: MirrorFilm = NO_MIRROR, clip=None, emitted: EmittedLight | None = None, liquid: LiquidShadow = NO_LIQUID,
-        hidden_by=None, layers: SurfaceLayers | None = None, shaded: bool = True,
+        hidden_by=None, layers: SurfaceLayers | None = None, shaded: bool = True, resting_view: bool = False,
     ) -> None:  # fmt: skip
         """Draw the surfaces of a scene, solids and cloth into a clear framebuffer.
 
@@ -124,6 +124,7 @@ class SurfacePass:
         hidden_by : (positions, extinction cross sections, radii) of their particles, which hide the sky, or None
         layers : which are filled, or None
         shaded : whether the picture is drawn; else the depths alone are found
+        resting_view : whether the next pictures are drawn from the same view
         """
         view, time, rows, light, bins = casters.view, casters.time, casters.rows, casters.light, casters.bins
         if clip is None and shaded:
@@ -169,7 +170,13 @@ class SurfacePass:
             return
         a, wanted, occluders = self.arrays, layers or NO_LAYERS, sky_occluders(scene.surfaces, _THROUGH)
         parts, drawn_with = None, numbers
-        if shaded and not (follows or cloth.any or liquid is not NO_LIQUID or glow is not None or layers is not None):
+        changes = follows or cloth.any or liquid is not NO_LIQUID or glow is not None or layers is not None
+        if (
+            resting_view
+            and shaded
+            and not changes
+            and not any(look.waves for look in looks if isinstance(look, SurfaceLook))
+        ):
             parts, drawn_with = self._light_parts(mirror >= 0), _without_smoke(numbers, scene.surfaces)
             resting = parts.rest(
                 casters.terms, drawn_with, a.colliders, owners, a.materials, a.shares, a.solids, a.sky, a.open_sky, a.dome,

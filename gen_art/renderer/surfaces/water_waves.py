@@ -26,6 +26,8 @@ __all__ = ["mean_reflected", "patch_rows", "wave_rows", "wave_slope"]
 _PATCH_SINES = 24  # that make the water uneven
 _WORD = 2**64 - 1
 _GRAVITY, _TENSION = 9.81, 7.28e-5  # m/s^2; surface tension over density of water, m^3/s^2
+NOTHING_LEFT = 20.0  # exp(-20), a pixel's part of a wave that float32 no longer shows beside others
+
 # channels of the random numbers: of waves, and of the sines that make the water uneven
 _DIRECTION, _LENGTH, _PHASE, _PATCH_DIRECTION, _PATCH_LENGTH, _PATCH_PHASE = range(6)
 
@@ -76,8 +78,11 @@ def _sine_over_pixel(W: ti.template(), k, place, east, south):
     number = ti.Vector([W[k, 0], W[k, 1]])
     # the pixel as a Gaussian with the variance of its square
     a, b = number.dot(east), number.dot(south)
-    kept = exp(-(a * a + b * b) * (1.0 / 24.0))
-    return number, W[k, 2] * kept * cos(number.dot(place) + W[k, 3]), kept
+    narrow, wave, kept = (a * a + b * b) * (1.0 / 24.0), 0.0, 0.0
+    if narrow < NOTHING_LEFT:
+        kept = exp(-narrow)
+        wave = W[k, 2] * kept * cos(number.dot(place) + W[k, 3])
+    return number, wave, kept
 
 
 @ti.func
