@@ -5,10 +5,11 @@
 The lower half of each is its upper half mirrored: water hides it, and a mirror, which does not turn images upside down, shows it.
 """
 
+from pathlib import Path
+
 import numpy as np
 from make_lake_images import fractal, noise
 from PIL import Image, ImageDraw
-from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parent.parent / "presets"
 

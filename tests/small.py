@@ -13,8 +13,8 @@ SMALL: dict[str, dict] = {
         "clock.preroll": 0.00051135,
     },
     "charged": {
-        "systems.ions.emitters.outer.rate": 2e7,
-        "systems.ions.emitters.inner.rate": 2e7,
+        "systems.ions.emitters.many.rate": 2e6,
+        "systems.cloud.emitters.many.rate": 1e8,
         "clock.preroll": 2e-5,
     },
 }

@@ -4,7 +4,7 @@ The one-letter names in kernels are in docs/glossary.md.
 """
 
 from gen_art.backend.runtime import INDEX_MASK, kernel, ti
-from gen_art.renderer.tiled_splat import BIN
+from gen_art.renderer.picture_tiles import BIN
 
 __all__ = ["composite"]
 

@@ -6,8 +6,8 @@ The one-letter names in kernels are in docs/glossary.md.
 """
 
 from gen_art.backend.runtime import kernel, ti
+from gen_art.renderer.picture_tiles import BIN, TILE, TILES
 from gen_art.renderer.sprite import ALPHA, BLUE, FOOTPRINT, GREEN, NORM, RED, X, Y
-from gen_art.renderer.tiled_splat import BIN, TILE, TILES
 
 __all__ = ["WIDE", "draw_discs"]
 
@@ -39,14 +39,14 @@ def _profile(t):
 
 @ti.kernel
 def _draw_discs(
-    P: F2, entries: I1, tile_masks: I1, bounds: I1, across: ti.i32, bins: ti.i32, framebuffer: FLOATS, stride: ti.i32
+    P: F2, entries: I1, tile_masks: I1, firsts: I1, ends: I1, across: ti.i32, bins: ti.i32, framebuffer: FLOATS, stride: ti.i32,
 ):  # fmt: skip
-    """Draw each bin's discs, entries[bounds[bin]] to entries[bounds[bin + 1] - 1]; stride : vectors in a row of pixels"""
+    """Draw each bin's discs, entries[firsts[bin]] to entries[ends[bin] - 1]; stride : vectors in a row of pixels"""
     ti.loop_config(block_dim=1)
     for place in range(bins * TILES * TILES):
         bin, t = place // (TILES * TILES), place % (TILES * TILES)
         touched = 0
-        for k in range(bounds[bin], bounds[bin + 1]):
+        for k in range(firsts[bin], ends[bin]):
             touched |= tile_masks[k] >> t
         if touched & 1:
             x0, y0 = (bin % across) * BIN + (t % TILES) * TILE, (bin // across) * BIN + (t // TILES) * TILE
@@ -56,7 +56,7 @@ def _draw_discs(
             light, coverage = [_all(0.0) for _ in ti.static(range(PARTS))], [_all(0.0) for _ in ti.static(range(PARTS))]
             for v in ti.static(range(TILE * PARTS)):
                 tile[v] = framebuffer[corner + v // PARTS * stride + v % PARTS]
-            for k in range(bounds[bin], bounds[bin + 1]):
+            for k in range(firsts[bin], ends[bin]):
                 if (tile_masks[k] >> t) & 1:
                     i = entries[k]
                     x, inverse, norm = (

@@ -23,6 +23,7 @@ from gen_art.renderer.sprite import (
     BLUE,
     BOTTOM,
     COARSE_VARIANCE,
+    COVERED_DISC,
     DEPTH,
     DISC,
     DX,
@@ -135,7 +136,8 @@ def _sum(x, y, width, height, slope):
 
 @ti.kernel
 def _write_ellipses(
-    C: F2, E: F2, n: ti.i32, P: F2, headers: H2, depths: F1, base: ti.i32, width: ti.i32, height: ti.i32, bounds: F3,
+    C: F2, E: F2, n: ti.i32, P: F2, headers: H2, depths: F1, base: ti.i32, width: ti.i32, height: ti.i32, surface_bins: F3,
+    surface_tiles: F3,
     pixel: ti.f32, parallel: ti.i32,
 ):  # fmt: skip
     """Fill sprite rows base.. from n particles, as `write_sprites` does from discs.
@@ -156,9 +158,9 @@ def _write_ellipses(
             wide, partly_hidden = ti.sqrt(KERNEL_VARIANCE / ROUND_VARIANCE * (mean + spread)), 0.0
             if edge > 0.0:
                 wide = footprint + edge
-            if bounds.shape[0] > 0 and footprint > 0.0:
+            if surface_bins.shape[0] > 0 and footprint > 0.0:
                 thickness = footprint / FOOTPRINT_PER_RADIUS * pixel * ti.select(parallel == 1, 1.0, C[DEPTH, c])
-                among = place_among_surfaces(bounds, x, y, wide, C[DEPTH, c], thickness)
+                among = place_among_surfaces(surface_bins, surface_tiles, x, y, wide, C[DEPTH, c], thickness)
                 if among == BEHIND:
                     footprint = -1.0
                 elif among != BEFORE:
@@ -200,6 +202,8 @@ def _write_ellipses(
                 if right >= left and bottom >= top:
                     headers[i, LEFT], headers[i, RIGHT] = ti.cast(left, ti.i16), ti.cast(right, ti.i16)
                     headers[i, TOP], headers[i, BOTTOM] = ti.cast(top, ti.i16), ti.cast(bottom, ti.i16)
+                if kind == DISC and partly_hidden > 0.0:
+                    kind = COVERED_DISC
                 headers[i, LEVEL], headers[i, KIND] = ti.cast(level, ti.i16), ti.cast(kind, ti.i16)
 
 

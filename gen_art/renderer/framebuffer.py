@@ -9,10 +9,11 @@ from gen_art.backend.runtime import aligned, kernel, ti
 from gen_art.errors import MemoryRefused
 from gen_art.renderer import disc_splat, tiled_splat
 from gen_art.renderer.coarse_framebuffer import composite
+from gen_art.renderer.picture_tiles import BIN
 from gen_art.renderer.sprite import DISC, ELLIPSE, LEVEL
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES
-from gen_art.renderer.tiled_splat import BIN, CHUNKS, kind_bits
+from gen_art.renderer.tiled_splat import CHUNKS, kind_bits
 
 __all__ = ["FrameBuffer", "splat"]
 
@@ -70,32 +71,26 @@ class FrameBuffer:
     def draw(self, sprites: Sprites, order: np.ndarray, level: int, kinds: frozenset) -> np.ndarray:
         """Draw those of the sprites that belong to this framebuffer's level; returns which bins they touch, (down, across) bool.
 
-        kinds : the kinds of the sprites
+        kinds : the kinds of the sprites. Bins in which all are whole discs are drawn by vectors
         Raises MemoryRefused when the sprites touch 2^31 bins or more in all.
         """
-        all_seen = sprites.hidden_by is NOTHING_HIDES
         if level:
             kinds = kinds & OF_LEVELS
-        if kinds == DISCS and (level or all_seen):
-            return self._draw(sprites, order, level, DISCS, by_vectors=True)
-        if all_seen and not sprites.layered and DISC in kinds:  # light is added in any order
-            discs = self._draw(sprites, order, level, DISCS, by_vectors=True)
-            return discs | self._draw(sprites, order, level, kinds - DISCS)
+        if not sprites.layered and kinds > DISCS:  # light is added in any order
+            return self._draw(sprites, order, level, DISCS) | self._draw(sprites, order, level, kinds - DISCS)
         return self._draw(sprites, order, level, kinds)
 
-    def _draw(
-        self, sprites: Sprites, order: np.ndarray, level: int, kinds: frozenset, by_vectors: bool = False
-    ) -> np.ndarray:
+    def _draw(self, sprites: Sprites, order: np.ndarray, level: int, kinds: frozenset) -> np.ndarray:
         n, bins, listed = len(order), self.across * self.down, kind_bits(kinds)
         chunk = -(-n // CHUNKS)
-        counts = np.zeros((CHUNKS, bins), np.int32)
-        tiled_splat.count_bin_entries(sprites.headers, order, n, level, listed, chunk, self.across, counts)
+        counts, others = (np.zeros((CHUNKS, bins), np.int32) for _ in range(2))
+        tiled_splat.count_bin_entries(sprites.headers, order, n, level, listed, chunk, self.across, counts, others)
         bin_counts = counts.T.reshape(-1)
         ends = np.cumsum(bin_counts, dtype=np.int64)
         total = int(ends[-1])
-        touched = counts.any(axis=0).reshape(self.down, self.across)
+        touched = counts.any(axis=0)
         if total == 0:
-            return touched
+            return touched.reshape(self.down, self.across)
         if total >= 2**31:
             raise MemoryRefused(
                 f"one picture would need {total} sprite pieces, more than 2^31: make sprites or picture smaller"
@@ -108,17 +103,20 @@ class FrameBuffer:
         tiled_splat.list_bin_entries(
             sprites.headers, order, n, level, listed, chunk, self.across, starts, entries, tile_masks
         )
-        if by_vectors:
+        firsts, of_discs_alone = bounds[:-1].copy(), touched & ~others.any(axis=0)
+        if of_discs_alone.any():
             wide = disc_splat.WIDE
             disc_splat.draw_discs(
-                sprites.rows, entries, tile_masks, bounds, self.across, bins, self.buffer.reshape(-1, wide), self.stride // wide
+                sprites.rows, entries, tile_masks, firsts, np.where(of_discs_alone, bounds[1:], firsts), self.across, bins,
+                self.buffer.reshape(-1, wide), self.stride // wide,
             )  # fmt: skip
-        else:
+        if (touched & ~of_discs_alone).any():
             tiled_splat.draw_kernel(kinds, sprites.hidden_by is not NOTHING_HIDES)(
-                sprites.rows, sprites.texels, sprites.headers, entries, tile_masks, bounds, self.across, bins, self.buffer,
-                self.stride, sprites.depths, sprites.hidden_by.depths,
+                sprites.rows, sprites.texels, sprites.headers, entries, tile_masks, firsts,
+                np.where(of_discs_alone, firsts, bounds[1:]), self.across, bins, self.buffer, self.stride, sprites.depths,
+                sprites.hidden_by.depths,
             )  # fmt: skip
-        return touched
+        return touched.reshape(self.down, self.across)
 
     def composite(self, coarse: "FrameBuffer", touched: np.ndarray, over: bool) -> np.ndarray:
         """Composite a framebuffer of half the size over or under this one, where it was touched.

@@ -13,8 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from gen_art.maths.array_functions import cos, sin
+from gen_art.renderer.picture_tiles import TILE
 from gen_art.renderer.surfaces.hidden_sprites import SurfaceDepths
-from gen_art.renderer.surfaces.tiles import SUBPIXELS, TILE
+from gen_art.renderer.surfaces.pixel_rays import SUBPIXELS
 
 __all__ = ["draw_through_lens", "lens_shifts"]
 

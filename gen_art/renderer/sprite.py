@@ -25,7 +25,8 @@ from gen_art.renderer.surfaces.hiding import BEFORE, BEHIND, place_among_surface
 __all__ = ["AREA", "profile", "profile_integral", "rim_profile", "smooth_step", "streak_profile", "write_sprites"]
 
 # kinds of sprites
-POINT, DISC, STREAK, SPHERE, PICTURE, PIECE, ELLIPSE = range(7)
+# COVERED_DISC: a disc of which surfaces hide a part
+POINT, DISC, STREAK, SPHERE, PICTURE, PIECE, ELLIPSE, COVERED_DISC = range(8)
 KINDS = {
     "pixel": POINT,
     "point": POINT,
@@ -235,7 +236,7 @@ def choose_level(footprint, random):
 @ti.kernel
 def _write_sprites(
     C: F2, start: ti.i32, n: ti.i32, P: F2, headers: H2, depths: F1, base: ti.i32, width: ti.i32, height: ti.i32,
-    kind: ti.i32, ends: F2, min_footprint: ti.f32, bounds: F3, pixel: ti.f32, parallel: ti.i32,
+    kind: ti.i32, ends: F2, min_footprint: ti.f32, surface_bins: F3, surface_tiles: F3, pixel: ti.f32, parallel: ti.i32,
 ):  # fmt: skip
     """Fill sprite rows base.. from particles start..start + n: the covered pixels, and the norm of the weights.
 
@@ -244,7 +245,7 @@ def _write_sprites(
     headers : (n, 6) integers of the sprites
     ends : (2, n), or (2, 1) for all: a streak's brightness and width at its old end, divided by those at its head
     min_footprint : particles with a footprint of this many pixels or less are left out
-    bounds, pixel, parallel : of SurfaceDepths; no rows of bounds where no surfaces are drawn
+    surface_bins, surface_tiles, pixel, parallel : of SurfaceDepths; no rows where no surfaces are drawn
     """
     ti.loop_config(block_dim=1)
     for block in range((n + 2047) // 2048):
@@ -261,11 +262,11 @@ def _write_sprites(
             depths[i] = C[DEPTH, c]
             x, y, footprint, edge, dx, dy = C[X, c], C[Y, c], C[FOOTPRINT, c], C[EDGE, c], C[DX, c], C[DY, c]
             partly_hidden = 0.0
-            if bounds.shape[0] > 0 and footprint > min_footprint and footprint >= 0.0:
+            if surface_bins.shape[0] > 0 and footprint > min_footprint and footprint >= 0.0:
                 wide = ti.max(footprint + ti.max(edge, 0.0), 1.0)
                 thickness = wide / FOOTPRINT_PER_RADIUS * pixel * ti.select(parallel == 1, 1.0, C[DEPTH, c])
                 reach = wide + ti.select((kind == STREAK) | (kind == PIECE), ti.max(abs(dx), abs(dy)), 0.0)
-                among = place_among_surfaces(bounds, x, y, reach, C[DEPTH, c], thickness)
+                among = place_among_surfaces(surface_bins, surface_tiles, x, y, reach, C[DEPTH, c], thickness)
                 if among == BEHIND:
                     footprint = HIDDEN
                 elif among != BEFORE:
@@ -279,8 +280,9 @@ def _write_sprites(
                     left, right = x - footprint - edge, x + footprint + edge
                     top, bottom = y - footprint - edge, y + footprint + edge
                 elif footprint > 0.0 and ti.max(abs(dx), abs(dy)) < 1e-3:
-                    drawn_kind = DISC
+                    drawn_kind = COVERED_DISC
                     if partly_hidden == 0.0:  # smaller framebuffers have no depths of surfaces
+                        drawn_kind = DISC
                         level, footprint = choose_level(footprint, -edge)
                     scale = 1.0 / ti.cast(1 << level, ti.f32)
                     x, y = x * scale, y * scale

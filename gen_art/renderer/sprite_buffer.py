@@ -83,14 +83,16 @@ class Sprites:
         lo, hi = math.radians(picture.spin.lo), math.radians(picture.spin.hi)
         if n:
             write_image_sprites(
-                projected.channels, n, self.texels, first, side, first + len(image) - 1, 0.0 if random_angle else math.radians(picture.turn),
+                projected.channels, n, self.texels, first, side, first + len(image) - 1,
+                0.0 if random_angle else math.radians(picture.turn),
                 math.tau if random_angle else 0.0, lo, hi - lo, self.rows, self.headers, self.depths, base, framebuffer.width,
                 framebuffer.height, *self._hiding,
             )  # fmt: skip
 
     @property
     def _hiding(self) -> tuple:
-        return self.hidden_by.bounds, self.hidden_by.pixel, int(self.hidden_by.parallel)
+        hidden_by = self.hidden_by
+        return hidden_by.bins, hidden_by.tiles, hidden_by.pixel, int(hidden_by.parallel)
 
     @property
     def kinds(self) -> frozenset:

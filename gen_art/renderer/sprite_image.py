@@ -107,14 +107,15 @@ def read_texel(T: ti.template(), start, side, u, v, c):
 @ti.kernel
 def _write_image_sprites(
     C: F2, n: ti.i32, T: F2, first: ti.i32, largest: ti.i32, only: ti.i32, angle0: ti.f32, angle_range: ti.f32, spin0: ti.f32,
-    spin_range: ti.f32, P: F2, headers: H2, depths: F1, base: ti.i32, width: ti.i32, frame_height: ti.i32, bounds: F3,
+    spin_range: ti.f32, P: F2, headers: H2, depths: F1, base: ti.i32, width: ti.i32, frame_height: ti.i32, surface_bins: F3,
+    surface_tiles: F3,
     pixel: ti.f32, parallel: ti.i32,
 ):  # fmt: skip
     """Fill sprite rows base.. from n projected particles whose look is an image.
 
     C : (11, n) channels of the particles; AGE and RANDOM stand in the channels DX and DY
     T : (m, 4) texels; the chain begins at row `first` with a level of `largest` x `largest` and ends at row `only`, their mean
-    bounds, pixel, parallel : of SurfaceDepths
+    surface_bins, surface_tiles, pixel, parallel : of SurfaceDepths
     angle0, angle_range : radians, a particle's angle at birth is angle0 + angle_range * its random number
     spin0, spin_range : radians/s, the same for its rate of rotation
     """
@@ -127,9 +128,9 @@ def _write_image_sprites(
             depths[i] = C[DEPTH, c]
             x, y, half_side = C[X, c], C[Y, c], C[FOOTPRINT, c]
             P[i, THICKNESS] = 0.0
-            if bounds.shape[0] > 0 and half_side > 0.0:
+            if surface_bins.shape[0] > 0 and half_side > 0.0:
                 thickness = half_side * pixel * ti.select(parallel == 1, 1.0, C[DEPTH, c])
-                among = place_among_surfaces(bounds, x, y, 1.5 * half_side, C[DEPTH, c], thickness)
+                among = place_among_surfaces(surface_bins, surface_tiles, x, y, 1.5 * half_side, C[DEPTH, c], thickness)
                 if among == BEHIND:
                     half_side = 0.0
                 elif among != BEFORE:

@@ -15,6 +15,7 @@ from functools import cache
 
 from gen_art.backend.runtime import kernel, ti
 from gen_art.renderer.elliptic_splat import draw_ellipse
+from gen_art.renderer.picture_tiles import BIN, TILE, TILES
 from gen_art.renderer.piece_splat import draw_piece
 from gen_art.renderer.sprite import (
     ACROSS,
@@ -22,6 +23,7 @@ from gen_art.renderer.sprite import (
     BLUE,
     BOTTOM,
     COSINE,
+    COVERED_DISC,
     DISC,
     DX,
     DY,
@@ -59,11 +61,8 @@ from gen_art.renderer.sprite import (
 from gen_art.renderer.sprite_image import read_texel
 from gen_art.renderer.surfaces.hiding import visible_share
 
-__all__ = ["BIN", "CHUNKS", "TILE", "TILES", "count_bin_entries", "draw_kernel", "kind_bits", "list_bin_entries"]
+__all__ = ["CHUNKS", "count_bin_entries", "draw_kernel", "kind_bits", "list_bin_entries"]
 
-BIN = 32  # pixels along the side of a bin
-TILE = 8  # pixels along the side of a tile, the local array
-TILES = BIN // TILE  # tiles along the side of a bin
 CHUNKS = 16  # fixed, because the order of drawing must not depend on the number of threads
 TILE_FLOATS = 4 * TILE  # floats in a row of a tile
 
@@ -98,8 +97,17 @@ def _tiles_of(first, last, place):
 
 @ti.kernel
 def _count_bin_entries(
-    headers: H2, order: I1, n: ti.i32, level: ti.i32, kinds: ti.i32, chunk: ti.i32, across: ti.i32, counts: I2
+    headers: H2,
+    order: I1,
+    n: ti.i32,
+    level: ti.i32,
+    kinds: ti.i32,
+    chunk: ti.i32,
+    across: ti.i32,
+    counts: I2,
+    others: I2,
 ):
+    """Count the sprites in each bin, (chunks, bins), and say in `others` where there are any but whole discs."""
     ti.loop_config(block_dim=1)
     for c in range(CHUNKS):
         for j in range(c * chunk, ti.min((c + 1) * chunk, n)):
@@ -107,6 +115,8 @@ def _count_bin_entries(
             for y in range(y0, y1 + 1):
                 for x in range(x0, x1 + 1):
                     counts[c, y * across + x] = counts[c, y * across + x] + 1
+                    if ti.cast(headers[order[j], KIND], ti.i32) != DISC:
+                        others[c, y * across + x] = 1
 
 
 @ti.kernel
@@ -278,22 +288,23 @@ def draw_kernel(kinds: frozenset, surfaces_hide: bool):
 
     @ti.kernel
     def draw(
-        P: F2, T: F2, headers: H2, entries: I1, tile_masks: I1, bounds: I1, across: ti.i32, bins: ti.i32, framebuffer: F1,
-        stride: ti.i32, depths: F1, surfaces: F3,
+        P: F2, T: F2, headers: H2, entries: I1, tile_masks: I1, firsts: I1, ends: I1, across: ti.i32, bins: ti.i32,
+        framebuffer: F1, stride: ti.i32, depths: F1, surfaces: F3,
     ):  # fmt: skip
+        """Draw each bin's sprites, entries[firsts[bin]] to entries[ends[bin] - 1]."""
         ti.loop_config(block_dim=1)
         for place in range(
             bins * TILES * TILES
         ):  # one tile per iteration, not one bin: compiling takes a third of the time
             bin, t = place // (TILES * TILES), place % (TILES * TILES)
-            if bounds[bin + 1] > bounds[bin]:
+            if ends[bin] > firsts[bin]:
                 ox, oy = (bin % across) * BIN + (t % TILES) * TILE, (bin // across) * BIN + (t // TILES) * TILE
                 tile = ti.Vector([0.0] * (TILE * TILE_FLOATS))
                 before = ti.Vector([0.0] * (TILE * TILE_FLOATS if surfaces_hide else 1))
                 for row in range(TILE):
                     for j in range(TILE_FLOATS):
                         tile[row * TILE_FLOATS + j] = framebuffer[(oy + row) * stride + ox * 4 + j]
-                for k in range(bounds[bin], bounds[bin + 1]):
+                for k in range(firsts[bin], ends[bin]):
                     if (tile_masks[k] >> t) & 1:
                         i = entries[k]
                         kind = ti.cast(headers[i, KIND], ti.i32)
@@ -306,8 +317,8 @@ def draw_kernel(kinds: frozenset, surfaces_hide: bool):
                         if ti.static(POINT in kinds):
                             if kind == POINT:
                                 _point(P, i, tile, x, y)
-                        if ti.static(DISC in kinds):
-                            if kind == DISC:
+                        if ti.static(DISC in kinds or COVERED_DISC in kinds):
+                            if kind == DISC or kind == COVERED_DISC:  # noqa: SIM109 - no kernel knows tuples
                                 _disc(P, i, tile, x, y, top, bottom)
                         if ti.static(STREAK in kinds):
                             if kind == STREAK:

@@ -6,7 +6,7 @@ from gen_art.preset.estimate import estimate
 from gen_art.preset.load import load_preset
 from gen_art.preset.reader import read_text
 from gen_art.renderer.surfaces.light_parts import MIRROR_PARTS, OWN_PARTS
-from gen_art.renderer.surfaces.tiles import SUBPIXELS
+from gen_art.renderer.surfaces.pixel_rays import SUBPIXELS
 from gen_art.simulation import Simulation
 
 from .piece import TEXT

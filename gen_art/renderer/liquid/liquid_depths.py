@@ -4,9 +4,10 @@ The one-letter names in kernels are in docs/glossary.md.
 """
 
 from gen_art.backend.runtime import kernel, ti
+from gen_art.renderer.picture_tiles import TILE
+from gen_art.renderer.surfaces.pixel_rays import SUBPIXELS
 from gen_art.renderer.surfaces.scene_numbers import PARALLEL
 from gen_art.renderer.surfaces.solids import NEVER
-from gen_art.renderer.surfaces.tiles import SUBPIXELS, TILE
 
 __all__ = ["put_depths"]
 

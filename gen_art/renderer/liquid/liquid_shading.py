@@ -17,9 +17,11 @@ from gen_art.backend.kernel_views import particle as arrays
 from gen_art.backend.runtime import kernel, ti
 from gen_art.maths.elementary import exp
 from gen_art.renderer.liquid.smoothing import STEP_DEPTH, STEP_SLOPE
+from gen_art.renderer.picture_tiles import TILE
 from gen_art.renderer.sky_table import sky_radiance
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms
 from gen_art.renderer.surfaces.collider_sets import every_caster
+from gen_art.renderer.surfaces.pixel_rays import SUBPIXELS
 from gen_art.renderer.surfaces.scene_numbers import (
     FORWARD,
     PARALLEL,
@@ -37,7 +39,6 @@ from gen_art.renderer.surfaces.solids import NEVER
 from gen_art.renderer.surfaces.surface_detail import IOR, ROUGHNESS
 from gen_art.renderer.surfaces.surface_layers import LAYER_FLOATS, layers_of_place
 from gen_art.renderer.surfaces.surface_shading import air_between, layer_shares, surface_light
-from gen_art.renderer.surfaces.tiles import SUBPIXELS, TILE
 
 __all__ = ["LIQUID_NUMBERS", "draw_liquid_kernel"]
 

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen_art.backend.runtime import kernel, ti
+from gen_art.renderer.picture_tiles import BIN
 from gen_art.renderer.shading import LIT_RADIUS
 from gen_art.renderer.sprite import DEPTH, FOOTPRINT, X, Y
 from gen_art.renderer.surfaces.scene_numbers import PARALLEL, ROWS, SCALE, WIDTH
 
 __all__ = ["BIN", "ENTRY_FLOATS", "LEAST_REACH", "NEAREST", "ParticleBins", "outline"]
 
-BIN = 32  # pixels along the side of a bin
 CHUNKS = 16  # fixed, because the order of a bin's particles must not depend on the number of threads
 ENTRY_FLOATS = 4  # pixel (2), depth, radius (m)
 LEAST_REACH = 1.2  # pixels: the least radius over which a particle's volume is spread

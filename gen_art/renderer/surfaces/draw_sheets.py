@@ -5,6 +5,8 @@ The one-letter names in kernels are in docs/glossary.md.
 
 # ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from gen_art.backend.runtime import ti
+from gen_art.renderer.picture_tiles import TILE
+from gen_art.renderer.surfaces.pixel_rays import FACETS, SUBPIXELS, ray_limits, subpixel
 from gen_art.renderer.surfaces.scene_numbers import (
     FORWARD,
     PARALLEL,
@@ -30,7 +32,6 @@ from gen_art.renderer.surfaces.sheet_rows import (
 from gen_art.renderer.surfaces.surface_axes import pixel_steps
 from gen_art.renderer.surfaces.surface_detail import IMAGE
 from gen_art.renderer.surfaces.surface_images import has_image, image_over
-from gen_art.renderer.surfaces.tiles import FACETS, SUBPIXELS, TILE, ray_limits, subpixel
 from gen_art.renderer.surfaces.triangles import corner, depth_of, edge_functions, edges_at, triangle_crossed
 
 __all__ = ["middle_distance", "sheet_material", "sheet_velocity", "trace_face"]

@@ -12,11 +12,13 @@ from functools import cache
 from gen_art.backend.kernel_views import particle as arrays
 from gen_art.backend.runtime import kernel, ti
 from gen_art.colliders.plane import Plane
+from gen_art.renderer.picture_tiles import BIN, TILE, TILES
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms
 from gen_art.renderer.surfaces.collider_sets import every_caster
 from gen_art.renderer.surfaces.draw_sheets import middle_distance, trace_face
 from gen_art.renderer.surfaces.even_tiles import NODES, even_light, is_even, may_be_even, node_pixel
 from gen_art.renderer.surfaces.lamp_shadows import SOLIDS_OF_TILE
+from gen_art.renderer.surfaces.pixel_rays import FACETS, SUBPIXELS
 from gen_art.renderer.surfaces.ray_tree import LIGHT_PARTS, light_along, shows_edges
 from gen_art.renderer.surfaces.scene_numbers import FORWARD, MIRROR, ROWS, WIDTH, vector_at
 from gen_art.renderer.surfaces.solids import NEVER
@@ -33,7 +35,6 @@ from gen_art.renderer.surfaces.tile_rays import (
     trace_colliders,
     trace_solids,
 )
-from gen_art.renderer.surfaces.tiles import BIN, FACETS, SUBPIXELS, TILE, TILES
 
 __all__ = ["draw_kernel"]
 

@@ -5,6 +5,7 @@ The one-letter names in kernels are in docs/glossary.md.
 
 from gen_art.backend.runtime import ti
 from gen_art.preset.surface import TRACED_ROUGHNESS
+from gen_art.renderer.picture_tiles import TILE
 from gen_art.renderer.surfaces.collider_rays import without_itself
 from gen_art.renderer.surfaces.ray_tree import LIGHT_PARTS
 from gen_art.renderer.surfaces.scene_numbers import LAMP_TANGENT, LIQUID_CELL, PHOTON_CELL, SCALE
@@ -19,7 +20,6 @@ from gen_art.renderer.surfaces.surface_detail import (
     TRANSMISSION,
     WAVES,
 )
-from gen_art.renderer.surfaces.tiles import TILE
 
 __all__ = ["NODES", "even_light", "is_even", "may_be_even", "node_pixel"]
 

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen_art.backend.runtime import kernel, ti
+from gen_art.renderer.picture_tiles import TILES
 from gen_art.renderer.sprite import ALPHA, BLUE, DEPTH, FOOTPRINT, GREEN, HIDDEN, RED, X, Y
 from gen_art.renderer.surfaces.hiding import visible_share
 
 __all__ = ["NOTHING_HIDES", "SurfaceDepths", "hide_small_sprites"]
 
-TILES = 4  # tiles along the side of a bin of the framebuffer
 
 F2, F3 = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.f32, 3)
 
@@ -27,13 +27,14 @@ class SurfaceDepths:
     """The distances of surfaces along the line of sight.
 
     depths : (rows, columns, SUBPIXELS)
-    bounds : (down, across, 2), the least and the largest of each bin of the framebuffer
+    bins, tiles : (down, across, 2), the least and the largest of each bin and of each tile of the framebuffer
     pixel : world units of a pixel (orthographic), or per unit of distance (perspective)
     parallel : whether the camera is orthographic
     """
 
     depths: np.ndarray
-    bounds: np.ndarray
+    bins: np.ndarray
+    tiles: np.ndarray
     pixel: float
     parallel: bool
 
@@ -44,7 +45,7 @@ class SurfaceDepths:
         tiles : (down, across, 2), the least and the largest depth of each tile
         """
         low, high = _by_bins(tiles[..., 0], np.minimum), _by_bins(tiles[..., 1], np.maximum)
-        return cls(depths, np.stack([low, high], axis=2), pixel, parallel)
+        return cls(depths, np.stack([low, high], axis=2), tiles, pixel, parallel)
 
 
 def _by_bins(values: np.ndarray, reduce) -> np.ndarray:
@@ -54,7 +55,7 @@ def _by_bins(values: np.ndarray, reduce) -> np.ndarray:
     return values
 
 
-NOTHING_HIDES = SurfaceDepths(np.zeros((1, 1, 1), np.float32), np.zeros((0, 1, 2), np.float32), 1.0, False)
+NOTHING_HIDES = SurfaceDepths(np.zeros((1, 1, 1), np.float32), *(np.zeros((0, 1, 2), np.float32),) * 2, 1.0, False)
 
 
 @ti.kernel

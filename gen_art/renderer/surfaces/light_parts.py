@@ -13,12 +13,13 @@ import numpy as np
 from gen_art.backend.kernel_views import particle as arrays
 from gen_art.backend.runtime import kernel, ti
 from gen_art.maths.elementary import exp
+from gen_art.renderer.picture_tiles import TILE
+from gen_art.renderer.surfaces.pixel_rays import SUBPIXELS
 from gen_art.renderer.surfaces.scene_numbers import CAMERA, ROWS, SMOKE_SHAPE, WIDTH, vector_at
 from gen_art.renderer.surfaces.solids import NEVER
 from gen_art.renderer.surfaces.surface_light import smoke_depth
 from gen_art.renderer.surfaces.surface_shading import mirror_film_at
 from gen_art.renderer.surfaces.tile_rays import depth_along, middle_ray
-from gen_art.renderer.surfaces.tiles import SUBPIXELS, TILE
 
 __all__ = ["MIRROR_PARTS", "OWN_PARTS", "LightParts"]
 

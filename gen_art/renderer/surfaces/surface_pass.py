@@ -8,6 +8,7 @@ import numpy as np
 from gen_art.preset.surface import TRACED_ROUGHNESS, Finish, SurfaceLook
 from gen_art.renderer.colour import linear
 from gen_art.renderer.emissive_lighting import EmittedLight
+from gen_art.renderer.picture_tiles import BIN, TILE
 from gen_art.renderer.surfaces.caustics import caustic_photons
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.draw_surfaces import draw_kernel
@@ -17,6 +18,7 @@ from gen_art.renderer.surfaces.light_parts import MIRROR_PARTS, OWN_PARTS, Light
 from gen_art.renderer.surfaces.liquid_shadow import NO_LIQUID, LiquidShadow
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm, blur_points
 from gen_art.renderer.surfaces.photon_cells import NO_PHOTONS
+from gen_art.renderer.surfaces.pixel_rays import SUBPIXELS
 from gen_art.renderer.surfaces.reflection import reflected_share
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.scene_numbers import (
@@ -54,7 +56,6 @@ from gen_art.renderer.surfaces.surface_detail import (
 )
 from gen_art.renderer.surfaces.surface_layers import NO_LAYERS, SurfaceLayers
 from gen_art.renderer.surfaces.surface_maps import NO_MAPS, SurfaceMaps
-from gen_art.renderer.surfaces.tiles import BIN, SUBPIXELS, TILE
 from gen_art.renderer.surfaces.view_problems import check_camera, check_distances
 
 __all__ = ["SurfacePass"]
@@ -168,9 +169,10 @@ class SurfacePass:
             self.bounds.fill(NEVER)
             self.forget()
             return
+        of_glow = (NO_GLOW if glow is None else glow).arrays
         a, wanted, occluders = self.arrays, layers or NO_LAYERS, sky_occluders(scene.surfaces, _THROUGH)
         parts, drawn_with = None, numbers
-        changes = follows or cloth.any or liquid is not NO_LIQUID or glow is not None or layers is not None
+        changes = follows or cloth.any or liquid is not NO_LIQUID or layers is not None
         if (
             resting_view
             and shaded
@@ -180,7 +182,7 @@ class SurfacePass:
             parts, drawn_with = self._light_parts(mirror >= 0), _without_smoke(numbers, scene.surfaces)
             resting = parts.rest(
                 casters.terms, drawn_with, a.colliders, owners, a.materials, a.shares, a.solids, a.sky, a.open_sky, a.dome,
-                occluders, maps.texels, maps.waves,
+                occluders, maps.texels, maps.waves, *of_glow,
             )  # fmt: skip
         if parts is None:
             self.forget()
@@ -194,7 +196,7 @@ class SurfacePass:
                 a.liquid_first, a.liquid_depths, places.starts, filled(places.solids), photons.rows, photons.starts,
                 filled(cloth.corners), filled(cloth.faces), filled(cloth.looks), cloth.grid, cloth.starts,
                 filled(cloth.listed), filled(of_faces), face_starts, filled(bin_faces),
-                *(NO_GLOW if glow is None else glow).arrays, occluders, maps.texels, maps.waves, film.depths, wanted.values,
+                *of_glow, occluders, maps.texels, maps.waves, film.depths, wanted.values,
                 wanted.earlier, wanted.solids, wanted.corners, own_light, mirrored,
             )  # fmt: skip
         if parts is not None:

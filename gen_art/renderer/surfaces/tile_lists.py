@@ -8,9 +8,11 @@ from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
 from gen_art.colliders.plane import Plane
 from gen_art.colliders.surface import to_start_frame
+from gen_art.renderer.picture_tiles import TILE
 from gen_art.renderer.surfaces.collider_rays import cast_by, cone_contact, ray_in_start_frame
 from gen_art.renderer.surfaces.collider_sets import MOST_BITS, with_collider
 from gen_art.renderer.surfaces.lamp_shadows import SOLIDS_OF_TILE, shadow_cell
+from gen_art.renderer.surfaces.pixel_rays import SUBPIXELS, ray_limits
 from gen_art.renderer.surfaces.scene_numbers import (
     BIN_SHAPE,
     CAMERA,
@@ -25,7 +27,6 @@ from gen_art.renderer.surfaces.scene_numbers import (
 )
 from gen_art.renderer.surfaces.sky_occlusion import FARTHEST_OCCLUDER
 from gen_art.renderer.surfaces.solids import BOUND, CENTER, NEVER, row_vector, solid_reaches_cone
-from gen_art.renderer.surfaces.tiles import SUBPIXELS, TILE, ray_limits
 
 __all__ = ["ball_of_tile", "colliders_in_tile", "covered_by", "solid_in_tile", "tile_casters"]
 

@@ -7,12 +7,13 @@ The one-letter names in kernels are in docs/glossary.md.
 
 # ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from gen_art.backend.runtime import ti
+from gen_art.renderer.picture_tiles import TILE
 from gen_art.renderer.surfaces.collider_rays import first_hit
+from gen_art.renderer.surfaces.pixel_rays import FACETS, SUBPIXELS, ray_limits, subpixel
 from gen_art.renderer.surfaces.ray_tree import shows_edges
 from gen_art.renderer.surfaces.scene_numbers import CAMERA, FORWARD, PARALLEL, SCALE, TIME, camera_ray, vector_at
 from gen_art.renderer.surfaces.solids import NEVER, solid_facet, solid_hit
 from gen_art.renderer.surfaces.tile_lists import colliders_in_tile, covered_by, solid_in_tile
-from gen_art.renderer.surfaces.tiles import FACETS, SUBPIXELS, TILE, ray_limits, subpixel
 
 __all__ = [
     "box_in_tile",

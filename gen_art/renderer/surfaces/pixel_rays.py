@@ -1,4 +1,4 @@
-"""How a picture is cut into bins and tiles, and the rays of a pixel.
+"""The rays of a pixel.
 
 The one-letter names in kernels are in docs/glossary.md.
 """
@@ -7,10 +7,8 @@ from gen_art.backend.runtime import ti
 from gen_art.renderer.surfaces.scene_numbers import CLIP, FAR, FORWARD, NEAR, PARALLEL, first_distance, vector_at
 from gen_art.renderer.surfaces.solids import NEVER
 
-__all__ = ["BIN", "FACETS", "SUBPIXELS", "TILE", "TILES", "ray_limits", "subpixel"]
+__all__ = ["FACETS", "SUBPIXELS", "ray_limits", "subpixel"]
 
-BIN, TILE = 32, 8  # pixels along the sides of a bin of the framebuffer and of a tile
-TILES = BIN // TILE
 SUBPIXELS = 4
 FACETS = 4  # an owner of a ray is a surface, solid or triangle, times this, plus the facet that the ray meets
 
