@@ -25,7 +25,7 @@ def test_there_are_enough_of_them():
         ("fire", {"develop.exposure": 1.0}),
         ("course/tower", {"camera.fov": 39}),
         ("course/bouncing_balls", {"systems.lead.look.radius": 0.07}),
-        ("course/penning_trap", {"seed": 1234}),
+        ("course/penning_trap", {"forces.magnetic_field": [0, 12.5, 0]}),
     ],
 )
 def test_a_changed_picture_is_noticed(name, change):

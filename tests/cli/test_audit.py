@@ -12,15 +12,15 @@ from gen_art.preset.load import load_preset
 
 
 def test_the_command_prints_both_forms(gen_art):
-    words = gen_art("audit", "charged", "--set", "clock.preroll=0", "--time", "0.1")
+    words = gen_art("audit", "charged", "--time", "0.1")
     assert words.status == 0 and "ledger at dt" in words.out and "Everything closes." in words.out
-    data = json.loads(gen_art("audit", "charged", "--set", "clock.preroll=0", "--time", "0.1", "--json").out)
+    data = json.loads(gen_art("audit", "charged", "--time", "0.1", "--json").out)
     assert data["problems"] == [] and data["positions"]["ions"]["order"] == pytest.approx(2, abs=0.2)
     assert gen_art("audit", "charged", "--time", "77").status == 2
     assert gen_art("audit", "chargd").status in (2, 3)
 
 
-SHORT = ("audit", "charged", "--set", "clock.preroll=0", "--time", "0.1")
+SHORT = ("audit", "charged", "--time", "0.1")
 
 
 def test_an_audit_is_drawn(gen_art, tmp_path):
