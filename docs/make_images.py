@@ -1,4 +1,4 @@
-"""Draws the images of presets: dirt on roof tiles, soot, wood, a sewn flag, a table, a wall. Run it from the root.
+"""Draws the images of presets: dirt on roof tiles, soot, wood, a sewn flag, a table. Run it from the root.
 
 Each is small, repeats where it has to, and comes out the same every time (NumPy's PCG64 with a fixed seed).
 """
@@ -136,30 +136,6 @@ def table_top(side=1024, boards=4):
     return np.stack([0.34 * light, 0.235 * light**1.08, 0.165 * light**1.14], axis=2)
 
 
-def wall(columns=512, rows=256, width=8.0):
-    """A plastered wall on which the light of a window lies, soft as at some distance from it, with the shadow of its bars.
-
-    Its columns begin at the middle of what is seen, and it repeats.
-    """
-    shape = (rows, columns)
-    y = (rows - np.arange(rows)[:, None] - 0.5) * width / columns + np.zeros(shape)  # m
-    x = ((np.arange(columns)[None, :] + 0.5) * width / columns + width / 2) % width - width / 2 + np.zeros(shape)
-
-    def soft(first, last, at, edge):
-        """1 between the two, over soft edges of this width."""
-        return 1 / (1 + np.exp((first - at) / edge)) - 1 / (1 + np.exp((last - at) / edge))
-
-    along = x - 0.22 * y  # it falls in at a slant, so the upright bars lean
-    across = y + 0.10 * x
-    panes = sum(soft(a, a + 0.78, along, 0.055) for a in (0.10, 1.0))
-    panes = panes * sum(soft(a, a + 0.80, across, 0.055) for a in (0.55, 1.47, 2.39))
-    turn = 2 * np.pi / width  # periodic in x, as the image repeats
-    pool = np.exp(-2 * (1 - np.cos(turn * (x - 1.0))) / (4.5 * turn**2) - (y - 1.5) ** 2 / 3.0)
-    plaster = 1 + 0.03 * bumps(shape, 9, 17, 141) + 0.010 * bumps(shape, 110, 230, 142)
-    fill, sun = (0.12 + 0.20 * pool) * plaster, 0.28 * panes * plaster  # the fill is cool beside the sun
-    return np.stack([0.92 * fill + 1.04 * sun, 1.0 * fill + 1.0 * sun, 1.04 * fill + 0.92 * sun], axis=2)
-
-
 def flag(columns=600, rows=400, width=1.5, height=1.0):
     """Three sewn stripes of bunting with hems, seams of two rows of stitches, and a canvas heading with eyelets."""
     v, u = np.mgrid[0:rows, 0:columns]
@@ -207,5 +183,4 @@ if __name__ == "__main__":
     save(block_side(), "course/block_side.png")
     save(block_end(), "course/block_end.png")
     save(table_top(), "course/table_top.webp", quality=60)
-    save(wall(), "course/wall.webp", quality=90)
     save(flag(), "course/flag.png", 120)
