@@ -6,5 +6,6 @@ from gen_art.colliders.capsule import Capsule
 from gen_art.colliders.plane import Plane
 from gen_art.colliders.sdf import SDF
 from gen_art.colliders.sphere import Sphere
+from gen_art.colliders.torus import Torus
 
-__all__ = ["COLLIDERS", "SDF", "Block", "Box", "Capsule", "Collider", "Plane", "Sphere", "collider"]
+__all__ = ["COLLIDERS", "SDF", "Block", "Box", "Capsule", "Collider", "Plane", "Sphere", "Torus", "collider"]

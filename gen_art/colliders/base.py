@@ -11,7 +11,7 @@ from gen_art.registry import Parameter, Parametric, Registry, param
 __all__ = ["ACTIONS", "COLLIDERS", "Collider", "collider"]
 
 COLLIDERS = Registry("collider")
-collider = COLLIDERS  # as a decorator: @collider("torus")
+collider = COLLIDERS  # as a decorator: @collider("egg")
 
 ACTIONS = ("bounce", "stick", "kill", "emit")
 

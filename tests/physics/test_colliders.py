@@ -9,6 +9,7 @@ import pytest
 
 import gen_art as ga
 from gen_art import ti
+from gen_art.renderer.surfaces.collider_rays import ColliderTerms, collider_distances
 
 C, F = ga.colliders, ga.forces
 R, G = 0.01, 9.81
@@ -240,6 +241,48 @@ def test_edges_of_a_block_and_ends_of_a_capsule():
     sim.step(1)
     assert np.allclose(sim["s"].velocity, [[3, 0, 0], [0, 0, 3]], atol=1e-10)
     closes(sim)
+
+
+def nearest_of_arc(points, center, radius, axis, toward, half):
+    """Distances of points (n, 3) from the middle line of an arc, by its nearest of 20,001 points."""
+    angle = np.linspace(-half, half, 20_001)
+    line = center + radius * (np.cos(angle)[:, None] * toward + np.sin(angle)[:, None] * np.cross(axis, toward))
+    return np.array([np.linalg.norm(line - x, axis=1).min() for x in points])
+
+
+@pytest.mark.parametrize("arc", [2 * np.pi, 4.5, 1.2])
+def test_the_distance_from_a_torus_is_that_from_its_arc(arc):
+    """The nearest of the sampled points is off by half their spacing s at most: sqrt(d^2 + s^2 / 4) - d < s^2 / (8 d)."""
+    axis = np.array([1.0, 2.0, -0.5]) / np.sqrt(5.25)
+    toward = np.cross(axis, [0, 0, 1.0])
+    toward /= np.linalg.norm(toward)
+    center, radius, tube = np.array([0.2, -0.1, 0.4]), 0.8, 0.15
+    ring = C.Torus(center, radius, tube, axis=3 * axis, arc=arc, toward=toward + 0.7 * axis)
+    points = np.random.default_rng(3).uniform(-1.5, 1.5, (200, 3))
+    found = collider_distances(ColliderTerms([ring]), points, 0.0)[:, 0]
+    true = nearest_of_arc(points, center, radius, axis, toward, arc / 2) - tube
+    assert np.abs(found - true).max() < 1e-5
+    wrong = nearest_of_arc(points, center, radius, axis, toward, arc / 2 * 0.9) - tube  # the mutant: a shorter arc
+    assert np.abs(found - wrong).max() > 1e-2
+
+
+def test_balls_bounce_off_a_torus_and_pass_through_its_hole_and_its_gap():
+    ring = C.Torus((0, 0, 0), 1.0, 0.2, restitution=1.0, arc=np.radians(270), toward=(1, 0, 0))
+    away = (0.2 + R) / np.sqrt(2)
+    x = [[1, 2, 0], [1 + away, 2, 0], [0, 2, 0], [-1, 2, 0]]  # its top, its side at 45 degrees, its hole, its gap
+    sim = simulation(x, [[0, -3, 0]] * 4, [ring], forces=[], dt=1.0)
+    sim.step(1)
+    assert np.allclose(sim["s"].velocity, [[0, 3, 0], [3, 0, 0], [0, -3, 0], [0, -3, 0]], atol=1e-10)
+    closes(sim)
+
+
+def test_a_torus_that_cannot_be_says_why():
+    with pytest.raises(ga.UsageError, match="at most as wide as its circle"):
+        C.Torus(radius=0.1, tube=0.2)
+    with pytest.raises(ga.UsageError, match="must not be along its axis"):
+        C.Torus(axis=(0, 2, 0), toward=(0, -1, 0))
+    with pytest.raises(ga.UsageError, match="axis must not be the zero vector"):
+        C.Torus(axis=(0, 0, 0))
 
 
 def test_fast_particles_do_not_pass_through():

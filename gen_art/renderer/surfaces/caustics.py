@@ -19,6 +19,7 @@ from gen_art.colliders.base import Collider
 from gen_art.colliders.box import Block
 from gen_art.colliders.capsule import Capsule
 from gen_art.colliders.sphere import Sphere
+from gen_art.colliders.torus import Torus
 from gen_art.maths.array_functions import cos, sin
 from gen_art.maths.elementary import exp, log
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms
@@ -141,6 +142,8 @@ def bounding_ball(collider: Collider, time: float) -> tuple[np.ndarray, float] |
     elif isinstance(collider, Capsule):
         a, b = np.array(v["a"], np.float64), np.array(v["b"], np.float64)
         center, radius = 0.5 * (a + b), 0.5 * math.dist(a, b) + float(v["radius"])
+    elif isinstance(collider, Torus):
+        center, radius = np.array(v["center"], np.float64), float(v["radius"] + v["tube"])
     elif isinstance(collider, Block):
         low, high = np.array(v["min"], np.float64), np.array(v["max"], np.float64)
         center, radius = 0.5 * (low + high), 0.5 * math.dist(low, high)
