@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -131,10 +132,10 @@ class Painter:
         self._wormhole = WormholeView.of(self.scene.wormhole, camera, self.sky, transparent)
         self.framebuffer = FrameBuffer(self.size)
         self._surfaces: SurfacePass | None = None
-        self._mirrored_surfaces: SurfacePass | None = None  # those that the mirror shows
         self._liquids: LiquidPass | None = None
         self._film: MirrorFilm | None = None
         self._around: Painter | None = None
+        self._behind: Painter | None = None  # which draws what the mirror shows
         self._sprites = Sprites()
         self._projected: dict[str, ProjectedParticles] = {}
         self._second_images: dict[str, ProjectedParticles] = {}
@@ -220,22 +221,39 @@ class Painter:
         collider, look = self.scene.surfaces[self.scene.mirror]
         point, normal = collider.values["point"], collider.values["normal"]
         if self._film is None:
-            self._film = MirrorFilm(self.size)
-        self.framebuffer.clear()
-        behind, mirror = view.mirrored(point, normal), (point, normal)
-        self._draw(
-            sim, list(sim.systems), behind, film_time, self.shutter, 1.0, self.framebuffer, trails={}, mirror=mirror
+            # waves blur what they show, except in calm patches
+            blurred = look.waves is not None and look.waves.patches == 0.0
+            side = 2 if blurred and not any(length % 2 for length in self.size) else 1
+            self._film, self._behind = MirrorFilm(self.size, side), self._painter_behind_mirror(side)
+        assert self._behind is not None
+        behind = view.mirrored(point, normal)
+        pixels, depths = self._behind.paint_mirrored(sim, behind, film_time, self.shutter, (point, normal))
+        self._film.take(
+            pixels, look.roughness > 0.0 or look.waves is not None, depths if look.waves is not None else None
         )
-        if self.sky is not None:
-            # without the sun's disc: the lamp's own highlight stands for its reflection
-            draw_sky(replace(self.sky, disc=np.zeros_like(self.sky.disc)), behind, self.framebuffer)
-        depths = None
-        if look.waves is not None and self._mirrored_surfaces is not None:
-            depths = self._mirrored_surfaces.depths[:, :, 0]
-        self._film.take(self.framebuffer.pixels, look.roughness > 0.0 or look.waves is not None, depths)
         if look.roughness > 0.0 and look.waves is None and look.puddles is None:
             self._film.blur(view, point, normal, look.roughness)
         return self._film
+
+    def _painter_behind_mirror(self, side: int) -> "Painter":
+        """A painter of what the mirror shows, in pixels `side` times as wide; all but its surfaces are this one's own."""
+        behind = copy(self)
+        behind._surfaces = behind._liquids = None
+        if side > 1:
+            behind.size = (self.size[0] // side, self.size[1] // side)
+            behind.framebuffer = FrameBuffer(behind.size)
+        return behind
+
+    def paint_mirrored(
+        self, sim, view, film_time: float, shutter: float, mirror: tuple
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        """(picture, depths of the surfaces or None) from a view behind a mirror (point, normal); overwritten by the next."""
+        self.framebuffer.clear()
+        self._draw(sim, list(sim.systems), view, film_time, shutter, 1.0, self.framebuffer, trails={}, mirror=mirror)
+        if self.sky is not None:
+            # without the sun's disc: the lamp's own highlight stands for its reflection
+            draw_sky(replace(self.sky, disc=np.zeros_like(self.sky.disc)), view, self.framebuffer)
+        return self.framebuffer.pixels, None if self._surfaces is None else self._surfaces.depths[:, :, 0]
 
     @property
     def shows_surfaces(self) -> bool:
@@ -500,7 +518,9 @@ class Painter:
         depths_only: bool,
     ) -> SurfaceDepths:  # fmt: skip
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
-        surfaces = self._surface_pass(mirror is not None)
+        if self._surfaces is None:
+            self._surfaces = SurfacePass(self.size)
+        surfaces = self._surfaces
         of_lamp = smoke.get(smoke_key(scene.lighting))
         shadow = NO_LIQUID
         # a clear liquid does not shadow itself
@@ -527,19 +547,10 @@ class Painter:
 
     def forget_surfaces(self) -> None:
         """Trace the surfaces of the next picture anew, even if neither they nor the camera have moved."""
-        for surfaces in (self._surfaces, self._mirrored_surfaces):
-            if surfaces is not None:
-                surfaces.forget()
-
-    def _surface_pass(self, in_mirror: bool) -> SurfacePass:
-        """The pass that draws what the camera sees itself, or what it sees in the mirror: each keeps what rests."""
-        if in_mirror:
-            if self._mirrored_surfaces is None:
-                self._mirrored_surfaces = SurfacePass(self.size)
-            return self._mirrored_surfaces
-        if self._surfaces is None:
-            self._surfaces = SurfacePass(self.size)
-        return self._surfaces
+        if self._surfaces is not None:
+            self._surfaces.forget()
+        if self._behind is not None:
+            self._behind.forget_surfaces()
 
     def _add_ribbons(
         self, sim, name: str, view, film_time: float, weight: float, framebuffer: FrameBuffer, mirror, bent: LensedView

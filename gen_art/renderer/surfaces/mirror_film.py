@@ -17,11 +17,11 @@ from gen_art.renderer.surfaces.solids import NEVER
 __all__ = ["LEVELS", "NO_MIRROR", "MirrorFilm", "blur_points", "blurred_light", "mirrored_light"]
 
 LEVELS = 7  # of a pyramid of pictures, each of half the size of the one before
-POINTS = 16  # at which a rough mirror reads the pyramid, along the direction in which it spreads most
+POINTS = 8  # at which a rough mirror reads the pyramid, along the direction in which it spreads most
 _WEIGHTS = (0.125, 0.375, 0.375, 0.125)
 _TEXEL = 0.65  # standard deviation of what a bilinear texel of the pyramid covers, in its sides
 _FARTHEST = 2.6  # of the outermost of them, in standard deviations
-_NARROWEST, _WIDEST = 0.3, 0.8  # the blur across that direction, in parts of the blur along it
+_NARROWEST, _WIDEST = 0.4, 0.8  # the blur across that direction, in parts of the blur along it
 _APART = 0.5  # of nodes, in standard deviations: between them a sharp point is found to 1/8 of the square of it
 _FARTHEST_APART = 16  # pixels, so that nodes follow the picture's border
 
@@ -60,16 +60,21 @@ _halve_kernel = kernel(_halve)
 class MirrorFilm:
     """A picture of linear light and its pyramid.
 
+    size : of the camera's picture, in pixels
+    side : of the mirrored picture's own pixels, in pixels of the camera's picture: 1, or 2 where waves blur what it shows
     texels : (n, 4) float32
-    levels : (LEVELS + 1, 3) int32, first texel, width and rows of each level, and of the grid of nodes; no rows for no grid
+    levels : (LEVELS + 1, 4) int32, first texel, width, rows and the texels' side of each level; the last row is the grid of
+        nodes, with no rows for no grid
     depths : (rows, columns) float32 of the surfaces in it, where waves need them
     """
 
-    def __init__(self, size: tuple[int, int]):
-        sizes = [(-(-size[0] // 2**k), -(-size[1] // 2**k)) for k in range(LEVELS)]
+    def __init__(self, size: tuple[int, int], side: int = 1):
+        sides = [side << k for k in range(LEVELS)]
+        sizes = [(-(-size[0] // k), -(-size[1] // k)) for k in sides]
         starts = np.cumsum([0] + [w * h for w, h in sizes])
-        self.size = size
-        self.levels = np.array([*((s, w, h) for s, (w, h) in zip(starts, sizes)), (starts[-1], 0, 0)], np.int32)
+        self.size, self.side = size, side
+        rows = [(s, w, h, k) for s, (w, h), k in zip(starts, sizes, sides)]
+        self.levels = np.array([*rows, (starts[-1], 0, 0, 0)], np.int32)
         self.texels = np.zeros((int(starts[-1]), 4), np.float32)
         self.depths = np.full((1, 1), NEVER, np.float32)
 
@@ -79,7 +84,7 @@ class MirrorFilm:
             self.depths = depths.copy()
         rows, columns = pixels.shape[:2]
         self.texels[: rows * columns].reshape(rows, columns, 4)[:] = pixels
-        self.levels[LEVELS, 1:] = 0
+        self.levels[LEVELS, 1:3] = 0
         if blurred:
             for level in range(1, LEVELS):
                 _halve_kernel(self.texels, self.levels, level)
@@ -114,7 +119,7 @@ class MirrorFilm:
         start = int(self.levels[LEVELS, 0])
         if len(self.texels) < start + rows * columns:
             self.texels = np.concatenate([self.texels[:start], np.zeros((rows * columns, 4), np.float32)])
-        self.levels[LEVELS, 1:] = columns, rows
+        self.levels[LEVELS, 1:3] = columns, rows
         steepness[~wanted] = -1.0
         _blur_kernel(self.texels, self.levels, blur_points(), steepness.astype(np.float32), along, cosine, sine)
 
@@ -144,7 +149,7 @@ def picture_direction(normal, view: CameraView) -> tuple[float, float]:
 @ti.func
 def _texel(T: ti.template(), levels: ti.template(), level, x, y):
     """Light at a place in pixels of the full picture, bilinear in one level, clamped at the border."""
-    scale = 1.0 / ti.cast(1 << level, ti.f32)
+    scale = 1.0 / ti.cast(levels[level, 3], ti.f32)
     start, width, rows = levels[level, 0], levels[level, 1], levels[level, 2]
     u = ti.min(ti.max(x * scale - 0.5, 0.0), ti.cast(width - 1, ti.f32))
     v = ti.min(ti.max(y * scale - 0.5, 0.0), ti.cast(rows - 1, ti.f32))
@@ -172,7 +177,8 @@ def mirrored_light(T: ti.template(), levels: ti.template(), G: ti.template(), x,
     else:
         # the points are no farther apart than what each of them covers
         texel = ti.min(ti.max(across, _NARROWEST * along), _WIDEST * along)
-        line, side, level = ti.sqrt(along * along - texel * texel), texel / _TEXEL, 0
+        line, level = ti.sqrt(along * along - texel * texel), 0
+        side = texel / (_TEXEL * ti.cast(levels[0, 3], ti.f32))
         while side >= 2.0 and level < LEVELS - 1:
             side *= 0.5
             level += 1

@@ -38,7 +38,8 @@ class SurfaceMaps(NamedTuple):
 
     texels : (n, 4) float32, linear premultiplied light of images; the wet part in the fourth number of puddles; of a relief the
         slopes to the right and down, and the sum of their squares
-    waves : (m, 4) float32: the two wave numbers (1/m), the slope's amplitude, the phase at the picture's time; of a sea its
+    waves : (m, 6) float32: the two wave numbers (1/m), the slope's amplitude, the phase at the picture's time, the amplitude's
+        parts along the two axes; of a sea its
         waves, then what makes it uneven
     chains : the maps that `texels` joins
     """
@@ -96,7 +97,7 @@ class SurfaceMaps(NamedTuple):
         return self is not NO_MAPS and (len(self.texels) > 1 or len(self.waves) > 1)
 
 
-NO_MAPS = SurfaceMaps(np.zeros((1, 4), np.float32), np.zeros((1, 4), np.float32))
+NO_MAPS = SurfaceMaps(np.zeros((1, 4), np.float32), np.zeros((1, 6), np.float32))
 
 
 def _note(row: np.ndarray, column: int, chains: list, chain: np.ndarray, width: float, height: float) -> None:

@@ -202,8 +202,9 @@ def background(scene: ti.template(), direction):
 @ti.func
 def _way_beyond(scene: ti.template(), x, y, depth):
     """The part of the way to what the mirror shows at a place of the film that lies behind the mirror: 1 for the sky."""
-    i = ti.min(ti.max(ti.cast(y, ti.i32), 0), scene.film_depths.shape[0] - 1)
-    j = ti.min(ti.max(ti.cast(x, ti.i32), 0), scene.film_depths.shape[1] - 1)
+    side = scene.levels[0, 3]
+    i = ti.min(ti.max(ti.cast(y, ti.i32) // side, 0), scene.film_depths.shape[0] - 1)
+    j = ti.min(ti.max(ti.cast(x, ti.i32) // side, 0), scene.film_depths.shape[1] - 1)
     return ti.min(ti.max(1.0 - depth / ti.max(scene.film_depths[i, j], 1e-30), 0.0), 1.0)
 
 

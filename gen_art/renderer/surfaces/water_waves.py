@@ -17,7 +17,7 @@ from gen_art.maths.array_functions import cos as cosines
 from gen_art.maths.array_functions import exp as exponentials
 from gen_art.maths.array_functions import log as logarithms
 from gen_art.maths.array_functions import sin as sines
-from gen_art.maths.elementary import cos, exp, log
+from gen_art.maths.elementary import exp, log
 from gen_art.maths.random import derive, uniform
 from gen_art.preset.surface import Waves
 
@@ -33,7 +33,7 @@ _DIRECTION, _LENGTH, _PHASE, _PATCH_DIRECTION, _PATCH_LENGTH, _PATCH_PHASE = ran
 
 
 def wave_rows(waves: Waves, time: float) -> np.ndarray:
-    """(number, 4) float32 of SurfaceMaps.waves: lengths even in their logarithm, each with the same mean square slope."""
+    """(number, 6) float32 of SurfaceMaps.waves: lengths even in their logarithm, each with the same mean square slope."""
     n = waves.number
     keys = derive(np.uint64(waves.seed & _WORD), np.arange(n))
     share = (np.arange(n) + uniform(keys, _LENGTH)) / n
@@ -50,12 +50,12 @@ def wave_rows(waves: Waves, time: float) -> np.ndarray:
 
 
 def patch_rows(waves: Waves) -> np.ndarray:
-    """(m, 4) float32 of SurfaceMaps.waves: sines whose sum, plus 1, is the factor on the slope; no rows for an even sea.
+    """(m, 6) float32 of SurfaceMaps.waves: sines whose sum, plus 1, is the factor on the slope; no rows for an even sea.
 
     Their lengths go from twice `patch_size` to a quarter of it, in all directions, and their sum has the deviation `patches`.
     """
     if waves.patches == 0.0:
-        return np.zeros((0, 4), np.float32)
+        return np.zeros((0, 6), np.float32)
     n = _PATCH_SINES
     keys = derive(np.uint64(waves.seed & _WORD), np.arange(n))
     length = waves.patch_size * exponentials(
@@ -68,21 +68,50 @@ def patch_rows(waves: Waves) -> np.ndarray:
 
 
 def _rows(k: np.ndarray, heading: np.ndarray, amplitude: float, phase: np.ndarray) -> np.ndarray:
-    rows = [k * cosines(heading), k * sines(heading), np.full(len(k), amplitude), np.mod(phase, 2.0 * math.pi)]
+    east, south, all_rows = cosines(heading), sines(heading), np.ones(len(k))
+    rows = [
+        k * east,
+        k * south,
+        amplitude * all_rows,
+        np.mod(phase, 2.0 * math.pi),
+        amplitude * east,
+        amplitude * south,
+    ]
     return np.stack(rows, axis=1).astype(np.float32)
 
 
 @ti.func
+def _fading(x):
+    """e^-x for 0 <= x < NOTHING_LEFT, to 2e-4: the sixteenth power of the series of a sixteenth."""
+    y = x * (1.0 / 16.0)
+    y = 1.0 - y * (1.0 - y * (0.5 - y * (1.0 / 6.0)))
+    y *= y
+    y *= y
+    y *= y
+    return y * y
+
+
+@ti.func
+def _cosine(x):
+    """cos(x), to 5e-6 where x is exact: by the series of cos(x / 2), which its square leaves exact at its zeros."""
+    turns = x * (0.5 / math.pi)
+    half = math.pi * (turns - ti.floor(turns + 0.5))
+    u = half * half
+    c = 1.0 - u * (1.0 / 2.0 - u * (1.0 / 24.0 - u * (1.0 / 720.0 - u * (1.0 / 40320.0))))
+    return 2.0 * c * c - 1.0
+
+
+@ti.func
 def _sine_over_pixel(W: ti.template(), k, place, east, south):
-    """Row k's wave at a place, as the mean over a pixel, and the part of its amplitude that the pixel leaves."""
+    """(row k's sine, the part of its amplitude that is left) at a place, both as means over a pixel."""
     number = ti.Vector([W[k, 0], W[k, 1]])
     # the pixel as a Gaussian with the variance of its square
     a, b = number.dot(east), number.dot(south)
-    narrow, wave, kept = (a * a + b * b) * (1.0 / 24.0), 0.0, 0.0
+    narrow, sine, left = (a * a + b * b) * (1.0 / 24.0), 0.0, 0.0
     if narrow < NOTHING_LEFT:
-        kept = exp(-narrow)
-        wave = W[k, 2] * kept * cos(number.dot(place) + W[k, 3])
-    return number, wave, kept
+        left = _fading(narrow)
+        sine = left * _cosine(number.dot(place) + W[k, 3])
+    return sine, left
 
 
 @ti.func
@@ -92,16 +121,15 @@ def wave_slope(W: ti.template(), M: ti.template(), m, column, place, east, south
     first = ti.cast(M[m, column], ti.i32)
     last = first + ti.cast(M[m, column + 1], ti.i32)
     for k in range(first, last):
-        number, wave, kept = _sine_over_pixel(W, k, place, east, south)
-        slope = wave / ti.max(number.norm(), 1e-9)
-        result[0] += slope * number[0]
-        result[1] += slope * number[1]
-        result[2] += 0.5 * W[k, 2] * W[k, 2] * (1.0 - kept * kept)
+        sine, left = _sine_over_pixel(W, k, place, east, south)
+        result[0] += sine * W[k, 4]
+        result[1] += sine * W[k, 5]
+        result[2] += 0.5 * W[k, 2] * W[k, 2] * (1.0 - left * left)
     factor, hidden = 1.0, 0.0  # the pixel's mean of the factor on the slope, and its variance in the pixel
     for k in range(last, last + ti.cast(M[m, column + 2], ti.i32)):
-        _, wave, kept = _sine_over_pixel(W, k, place, east, south)
-        factor += wave
-        hidden += 0.5 * W[k, 2] * W[k, 2] * (1.0 - kept * kept)
+        sine, left = _sine_over_pixel(W, k, place, east, south)
+        factor += W[k, 2] * sine
+        hidden += 0.5 * W[k, 2] * W[k, 2] * (1.0 - left * left)
     factor = ti.max(factor, 0.0)
     result[2] = factor * factor * result[2] + hidden * result[2]
     result[0] *= factor
