@@ -20,13 +20,13 @@ def save(light, name, quality):
 def bark(name, columns=256, rows=256):
     """Plates of bark along y with deep cracks between them; it repeats along both sides."""
     v, u = (np.mgrid[0:rows, 0:columns] + 0.5) / 256.0
-    bend = 0.06 * noise(u * 4, v * 4, 3, 4) + 0.03 * noise(u * 8, v * 8, 4, 8)
+    bend = 0.06 * noise(u * 4, v * 4, 3, (4, 4)) + 0.03 * noise(u * 8, v * 8, 4, (8, 8))
     plates = np.minimum(
-        np.abs(noise((u + bend) * 32, v * 4, 5, 32)), 1.5 * np.abs(noise((u + bend) * 16, v * 8, 6, 16))
+        np.abs(noise((u + bend) * 32, v * 4, 5, (32, 32))), 1.5 * np.abs(noise((u + bend) * 16, v * 8, 6, (16, 16)))
     )
     crack = 1 - rise(0.02, 0.16, plates)
-    grain = noise(u * 64, v * 16, 7, 64) + 0.6 * noise(u * 128, v * 64, 8, 128)
-    light = (0.17 + 0.08 * grain + 0.07 * noise(u * 8, v * 8, 9, 8)) * (1 - 0.85 * crack)
+    grain = noise(u * 64, v * 16, 7, (64, 64)) + 0.6 * noise(u * 128, v * 64, 8, (128, 128))
+    light = (0.17 + 0.08 * grain + 0.07 * noise(u * 8, v * 8, 9, (8, 8))) * (1 - 0.85 * crack)
     save(light[..., None] * np.array([1.0, 0.86, 0.72]), name, 70)
 
 

@@ -24,12 +24,16 @@ def save(shape, side, name):
 def weathered(name, columns=512, rows=256):
     """Grey wood along x that stood in the rain for years: fibres, cracks, knots; it repeats along both sides."""
     v, u = (np.mgrid[0:rows, 0:columns] + 0.5) / 64.0
-    wander = 0.25 * noise(u / 2, v / 2, 3, 4)
-    fibre = sum(
-        a * noise(u * f, (v + wander) * g, 5, 256) for a, f, g in ((1.0, 0.5, 8), (0.7, 1.0, 16), (0.5, 2.0, 32))
-    )
-    crack = rise(0.24, 0.36, noise(u * 0.5, (v + wander) * 16, 11, 64)) * rise(-0.1, 0.2, noise(u * 0.5, v * 4, 12, 16))
-    stain = noise(u * 0.5, v * 1.0, 13, 4)
+    across, down = columns // 64, rows // 64
+
+    def grain(along, over, seed, x=u, y=v):
+        """Noise of so many cells for each 64 pixels along the wood and over it."""
+        return noise(x * along, y * over, seed, (round(across * along), round(down * over)))
+
+    wavy = v + 0.25 * grain(0.5, 0.5, 3)
+    fibre = sum(a * grain(f, g, 5 + g, y=wavy) for a, f, g in ((1.0, 0.5, 8), (0.7, 1, 16), (0.5, 2, 32)))
+    crack = rise(0.24, 0.36, grain(0.5, 16, 11, y=wavy)) * rise(-0.1, 0.2, grain(0.5, 4, 12))
+    stain = grain(0.5, 1, 13)
     light = 0.42 * (1 + 0.45 * fibre + 0.5 * stain) * (1 - 0.75 * crack)
     colour = light[..., None] * np.array([1.06, 1.0, 0.90])
     Image.fromarray((np.clip(colour, 0, 1) * 255 + 0.5).astype(np.uint8)).save(FOLDER / name, quality=60, method=6)
@@ -127,13 +131,17 @@ def reeds(name, side=512):
     save(shape, side, name)
 
 
-def noise(x, y, seed, cells=256):
-    """A smooth noise from -0.5 to 0.5 at the places x, y (of one shape): random numbers on a grid of side 1, joined smoothly."""
-    grid = np.random.Generator(np.random.PCG64(seed)).random((cells, cells)) - 0.5
+def noise(x, y, seed, repeat=(256, 256)):
+    """A smooth noise from -0.5 to 0.5 at the places x, y (of one shape): random numbers on a grid of side 1, joined smoothly.
+
+    repeat : after how many cells it repeats along x and along y
+    """
+    across, down = repeat
+    grid = np.random.Generator(np.random.PCG64(seed)).random((down, across)) - 0.5
     i, j = np.floor(y).astype(int), np.floor(x).astype(int)
     u, v = ((6 * t - 15) * t**4 + 10 * t**3 for t in (x - j, y - i))
-    upper = grid[i % cells, j % cells] * (1 - u) + grid[i % cells, (j + 1) % cells] * u
-    lower = grid[(i + 1) % cells, j % cells] * (1 - u) + grid[(i + 1) % cells, (j + 1) % cells] * u
+    upper = grid[i % down, j % across] * (1 - u) + grid[i % down, (j + 1) % across] * u
+    lower = grid[(i + 1) % down, j % across] * (1 - u) + grid[(i + 1) % down, (j + 1) % across] * u
     return upper * (1 - v) + lower * v
 
 
