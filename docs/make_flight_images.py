@@ -332,6 +332,38 @@ def hot_air():
         solid(f"hot_air_{letter}.webp", parts, paint, 11.6, view(20, -6), (-0.75, 0.42, 0.5), size=512, centre=(0, -2.7, 0), warm=(2.1, 1.65, 1.1), sky=(0.48, 0.58, 0.80), below=(0.30, 0.27, 0.22))
 
 
+def transport():
+    """A high-winged aeroplane with two propellers and an open side door, from its right side and a little from below."""
+
+    def parts(p):
+        q = p.copy()
+        q[:, 2] = np.abs(q[:, 2])
+        body = hull(p, [-8.0, -6.0, -3.0, 3.5, 5.2, 6.2, 6.6], [0.25, 0.55, 1.15, 1.2, 1.0, 0.6, 0.05], 0.0, 1.08)
+        main = wing(q, (1.6, 1.25, 0.2), 2.4, (1.1, 1.5, 10.5), 1.3, 0.06)
+        fin = wing(p, (-5.2, 0.6, 0), 2.6, (-6.9, 4.0, 0), 1.3, 0.05, along=1)
+        tail = wing(q, (-6.0, 0.7, 0.1), 1.7, (-6.5, 0.8, 3.6), 1.0, 0.05)
+        engine = ball(q, (1.3, 1.15, 3.0), (1.9, 0.48, 0.42))
+        disc = np.maximum(np.abs(p[:, 0] - 3.15) - 0.02, length(q[:, 1] - 1.1, q[:, 2] - 3.0) - 1.45)
+        gear = np.minimum(ball(q, (0.4, -1.1, 1.0), (1.3, 0.42, 0.42)), ball(p, (4.4, -1.05, 0), (0.35, 0.35, 0.2)))
+        strut = rod(q, (0.9, -0.7, 1.0), (0.9, 1.35, 4.2), 0.07)
+        return [body, main, fin, tail, engine, disc, gear, strut]
+
+    def paint(p, which, normal):
+        albedo = np.full(p.shape, 0.80, np.float32)
+        albedo[(which == 0) & (p[:, 1] < -0.15) & (p[:, 1] > -0.5)] = (0.75, 0.22, 0.02)
+        albedo[(which == 0) & (p[:, 1] <= -0.5)] = (0.10, 0.13, 0.22)
+        albedo[(which == 2) & (p[:, 1] > 1.8)] = (0.75, 0.22, 0.02)
+        albedo[(which == 2) & (p[:, 1] > 2.8)] = (0.10, 0.13, 0.22)
+        albedo[which == 5] = 0.25
+        for x in np.arange(-1.6, 3.6, 0.9):
+            albedo[(which == 0) & (length(p[:, 0] - x, p[:, 1] - 0.35) < 0.22)] = 0.03
+        albedo[(which == 0) & (p[:, 0] > 4.6) & (p[:, 0] < 5.5) & (p[:, 1] > 0.2)] = 0.03
+        albedo[(which == 0) & (np.abs(p[:, 0] + 3.1) < 0.55) & (p[:, 1] > -0.75) & (p[:, 1] < 0.75)] = 0.02
+        return albedo, np.where(which == 5, 0.0, 0.5)
+
+    solid("transport.webp", parts, paint, 8.6, view(10, -9), (0.5, 0.7, 0.55), size=768, centre=(-0.6, 1.0, 0))
+
+
 def submarine():
     """A small submarine from its right side: hull, tower with planes, rudders, a propeller. Water lights it from above."""
 
@@ -478,7 +510,7 @@ def clouds():
     cumulus("cumulus_b.webp", 11, wide=1.25)
 
 
-ALL = {f.__name__: f for f in (jet, sailplane, canopies, hot_air, submarine, clouds, fields)}
+ALL = {f.__name__: f for f in (jet, sailplane, canopies, hot_air, transport, submarine, clouds, fields)}
 
 if __name__ == "__main__":
     for chosen in sys.argv[1:] or ALL:
