@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from make_lake_images import fractal, noise, rise
+from make_lake_images import fractal, mirrored, noise, rise
 from PIL import Image
 
 FOLDER = Path(__file__).resolve().parent.parent / "presets" / "course"
@@ -505,12 +505,98 @@ def fields(name="fields.webp", size=1024):
     Image.fromarray((pixels * 255 + 0.5).astype(np.uint8)).save(FOLDER / name, quality=72, method=6)
 
 
+def hanging():
+    """A jumper who hangs by the ankles, arms out, as one sees him from the side of his chest."""
+
+    def parts(p):
+        out = [ball(p, (0, -0.95, 0), (0.14, 0.17, 0.15)), box(p, (0, -0.42, 0), (0.2, 0.33, 0.14), 0.12)]
+        for side in (-1, 1):
+            out += [rod(p, (0.2 * side, -0.64, 0), (0.55 * side, -0.85, 0.05), 0.07), rod(p, (0.55 * side, -0.85, 0.05), (0.68 * side, -1.2, 0.15), 0.055)]
+            out += [rod(p, (0.1 * side, -0.1, 0), (0.11 * side, 0.38, 0.1), 0.1, 0.08), rod(p, (0.11 * side, 0.38, 0.1), (0.05 * side, 0.85, 0), 0.075, 0.055)]
+        return [*out, rod(p, (0, 0.85, 0), (0, 1.45, 0), 0.06), rod(p, (-0.1, 0.78, 0), (0.1, 0.78, 0), 0.1)]
+
+    def paint(p, which, normal):
+        albedo = np.full(p.shape, 0.05, np.float32)
+        albedo[which == 0] = (0.75, 0.08, 0.05)
+        albedo[(which == 1) | (which == 2) | (which == 6)] = (0.88, 0.62, 0.04)
+        albedo[(which == 3) | (which == 7)] = (0.62, 0.40, 0.28)
+        albedo[(which == 4) | (which == 5) | (which == 8) | (which == 9)] = (0.05, 0.09, 0.22)
+        albedo[which >= 10] = (0.7, 0.2, 0.04)
+        return albedo, np.full(len(p), 0.25)
+
+    solid("jumper_hanging.webp", parts, paint, 1.5, view(25, -5), (-0.6, 0.8, 0.5), size=256)
+
+
+def gorge(name="gorge.webp", width=1024, rows=512):
+    """A gorge with wooded walls, one spur behind the other in haze, and its mirror image for the river.
+
+    Spurs come down from both sides; trees are crowns whose upper left is in the sun, rocks stand bare where it is steep.
+    """
+    finer = 2
+    w, h = width * finer, rows * finer
+    x, y = np.meshgrid((np.arange(w) + 0.5) / w * 2 - 1, (h - np.arange(h) - 0.5) / w * 2)
+    colour, cover = np.zeros((h, w, 3)), np.zeros((h, w))
+    haze = np.array([0.50, 0.62, 0.72])
+    spurs = [(-0.15, 0.9, 0.34, 1, 5), (0.25, -0.8, 0.30, -1, 4), (-0.35, 0.75, 0.50, 1, 3), (0.30, -0.9, 0.52, -1, 2), (-0.52, 0.7, 0.80, 1, 1), (0.56, -0.75, 0.82, -1, 0)]
+    for k, (foot, _, top, side, far) in enumerate(spurs):
+        away = side * (foot - x)  # from the foot of the spur up its slope
+        form = np.clip(away + 0.05 * fractal(x + 3 * k, 0 * x + k, 0.0, 3.0, 3, 0.5, 100 + k), 0, None)
+        crest = top * (1 - np.exp(-2.6 * form / top * 0.75)) + 0.25 * form * fractal(x + 5 * k, 0 * x, 0.0, 4.0, 5, 0.5, 120 + k)
+        size = 0.010 + 0.010 * (5 - far) / 5
+        tufts = size * 0.8 * np.abs(noise(x / size * 0.5 + 90, 0 * x + k, 130 + k))
+        inside = (y < crest + tufts) & (away > -0.02)
+        u, v = x / size + 80, (y - 0.8 * crest) / size + 40
+        crowns = noise(u, v, 140 + k) + 0.5 * noise(2.1 * u, 2.1 * v, 150 + k)
+        lit = crowns - (noise(u + 0.35, v - 0.4, 140 + k) + 0.5 * noise(2.1 * (u + 0.2), 2.1 * (v - 0.25), 150 + k))
+        kind = fractal(x + k, y, 0.0, 6.0, 3, 0.5, 160 + k)[..., None]
+        green = np.array([0.085, 0.150, 0.035]) * (1 + 0.9 * kind) + np.array([0.05, 0.03, 0.0]) * np.clip(kind * 2, 0, 1)
+        sun = 0.75 if side < 0 else 0.42  # the sun stands on the left: the slopes on the right are lit
+        tree = green * np.clip(0.45 + sun + 1.1 * lit * sun + 0.5 * crowns, 0.1, 3)[..., None]
+        strata = noise(x * 12 + 30, y * 90 + 20 + 4 * noise(x * 8 + 9, y * 8 + 9, 171), 170 + k) + noise(x * 120 + 60, y * 30 + 20, 172 + k)
+        stone = np.array([0.36, 0.33, 0.28]) * np.clip(0.35 + 0.7 * sun + 0.55 * strata, 0.12, 2)[..., None]
+        bare = rise(0.10, 0.22, fractal(x * 1.4 + 11 * k, y * 0.8, 0.0, 5.0, 5, 0.55, 180 + k) - 0.02 + 0.10 * rise(0.06, 0.0, y))[..., None]
+        ground = tree * (1 - bare) + stone * bare
+        depth = 1 - np.exp(-0.30 * far)
+        mist = np.clip(depth + 0.10 * far * np.exp(-y / 0.08) * 0.5, 0, 0.92)[..., None]
+        ground = ground * (1 - mist) + haze * mist
+        colour, cover = np.where(inside[..., None], ground, colour), np.where(inside, 1.0, cover)
+    blocks = (rows, finer, width, finer)
+    alpha = cover.reshape(blocks).mean(axis=(1, 3))
+    mean = (colour * cover[..., None]).reshape(*blocks, 3).mean(axis=(1, 3)) / np.maximum(alpha, 1e-6)[..., None]
+    mirrored((np.clip(mean / 1.0, 0, 1)) ** (1 / 2.2), alpha, name, 62)
+
+
+def sea(name="sea_light.webp", size=768):
+    """Water from below: bright towards the surface, with shafts of sunlight that fan out; far rocks in the haze."""
+    v, u = (np.mgrid[0:size, 0:size] + 0.5) / size
+    x, y = u * 2 - 1, 1 - v * 2  # y = 1 at the surface
+    deep, middle, bright = np.float32((0.004, 0.030, 0.055)), np.float32((0.012, 0.20, 0.27)), np.float32((0.30, 0.78, 0.78))
+    t = ((y + 1) / 2)[..., None]
+    light = deep + (middle - deep) * rise(0.05, 0.75, t) + (bright - middle) * rise(0.62, 1.0, t) ** 1.6
+    a = (x + 0.25) / (2.3 - y)  # the shafts meet at a point above the picture
+    shafts = 0.55 * noise(a * 60 + 40, 0 * a + 0.5, 5) + 0.35 * noise(a * 150 + 90, 0 * a + 1.5, 6) + 0.3 * noise(a * 22 + 20, 0 * a + 2.5, 7)
+    beam = np.clip(shafts + 0.12, 0, 1) * np.exp(-((x + 0.15) ** 2) / 0.5) * rise(-0.75, 0.9, y)
+    light = light + beam[..., None] * np.float32((0.16, 0.42, 0.40)) * 1.5
+    for far, tall, tone in ((41, 0.30, 0.55), (42, 0.20, 0.30)):
+        top = -0.12 + tall * (0.5 + 0.9 * fractal(x * 1.0 + 7, 0 * x + far, 0.0, 2.2, 6, 0.5, far)) * (0.35 + 0.65 * rise(0.0, 0.9, np.abs(x + 0.1)))
+        cover = rise(-0.004, 0.004, top - y)[..., None]
+        light = light * (1 - cover) + cover * (light * tone)
+    write(name, light, np.ones_like(x), 90)
+    flow = [np.linspace(0, 1, 512, endpoint=False)] * 2
+    gu, gv = np.meshgrid(*flow)
+    w = 0.35 * noise(gu * 4, gv * 4, 8, 4)
+    ripples = np.sin(2 * np.pi * (gv * 14 + 2.2 * w + 0.4 * noise(gu * 8, gv * 8, 9, 8)))
+    grain = noise(gu * 64, gv * 64, 10, 64) + noise(gu * 128, gv * 128, 11, 128)
+    height = 0.5 + 0.30 * ripples + 0.12 * grain + 0.5 * w
+    Image.fromarray((np.clip(height, 0, 1) * 255).astype(np.uint8)).save(FOLDER / "sea_sand.webp", quality=75, method=6)
+
+
 def clouds():
     cumulus("cumulus_a.webp", 3)
     cumulus("cumulus_b.webp", 11, wide=1.25)
 
 
-ALL = {f.__name__: f for f in (jet, sailplane, canopies, hot_air, transport, submarine, clouds, fields)}
+ALL = {f.__name__: f for f in (jet, sailplane, canopies, hot_air, transport, submarine, hanging, gorge, sea, clouds, fields)}
 
 if __name__ == "__main__":
     for chosen in sys.argv[1:] or ALL:
