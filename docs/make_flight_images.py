@@ -1,0 +1,603 @@
+"""Draw the images of the pieces of the course that fly, fall and dive: aeroplanes, balloons, parachutes, clouds, fields.
+
+    .venv/bin/python docs/make_flight_images.py [NAMES]
+
+Solids are signed distances, marched from a distant camera and lit by a sun and a sky; clouds are a fractal density, lit
+through itself; fields are a map that repeats.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from make_lake_images import fractal, mirrored, noise, rise
+from PIL import Image
+
+FOLDER = Path(__file__).resolve().parent.parent / "presets" / "course"
+FINER = 2
+
+
+def unit(v):
+    v = np.asarray(v, np.float32)
+    return v / np.linalg.norm(v)
+
+
+def length(*v):
+    return np.sqrt(sum(x * x for x in v))
+
+
+def ball(p, centre, radii):
+    q, r = p - np.float32(centre), np.float32(radii)
+    k = np.linalg.norm(q / r, axis=1)
+    return k * (k - 1) / np.maximum(np.linalg.norm(q / r**2, axis=1), 1e-6)
+
+
+def rod(p, a, b, ra, rb=None):
+    a, b = np.float32(a), np.float32(b)
+    t = np.clip((p - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
+    return np.linalg.norm(p - a - t[:, None] * (b - a), axis=1) - (ra + (0 if rb is None else (rb - ra)) * t)
+
+
+def box(p, centre, half, r=0.0):
+    q = np.abs(p - np.float32(centre)) - np.float32(half) + r
+    return np.linalg.norm(np.maximum(q, 0), axis=1) + np.minimum(q.max(axis=1), 0) - r
+
+
+def hull(p, xs, rs, y=0.0, squash=1.0):
+    """A body round about the x axis, whose radii at xs are rs."""
+    r = np.interp(p[:, 0], xs, rs)
+    beyond = np.maximum(np.maximum(xs[0] - p[:, 0], p[:, 0] - xs[-1]), 0)
+    return 0.75 * length(np.maximum(length((p[:, 1] - y) / squash, p[:, 2]) - r, -r), beyond) * np.where(
+        (length((p[:, 1] - y) / squash, p[:, 2]) < r) & (beyond == 0), -1, 1
+    )
+
+
+def wing(p, root, chord, tip, tip_chord, thick, along=2):
+    """A wing from the leading edge `root` to the leading edge `tip`, along z (2) or y (1); +x is ahead."""
+    root, tip = np.float32(root), np.float32(tip)
+    across = 3 - along
+    s = np.clip((p[:, along] - root[along]) / (tip[along] - root[along]), 0, 1)
+    lead = root[0] + s * (tip[0] - root[0])
+    c = chord + s * (tip_chord - chord)
+    mid = root[across] + s * (tip[across] - root[across])
+    u = (lead - p[:, 0]) / c  # 0 at the leading edge, 1 at the trailing edge
+    v = np.clip(u, 0.0, 1.0)
+    half = thick * c * (np.sqrt(v) * 1.48 - 0.63 * v - 1.75 * v**2 + 1.4 * v**3 - 0.5 * v**4) * 1.0 + 0.006 * c
+    a = np.abs(p[:, across] - mid) - half
+    b = np.maximum(-u, u - 1) * c
+    lo, hi = sorted((root[along], tip[along]))
+    e = np.maximum(lo - p[:, along], p[:, along] - hi)
+    q = np.stack([a, b, e], 1)
+    return 0.7 * (np.linalg.norm(np.maximum(q, 0), axis=1) + np.minimum(q.max(axis=1), 0))
+
+
+def view(yaw, pitch, roll=0.0):
+    """The axes right, up and towards the camera: yaw about y, then pitch (from above if > 0)."""
+    a, b, c = np.radians([yaw, pitch, roll])
+    near = np.array([np.sin(a) * np.cos(b), np.sin(b), np.cos(a) * np.cos(b)])
+    right = np.array([np.cos(a), 0, -np.sin(a)])
+    up = np.cross(near, right)
+    right, up = right * np.cos(c) + up * np.sin(c), up * np.cos(c) - right * np.sin(c)
+    return np.float32([right, up, near])
+
+
+def solid(name, parts, paint, reach, axes, sun, size=512, centre=(0, 0, 0), sky=(0.50, 0.62, 0.80), below=(0.20, 0.21, 0.16), warm=(1.9, 1.75, 1.5), quality=88):
+    """A WebP of a solid: `parts(p)` gives a list of distances, `paint(p, which, normal)` its albedo and its gloss."""
+    n = size * FINER
+    grid = (np.arange(n, dtype=np.float32) + 0.5) / n * 2 - 1
+    u, v = np.meshgrid(grid * reach, -grid * reach)
+    right, up, near = axes
+    start = np.float32(centre) + u.reshape(-1, 1) * right + v.reshape(-1, 1) * up + near * 1.8 * reach
+    t, alive, hit = np.zeros(n * n, np.float32), np.arange(n * n), np.zeros(n * n, bool)
+    fine = 0.5 * reach / n
+
+    def distance(p):
+        return np.min(np.stack(parts(p)), axis=0)
+
+    for _ in range(90):
+        d = distance(start[alive] - t[alive, None] * near)
+        t[alive] += d
+        near_enough = d < fine
+        hit[alive[near_enough]] = True
+        alive = alive[~near_enough & (t[alive] < 3.6 * reach)]
+        if len(alive) == 0:
+            break
+    at = np.flatnonzero(hit)
+    p = start[at] - t[at, None] * near
+    which = np.argmin(np.stack(parts(p)), axis=0)
+    e = 2 * fine
+    normal = np.stack([distance(p + e * d) - distance(p - e * d) for d in np.eye(3, dtype=np.float32)], 1)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
+    sun = unit(sun)
+    shadow, s = np.ones(len(p)), np.full(len(p), 6 * fine)
+    for _ in range(28):
+        d = distance(p + normal * 3 * fine + s[:, None] * sun)
+        shadow = np.minimum(shadow, np.clip(0.5 + 20 * d / s, 0, 1))
+        s = s + np.clip(d, 0.012 * reach, 0.2 * reach)
+    open_sky = 1.0
+    for h in (0.02, 0.06, 0.15):
+        open_sky = open_sky - 0.5 * np.clip(h - distance(p + normal * h * reach) / reach, 0, h) / h * 0.55
+    albedo, gloss = paint(p, which, normal)
+    facing = np.maximum(normal @ sun, 0) * shadow
+    up_share = (0.5 + 0.5 * normal[:, 1])[:, None]
+    hemisphere = np.float32(sky) * up_share + np.float32(below) * (1 - up_share)
+    light = albedo * (np.float32(warm) * facing[:, None] + hemisphere * np.clip(open_sky, 0, 1)[:, None])
+    mirror = 2 * (normal @ near)[:, None] * normal - near
+    seen = np.clip(0.5 + 2.2 * mirror[:, 1:2], 0, 1)
+    fresnel = (0.04 + 0.96 * (1 - np.clip(normal @ near, 0, 1)) ** 5)[:, None] * gloss[:, None]
+    light = light * (1 - fresnel) + fresnel * (np.float32(sky) * 1.15 * seen + np.float32(below) * (1 - seen))
+    glint = np.exp(-(1 - np.clip(mirror @ sun, -1, 1)) * 420) * shadow
+    light = light + (glint * gloss * 1.6)[:, None]
+    out = np.zeros((n * n, 4), np.float32)
+    out[at, :3], out[at, 3] = light, 1
+    out = out.reshape(size, FINER, size, FINER, 4).mean(axis=(1, 3))
+    write(name, out[..., :3] / np.maximum(out[..., 3:], 1e-6), out[..., 3], quality)
+
+
+def write(name, light, alpha, quality=88):
+    """Linear light and coverage; the light 1.5 becomes white."""
+    colour = np.clip(light / 1.5, 0, 1) ** (1 / 2.2)
+    pixels = np.concatenate([colour, np.clip(alpha, 0, 1)[..., None]], axis=2)
+    Image.fromarray((pixels * 255 + 0.5).astype(np.uint8)).save(FOLDER / name, quality=quality, method=6, alpha_quality=90)
+
+
+def jet():
+    """A trainer with swept wings, red above and white below, seen from its front, from the side and a little from below."""
+
+    def parts(p):
+        q = p.copy()
+        q[:, 2] = np.abs(q[:, 2])
+        body = hull(p, [-5.6, -5.2, -3, 0, 2.2, 4.2, 5.2, 5.9], [0.36, 0.42, 0.62, 0.74, 0.70, 0.48, 0.26, 0.02])
+        hood = ball(p, (2.3, 0.52, 0), (1.75, 0.58, 0.42))
+        intake = ball(q, (0.7, -0.05, 0.72), (2.3, 0.46, 0.34))
+        main = wing(q, (1.4, -0.34, 0.5), 3.0, (-1.5, -0.30, 5.0), 1.05, 0.055)
+        fin = wing(p, (-2.9, 0.4, 0), 2.3, (-4.7, 2.75, 0), 0.95, 0.05, along=1)
+        tail = wing(q, (-3.9, 0.15, 0.3), 1.35, (-5.0, 0.0, 2.3), 0.65, 0.05)
+        pipe = hull(p, [-5.85, -5.5], [0.31, 0.33])
+        return [body, hood, intake, main, fin, tail, pipe]
+
+    def paint(p, which, normal):
+        red, white, blue, glass = (np.float32(c) for c in ((0.62, 0.03, 0.04), (0.82, 0.82, 0.80), (0.03, 0.07, 0.30), (0.02, 0.03, 0.045)))
+        albedo = np.broadcast_to(red, p.shape).copy()
+        stripe = (which == 0) & (p[:, 1] < 0.02 - 0.02 * p[:, 0]) & (p[:, 1] > -0.22 - 0.02 * p[:, 0])
+        albedo[stripe] = white
+        albedo[(which == 0) & (p[:, 1] <= -0.22 - 0.02 * p[:, 0])] = blue
+        s = np.abs(p[:, 2])
+        albedo[(which == 3) & (s > 3.3) & (s < 4.1)] = white
+        albedo[(which == 3) & (s >= 4.1)] = blue
+        albedo[(which == 4) & (p[:, 1] > 1.5) & (p[:, 1] < 2.1)] = white
+        albedo[(which == 4) & (p[:, 1] >= 2.1)] = blue
+        albedo[(which == 1)] = glass
+        frame = (which == 1) & ((np.abs(p[:, 0] - 2.1) < 0.06) | (np.abs(p[:, 0] - 3.2) < 0.06))
+        albedo[frame] = 0.3 * red
+        albedo[(which == 6) | ((which == 0) & (p[:, 0] < -5.35))] = 0.05
+        seams = (np.abs(p[:, 0] % 1.1 - 0.55) < 0.018) & (which == 0)
+        albedo[seams] *= 0.6
+        return albedo, np.where(which == 1, 1.0, 0.7)
+
+    solid("display_jet.webp", parts, paint, 6.4, view(28, -20, 3), (-0.35, 0.75, 0.55))
+
+
+def sailplane():
+    """A sailplane with an 18 m span, seen from its left, ahead and above."""
+
+    def parts(p):
+        q = p.copy()
+        q[:, 2] = np.abs(q[:, 2])
+        xs = [-4.6, -3.0, -1.0, 0.2, 1.0, 1.8, 2.3, 2.55]
+        body = hull(p, xs, [0.10, 0.13, 0.20, 0.36, 0.40, 0.34, 0.20, 0.02])
+        hood = ball(p, (1.3, 0.20, 0), (1.0, 0.30, 0.30))
+        inner = wing(q, (0.55, 0.22, 0.1), 0.95, (0.45, 0.5, 6.0), 0.70, 0.075)
+        outer = wing(q, (0.45, 0.5, 6.0), 0.70, (0.15, 0.95, 9.0), 0.32, 0.07)
+        tip = wing(q, (0.15, 0.95, 9.0), 0.30, (-0.15, 1.4, 9.22), 0.14, 0.07)
+        fin = wing(p, (-3.7, 0.05, 0), 1.0, (-4.15, 1.35, 0), 0.62, 0.06, along=1)
+        tail = wing(q, (-4.1, 1.38, 0), 0.62, (-4.25, 1.42, 1.45), 0.36, 0.06)
+        return [body, hood, inner, outer, tip, fin, tail]
+
+    def paint(p, which, normal):
+        albedo = np.full(p.shape, 0.86, np.float32)
+        albedo[which == 1] = (0.03, 0.05, 0.08)
+        albedo[(which == 5) & (p[:, 1] > 0.75)] = (0.75, 0.10, 0.05)
+        albedo[which == 4] = (0.75, 0.10, 0.05)
+        albedo[(which == 0) & (p[:, 0] > 2.15)] = (0.75, 0.10, 0.05)
+        return albedo, np.where(which == 1, 1.0, 0.8)
+
+    solid("sailplane.webp", parts, paint, 9.3, view(38, 17, -8), (-0.3, 0.8, 0.6), size=1024)
+
+
+def canopies():
+    """Three round parachutes with a jumper each, and one that is reefed; and a jumper who falls."""
+    legs = 20
+
+    def person(p, foot=(0, 0, 0), spread=0.0):
+        f = np.float32(foot)
+        out = [ball(p, f + (0, 1.66, 0), (0.15, 0.17, 0.16)), box(p, f + (0, 1.2, 0), (0.22, 0.34, 0.16), 0.12), box(p, f + (0, 1.22, -0.2), (0.19, 0.28, 0.13), 0.08)]
+        for side in (-1, 1):
+            if spread:
+                out += [rod(p, f + (0.2 * side, 1.45, 0), f + (0.62 * side, 1.62, 0.1), 0.08), rod(p, f + (0.62 * side, 1.62, 0.1), f + (0.72 * side, 1.98, 0.1), 0.065)]
+                out += [rod(p, f + (0.12 * side, 0.9, 0), f + (0.38 * side, 0.5, 0), 0.11), rod(p, f + (0.38 * side, 0.5, 0), f + (0.42 * side, 0.62, -0.4), 0.085)]
+            else:
+                out += [rod(p, f + (0.2 * side, 1.45, 0), f + (0.32 * side, 1.82, 0.05), 0.075), rod(p, f + (0.32 * side, 1.82, 0.05), f + (0.2 * side, 2.15, 0), 0.06)]
+                out += [rod(p, f + (0.1 * side, 0.9, 0), f + (0.13 * side, 0.45, 0.14), 0.105), rod(p, f + (0.13 * side, 0.45, 0.14), f + (0.13 * side, 0.02, 0.0), 0.08)]
+        return out
+
+    def dress(colour):
+        def paint(p, which, normal, first=0):
+            albedo = np.empty(p.shape, np.float32)
+            albedo[:] = colour
+            albedo[which == first] = (0.8, 0.8, 0.78)
+            albedo[which == first + 2] = (0.05, 0.06, 0.08)
+            return albedo, np.full(len(p), 0.25)
+
+        return paint
+
+    solid("jumper_falling.webp", lambda p: person(p, (0, -1.1, 0), 1.0), dress((0.75, 0.12, 0.04)), 1.3, view(20, 25), (0.5, 0.7, 0.5), size=192)
+    palettes = {"a": ((0.72, 0.04, 0.05), (0.88, 0.86, 0.80)), "b": ((0.02, 0.12, 0.42), (0.92, 0.60, 0.06)), "c": ((0.85, 0.26, 0.02), (0.03, 0.25, 0.26))}
+    for letter, (one, two) in palettes.items():
+        for wide, high, name in ((4.4, 3.0, "canopy"), (1.25, 2.6, "reefed")):
+            if name == "reefed" and letter != "a":
+                continue
+            low, lines = 6.2, 16
+
+            def scallop(p, wide=wide):
+                a = np.arctan2(p[:, 2], p[:, 0])
+                g = np.abs(np.sin(a * legs / 2))  # a gore bulges between its seams
+                return a, g
+
+            def parts(p, wide=wide, high=high, low=low, lines=lines):
+                a, g = scallop(p)
+                r = length(p[:, 0], p[:, 2])
+                bulge = 1 + 0.035 * g * np.clip(r / wide, 0, 1)
+                q = np.stack([p[:, 0] / bulge, p[:, 1] - low, p[:, 2] / bulge], 1)
+                outer = ball(q, (0, 0, 0), (wide, high, wide))
+                shell = np.maximum(np.abs(outer) - 0.03, -(q[:, 1] + 0.05 - 0.32 * (1 - g) - 0.0))
+                shell = np.maximum(shell, 0.28 - r)  # the vent
+                out = [0.7 * shell]
+                cords = []
+                for k in range(lines):
+                    b = 2 * np.pi * (k + 0.25) / lines
+                    cords.append(rod(p, (0.18 * np.sign(np.cos(b)), 2.0, 0), (wide * 1.0 * np.cos(b), low + 0.08, wide * 1.0 * np.sin(b)), 0.022))
+                out.append(np.min(np.stack(cords), axis=0))
+                return out + person(p)
+
+            def paint(p, which, normal, one=one, two=two, wide=wide):
+                a, g = scallop(p)
+                albedo, gloss = dress((0.10, 0.14, 0.12))(p, which, normal, 2)
+                gore = np.floor((a / (2 * np.pi)) * legs).astype(int) % 2
+                cloth = np.where(gore[:, None] == 0, np.float32(one), np.float32(two))
+                height = (p[:, 1] - 6.2) / 3.0
+                cloth = np.where(((height > 0.14) & (height < 0.30))[:, None], np.float32(two), cloth)
+                cloth = cloth * (0.72 + 0.28 * rise(0.0, 0.25, g))[:, None]
+                inside = normal[:, 1] * 1.0 + 0.0 < 0  # light that comes through the cloth
+                cloth = np.where(inside[:, None], 1.5 * cloth, cloth)
+                albedo[which == 0] = cloth[which == 0]
+                albedo[which == 1] = 0.75
+                return albedo, np.where(which == 0, 0.12, gloss)
+
+            solid(f"{name}_{letter}.webp" if name == "canopy" else "reefed.webp", parts, paint, 5.0, view(15, -14), (0.6, 0.6, 0.55), size=512, centre=(0, 4.55, 0), below=(0.30, 0.30, 0.26))
+
+
+def hot_air():
+    """Hot-air balloons in four dresses, lit by a low sun from the left."""
+    def parts(p):
+        # the envelope narrows below to its mouth
+        y = p[:, 1]
+        r = np.interp(y, *PROFILE)
+        a = np.arctan2(p[:, 2], p[:, 0])
+        rr = length(p[:, 0], p[:, 2])
+        bulge = 1 + 0.022 * np.abs(np.sin(a * 12)) * np.clip(r / 8, 0, 1)
+        beyond = np.maximum(np.maximum(PROFILE[0][0] - y, y - PROFILE[0][-1]), 0)
+        skin = 0.72 * np.where(beyond > 0, length(np.maximum(rr - r * bulge, 0), beyond), rr - r * bulge)
+        basket = box(p, (0, -13.2, 0), (0.85, 0.65, 0.85), 0.12)
+        rim = box(p, (0, -12.5, 0), (0.95, 0.1, 0.95), 0.1)
+        burner = box(p, (0, -10.9, 0), (0.45, 0.16, 0.45), 0.1)
+        cords = [rod(p, (0.8 * x, -12.6, 0.8 * z), (1.35 * x, -8.6, 1.35 * z), 0.05) for x in (-1, 1) for z in (-1, 1)]
+        heads = [ball(p, (x, -12.0, z), (0.2, 0.36, 0.2)) for x, z in ((-0.4, 0.3), (0.35, 0.2), (0.0, -0.4))]
+        return [skin, basket, rim, burner, np.min(np.stack(cords), axis=0), np.min(np.stack(heads), axis=0)]
+
+    ys = np.linspace(-8.6, 8.4, 60)
+    up = np.clip(ys / 8.4, 0, 1)
+    down = np.clip(-ys / 8.6, 0, 1)
+    PROFILE = (ys, np.where(ys > 0, 8.2 * np.sqrt(np.maximum(1 - up**2, 0)), 8.2 - 6.7 * down**1.55 - 0.1 * down))
+    red, orange, gold, cream, navy, teal, violet, rose = (
+        np.float32(c) for c in ((0.66, 0.03, 0.04), (0.86, 0.24, 0.02), (0.92, 0.60, 0.05), (0.88, 0.84, 0.74), (0.02, 0.06, 0.26), (0.02, 0.30, 0.33), (0.20, 0.05, 0.32), (0.72, 0.10, 0.24))
+    )
+
+    def stripes(a, y):
+        return np.array([red, gold, red, cream])[np.floor(a * 24).astype(int) % 4]
+
+    def bands(a, y):
+        return np.array([navy, teal, cream, gold, orange, red, navy])[np.clip(np.floor((y + 8.6) / 17 * 7 + 0.25 * (np.abs((a * 12) % 1 - 0.5) * 2)).astype(int), 0, 6)]
+
+    def spiral(a, y):
+        return np.array([violet, rose, orange, gold])[np.floor(a * 8 + y * 0.28).astype(int) % 4]
+
+    def checks(a, y):
+        return np.array([cream, teal])[(np.floor(a * 24).astype(int) + np.floor(y / 2.1).astype(int)) % 2]
+
+    for letter, dress in zip("abcd", (stripes, bands, spiral, checks), strict=True):
+        def paint(p, which, normal, dress=dress):
+            a = np.arctan2(p[:, 2], p[:, 0]) / (2 * np.pi) + 0.5
+            albedo = np.full(p.shape, 0.06, np.float32)
+            albedo[which == 0] = dress(a, p[:, 1])[which == 0]
+            seam = np.abs(np.sin(a * 2 * np.pi * 12))
+            albedo[which == 0] *= (0.8 + 0.2 * rise(0.0, 0.3, seam[which == 0]))[:, None]
+            albedo[(which == 0) & (p[:, 1] < -8.0)] = 0.05
+            weave = 0.75 + 0.25 * np.sign(np.sin(p[:, 1] * 40) * np.sin((p[:, 0] + p[:, 2]) * 30))
+            albedo[which == 1] = (np.float32((0.32, 0.19, 0.09)) * weave[:, None])[which == 1]
+            albedo[which == 2] = (0.10, 0.05, 0.03)
+            albedo[which == 5] = (0.25, 0.12, 0.10)
+            return albedo, np.where(which == 0, 0.22, 0.1)
+
+        solid(f"hot_air_{letter}.webp", parts, paint, 11.6, view(20, -6), (-0.75, 0.42, 0.5), size=512, centre=(0, -2.7, 0), warm=(2.1, 1.65, 1.1), sky=(0.48, 0.58, 0.80), below=(0.30, 0.27, 0.22))
+
+
+def transport():
+    """A high-winged aeroplane with two propellers and an open side door, from its right side and a little from below."""
+
+    def parts(p):
+        q = p.copy()
+        q[:, 2] = np.abs(q[:, 2])
+        body = hull(p, [-8.0, -6.0, -3.0, 3.5, 5.2, 6.2, 6.6], [0.25, 0.55, 1.15, 1.2, 1.0, 0.6, 0.05], 0.0, 1.08)
+        main = wing(q, (1.6, 1.25, 0.2), 2.4, (1.1, 1.5, 10.5), 1.3, 0.06)
+        fin = wing(p, (-5.2, 0.6, 0), 2.6, (-6.9, 4.0, 0), 1.3, 0.05, along=1)
+        tail = wing(q, (-6.0, 0.7, 0.1), 1.7, (-6.5, 0.8, 3.6), 1.0, 0.05)
+        engine = ball(q, (1.3, 1.15, 3.0), (1.9, 0.48, 0.42))
+        disc = np.maximum(np.abs(p[:, 0] - 3.15) - 0.02, length(q[:, 1] - 1.1, q[:, 2] - 3.0) - 1.45)
+        gear = np.minimum(ball(q, (0.4, -1.1, 1.0), (1.3, 0.42, 0.42)), ball(p, (4.4, -1.05, 0), (0.35, 0.35, 0.2)))
+        strut = rod(q, (0.9, -0.7, 1.0), (0.9, 1.35, 4.2), 0.07)
+        return [body, main, fin, tail, engine, disc, gear, strut]
+
+    def paint(p, which, normal):
+        albedo = np.full(p.shape, 0.80, np.float32)
+        albedo[(which == 0) & (p[:, 1] < -0.15) & (p[:, 1] > -0.5)] = (0.75, 0.22, 0.02)
+        albedo[(which == 0) & (p[:, 1] <= -0.5)] = (0.10, 0.13, 0.22)
+        albedo[(which == 2) & (p[:, 1] > 1.8)] = (0.75, 0.22, 0.02)
+        albedo[(which == 2) & (p[:, 1] > 2.8)] = (0.10, 0.13, 0.22)
+        albedo[which == 5] = 0.25
+        for x in np.arange(-1.6, 3.6, 0.9):
+            albedo[(which == 0) & (length(p[:, 0] - x, p[:, 1] - 0.35) < 0.22)] = 0.03
+        albedo[(which == 0) & (p[:, 0] > 4.6) & (p[:, 0] < 5.5) & (p[:, 1] > 0.2)] = 0.03
+        albedo[(which == 0) & (np.abs(p[:, 0] + 3.1) < 0.55) & (p[:, 1] > -0.75) & (p[:, 1] < 0.75)] = 0.02
+        return albedo, np.where(which == 5, 0.0, 0.5)
+
+    solid("transport.webp", parts, paint, 8.6, view(10, -9), (0.5, 0.7, 0.55), size=768, centre=(-0.6, 1.0, 0))
+
+
+def submarine():
+    """A small submarine from its right side: hull, tower with planes, rudders, a propeller. Water lights it from above."""
+
+    def parts(p):
+        q = p.copy()
+        q[:, 2] = np.abs(q[:, 2])
+        body = hull(p, [-4.3, -3.6, -2.4, -1, 2.2, 3.2, 3.8, 4.15, 4.25], [0.10, 0.24, 0.55, 0.74, 0.74, 0.64, 0.46, 0.22, 0.02])
+        deck = box(p, (0.1, 0.70, 0), (2.3, 0.08, 0.26), 0.05)
+        s = np.clip((p[:, 1] - 0.6) / 1.0, 0, 1)
+        tower = 0.8 * box(np.stack([p[:, 0] + 0.12 * s, p[:, 1], p[:, 2]], 1), (0.75, 1.1, 0), (0.72, 0.62, 0.22), 0.2)
+        planes = wing(q, (1.25, 1.2, 0.15), 0.5, (1.15, 1.2, 0.95), 0.36, 0.07)
+        mast = np.minimum(rod(p, (0.7, 1.6, 0), (0.7, 2.35, 0), 0.045), rod(p, (0.45, 1.6, 0.05), (0.45, 2.1, 0.05), 0.06))
+        mast = np.minimum(mast, box(p, (0.76, 2.36, 0), (0.12, 0.06, 0.06), 0.03))
+        fins = np.minimum(wing(p, (-3.0, 0.15, 0), 0.75, (-3.4, 1.05, 0), 0.5, 0.07, along=1), wing(p, (-3.0, -0.15, 0), 0.75, (-3.4, -1.0, 0), 0.5, 0.07, along=1))
+        stern = wing(q, (-3.0, 0, 0.15), 0.75, (-3.4, 0, 1.05), 0.5, 0.07)
+        screw = []
+        for k in range(5):
+            a = 2 * np.pi * k / 5 + 0.35
+            c = np.float32([0, np.cos(a), np.sin(a)])
+            r = p @ c
+            w = p[:, 2] * c[1] - p[:, 1] * c[2]
+            x = p[:, 0] + 4.45
+            z = np.stack([x * 0.8 + w * 0.6, r - 0.38, w * 0.8 - x * 0.6], 1)
+            screw.append(ball(z, (0, 0, 0), (0.04, 0.36, 0.15)))
+        hub = rod(p, (-4.2, 0, 0), (-4.6, 0, 0), 0.11, 0.05)
+        rail = np.minimum(rod(p, (1.7, 1.0, 0.2), (3.5, 0.72, 0.02), 0.014), rod(p, (1.9, 0.72, 0.2), (1.9, 0.98, 0.2), 0.014))
+        return [body, deck, tower, planes, mast, np.minimum(fins, stern), np.min(np.stack(screw), axis=0), hub, rail]
+
+    def paint(p, which, normal):
+        albedo = np.empty(p.shape, np.float32)
+        albedo[:] = (0.82, 0.56, 0.06)
+        low = (which == 0) & (p[:, 1] < -0.22)
+        albedo[low] = (0.42, 0.05, 0.03)
+        albedo[(which == 0) & (np.abs(p[:, 1] + 0.22) < 0.035)] = 0.85
+        albedo[which == 1] = (0.10, 0.10, 0.10)
+        albedo[(which == 4) | (which == 8)] = 0.12
+        albedo[(which == 6) | (which == 7)] = (0.55, 0.32, 0.10)
+        albedo[(which == 3) | (which == 5)] = (0.60, 0.07, 0.03)
+        for x in (-0.7, 0.15, 1.0, 1.85):  # portholes
+            r = length(p[:, 0] - x, p[:, 1] - 0.2)
+            albedo[(which == 0) & (r < 0.17)] = 0.10
+            albedo[(which == 0) & (r < 0.125)] = (2.6, 1.9, 0.9)
+        for x in np.arange(-1.8, 3.0, 0.36):  # slots of the tanks
+            albedo[(which == 0) & (np.abs(p[:, 0] - x) < 0.10) & (np.abs(p[:, 1] + 0.42) < 0.028)] = 0.03
+        seam = (np.abs((p[:, 0] + 0.3) % 0.9 - 0.45) < 0.011) & (which == 0)
+        albedo[seam] *= 0.65
+        rust = 0.5 * fractal(p[:, 0] * 0.6, p[:, 1] * 2.0, 0.0, 2.0, 4, 0.6, 5)
+        albedo *= np.clip(1 + rust, 0.6, 1.25)[:, None]
+        return albedo, np.full(len(p), 0.35)
+
+    solid("submarine.webp", parts, paint, 4.75, view(-16, 9), (0.12, 1.0, 0.38), size=1024, centre=(-0.15, 0.2, 0), sky=(0.22, 0.62, 0.72), below=(0.02, 0.10, 0.14), warm=(0.75, 1.20, 1.15))
+
+
+def cumulus(name, seed, size=512, wide=1.0):
+    """A heap of cumulus with a flat base, lit from above left, as wide as the image."""
+    rng = np.random.default_rng(seed)
+    x, y = np.meshgrid(np.linspace(-1, 1, size, dtype=np.float32), np.linspace(1, -1, size, dtype=np.float32))
+    balls = []
+    for _ in range(70):  # towers are heaps of balls on a level base
+        bx = np.clip(rng.normal(0, 0.36 * wide), -0.75, 0.75)
+        top = 0.46 * np.exp(-((bx / 0.42) ** 2)) + 0.05
+        r = rng.uniform(0.07, 0.24) * (0.5 + 0.5 * np.exp(-((bx / 0.5) ** 2)))
+        by = -0.42 + r * 0.7 + rng.uniform(0, 1) ** 1.2 * top
+        balls.append((bx, by, rng.normal(0, 0.2), r))
+    depth = 40
+    zs = np.linspace(0.7, -0.7, depth)
+    def density(px, py, pz):
+        f = np.full(px.shape, -9.0, np.float32)
+        for bx, by, bz, r in balls:
+            d = 1 - ((px - bx) ** 2 + (py - by) ** 2 + (pz - bz) ** 2) / (r * r)
+            f = np.maximum(f, d)
+        n = fractal(px * 1.0 + 0.6 * pz + 20, py + 0.8 * pz + 20, 0.0, 5.0, 5, 0.56, seed)
+        n = n + 0.55 * fractal(pz * 1.0 - 0.5 * px + 30, py + 0.4 * px + 30, 0.0, 6.0, 4, 0.56, seed + 50)
+        base = rise(-0.42, -0.36, py + 0.05 * n)
+        return np.clip((f + 2.3 * n + 0.02) * 3.0, 0, 1) * base
+
+    slices = np.stack([density(x, y, 0 * x + z) for z in zs])
+    step = 1.4 / depth
+    # the sun's light through the cloud: along a slope in the picture, from above left and ahead
+    light = np.zeros_like(slices)
+    above = np.zeros((depth, size), np.float32)
+    for row in range(size):  # depth above this row along the light's way
+        above = np.roll(above, 0, axis=0)
+        shifted = np.empty_like(above)
+        shifted[:, 1:], shifted[:, 0] = above[:, :-1] * 0.5 + above[:, 1:] * 0.5, 0
+        forward = np.empty_like(shifted)
+        forward[1:], forward[0] = shifted[:-1] * 0.06 + shifted[1:] * 0.94, shifted[0] * 0.94
+        light[:, row] = forward
+        above = forward + slices[:, row] * (2.0 / size) * 1.1
+    extinction = 26.0
+    clear, sunlit, shade = np.ones_like(x), np.zeros_like(x), np.zeros_like(x)
+    for k in range(depth):
+        a = 1 - np.exp(-slices[k] * step * extinction)
+        tau = light[k] * extinction
+        lit = 0.62 * np.exp(-0.55 * tau) + 0.38 * np.exp(-0.10 * tau)
+        sunlit, shade, clear = sunlit + clear * a * lit, shade + clear * a, clear * (1 - a)
+    alpha = 1 - clear
+    sun_light = (sunlit / np.maximum(alpha, 1e-3))[..., None] * np.float32([1.42, 1.36, 1.26])
+    sky_light = (0.24 + 0.10 * y)[..., None] * np.float32([0.78, 0.92, 1.15])
+    edge = rise(1.0, 0.86, np.maximum(np.abs(x), np.abs(y)))
+    write(name, sun_light + sky_light, alpha * edge, 80)
+
+
+def fields(name="fields.webp", size=1024):
+    """A map of fields, meadows, hedges and woods, which repeats; ploughed furrows and lanes of tractors run along the fields."""
+    rng = np.random.default_rng(12)
+    v, u = (np.mgrid[0:size, 0:size] + 0.5) / size
+    bend = 0.012 * noise(u * 8, v * 8, 1, 8), 0.012 * noise(u * 8, v * 8, 2, 8)
+    x, y = u + bend[0], v + bend[1]
+    cells = 12
+    seeds = np.stack(np.meshgrid(np.arange(cells), np.arange(cells)), -1).reshape(-1, 2) + rng.uniform(0.08, 0.92, (cells * cells, 2))
+    seeds /= cells
+    first, second, which = np.full(x.shape, 9.0), np.full(x.shape, 9.0), np.zeros(x.shape, int)
+    angle = 0.35
+    for k, (sx, sy) in enumerate(seeds):
+        dx, dy = (x - sx + 0.5) % 1 - 0.5, (y - sy + 0.5) % 1 - 0.5
+        a, b = dx * np.cos(angle) + dy * np.sin(angle), dy * np.cos(angle) - dx * np.sin(angle)
+        d = np.maximum(np.abs(a) * 0.8, np.abs(b) * 1.15) + 0.25 * (np.abs(a) + np.abs(b))
+        closer = d < first
+        second = np.where(closer, first, np.minimum(second, d))
+        first, which = np.where(closer, d, first), np.where(closer, k, which)
+    kinds = np.float32([(0.14, 0.22, 0.05), (0.20, 0.28, 0.07), (0.47, 0.38, 0.12), (0.56, 0.46, 0.20), (0.27, 0.19, 0.10), (0.10, 0.17, 0.04), (0.62, 0.55, 0.07), (0.24, 0.31, 0.10)])
+    kind = rng.choice(len(kinds), cells * cells, p=[0.2, 0.2, 0.13, 0.12, 0.08, 0.1, 0.05, 0.12])
+    colour = kinds[kind[which]] * rng.uniform(0.85, 1.15, (cells * cells, 1))[which].astype(np.float32)
+    turn = rng.choice([0.35, 0.35 + np.pi / 2], cells * cells)[which]
+    along = u * np.cos(turn) + v * np.sin(turn)
+    rows = np.sin(along * 2 * np.pi * 170) * 0.07 + (np.abs((along * 42) % 1 - 0.5) < 0.05) * -0.16
+    colour = colour * (1 + rows * (kind[which] != 5))[..., None]
+    patch = sum(0.5**k * noise(u * 8 * 2**k, v * 8 * 2**k, 20 + k, 8 * 2**k) for k in range(6))
+    colour = colour * (1 + 0.35 * patch)[..., None]
+    grain = noise(u * 256, v * 256, 40, 256) + 0.7 * noise(u * 128, v * 128, 41, 128)
+    wood = (kind[which] == 5) & (second - first > 0.003)
+    hedge = (second - first < 0.0042 + 0.003 * grain) & (noise(u * 32, v * 32, 44, 32) > -0.25)
+    trees = np.float32((0.055, 0.095, 0.028))
+    colour = np.where((wood | hedge)[..., None], trees * (1 + 1.1 * grain)[..., None], colour)
+    lane = np.abs(((v + 0.03 * np.sin(2 * np.pi * u) + 0.02 * np.sin(4 * np.pi * u + 1)) % 1) - 0.52) < 0.0022
+    colour = np.where(lane[..., None], np.float32((0.55, 0.50, 0.40)), colour)
+    pixels = np.clip(colour, 0, 1) ** (1 / 2.2)
+    Image.fromarray((pixels * 255 + 0.5).astype(np.uint8)).save(FOLDER / name, quality=72, method=6)
+
+
+def hanging():
+    """A jumper who hangs by the ankles, arms out, as one sees him from the side of his chest."""
+
+    def parts(p):
+        out = [ball(p, (0, -0.95, 0), (0.14, 0.17, 0.15)), box(p, (0, -0.42, 0), (0.2, 0.33, 0.14), 0.12)]
+        for side in (-1, 1):
+            out += [rod(p, (0.2 * side, -0.64, 0), (0.55 * side, -0.85, 0.05), 0.07), rod(p, (0.55 * side, -0.85, 0.05), (0.68 * side, -1.2, 0.15), 0.055)]
+            out += [rod(p, (0.1 * side, -0.1, 0), (0.11 * side, 0.38, 0.1), 0.1, 0.08), rod(p, (0.11 * side, 0.38, 0.1), (0.05 * side, 0.85, 0), 0.075, 0.055)]
+        return [*out, rod(p, (0, 0.85, 0), (0, 1.45, 0), 0.06), rod(p, (-0.1, 0.78, 0), (0.1, 0.78, 0), 0.1)]
+
+    def paint(p, which, normal):
+        albedo = np.full(p.shape, 0.05, np.float32)
+        albedo[which == 0] = (0.75, 0.08, 0.05)
+        albedo[(which == 1) | (which == 2) | (which == 6)] = (0.88, 0.62, 0.04)
+        albedo[(which == 3) | (which == 7)] = (0.62, 0.40, 0.28)
+        albedo[(which == 4) | (which == 5) | (which == 8) | (which == 9)] = (0.05, 0.09, 0.22)
+        albedo[which >= 10] = (0.7, 0.2, 0.04)
+        return albedo, np.full(len(p), 0.25)
+
+    solid("jumper_hanging.webp", parts, paint, 1.5, view(25, -5), (-0.6, 0.8, 0.5), size=256)
+
+
+def gorge(name="gorge.webp", width=1024, rows=512):
+    """A gorge with wooded walls, one spur behind the other in haze, and its mirror image for the river.
+
+    Spurs come down from both sides; trees are crowns whose upper left is in the sun, rocks stand bare where it is steep.
+    """
+    finer = 2
+    w, h = width * finer, rows * finer
+    x, y = np.meshgrid((np.arange(w) + 0.5) / w * 2 - 1, (h - np.arange(h) - 0.5) / w * 2)
+    colour, cover = np.zeros((h, w, 3)), np.zeros((h, w))
+    haze = np.array([0.50, 0.62, 0.72])
+    spurs = [(-0.15, 0.9, 0.34, 1, 5), (0.25, -0.8, 0.30, -1, 4), (-0.35, 0.75, 0.50, 1, 3), (0.30, -0.9, 0.52, -1, 2), (-0.52, 0.7, 0.80, 1, 1), (0.56, -0.75, 0.82, -1, 0)]
+    for k, (foot, _, top, side, far) in enumerate(spurs):
+        away = side * (foot - x)  # from the foot of the spur up its slope
+        form = np.clip(away + 0.05 * fractal(x + 3 * k, 0 * x + k, 0.0, 3.0, 3, 0.5, 100 + k), 0, None)
+        crest = top * (1 - np.exp(-2.6 * form / top * 0.75)) + 0.25 * form * fractal(x + 5 * k, 0 * x, 0.0, 4.0, 5, 0.5, 120 + k)
+        size = 0.010 + 0.010 * (5 - far) / 5
+        tufts = size * 0.8 * np.abs(noise(x / size * 0.5 + 90, 0 * x + k, 130 + k))
+        inside = (y < crest + tufts) & (away > -0.02)
+        u, v = x / size + 80, (y - 0.8 * crest) / size + 40
+        crowns = noise(u, v, 140 + k) + 0.5 * noise(2.1 * u, 2.1 * v, 150 + k)
+        lit = crowns - (noise(u + 0.35, v - 0.4, 140 + k) + 0.5 * noise(2.1 * (u + 0.2), 2.1 * (v - 0.25), 150 + k))
+        kind = fractal(x + k, y, 0.0, 6.0, 3, 0.5, 160 + k)[..., None]
+        green = np.array([0.085, 0.150, 0.035]) * (1 + 0.9 * kind) + np.array([0.05, 0.03, 0.0]) * np.clip(kind * 2, 0, 1)
+        sun = 0.75 if side < 0 else 0.42  # the sun stands on the left: the slopes on the right are lit
+        tree = green * np.clip(0.45 + sun + 1.1 * lit * sun + 0.5 * crowns, 0.1, 3)[..., None]
+        strata = noise(x * 12 + 30, y * 90 + 20 + 4 * noise(x * 8 + 9, y * 8 + 9, 171), 170 + k) + noise(x * 120 + 60, y * 30 + 20, 172 + k)
+        stone = np.array([0.36, 0.33, 0.28]) * np.clip(0.35 + 0.7 * sun + 0.55 * strata, 0.12, 2)[..., None]
+        bare = rise(0.10, 0.22, fractal(x * 1.4 + 11 * k, y * 0.8, 0.0, 5.0, 5, 0.55, 180 + k) - 0.02 + 0.10 * rise(0.06, 0.0, y))[..., None]
+        ground = tree * (1 - bare) + stone * bare
+        depth = 1 - np.exp(-0.30 * far)
+        mist = np.clip(depth + 0.10 * far * np.exp(-y / 0.08) * 0.5, 0, 0.92)[..., None]
+        ground = ground * (1 - mist) + haze * mist
+        colour, cover = np.where(inside[..., None], ground, colour), np.where(inside, 1.0, cover)
+    blocks = (rows, finer, width, finer)
+    alpha = cover.reshape(blocks).mean(axis=(1, 3))
+    mean = (colour * cover[..., None]).reshape(*blocks, 3).mean(axis=(1, 3)) / np.maximum(alpha, 1e-6)[..., None]
+    mirrored((np.clip(mean / 1.0, 0, 1)) ** (1 / 2.2), alpha, name, 62)
+
+
+def sea(name="sea_light.webp", size=768):
+    """Water from below: bright towards the surface, with shafts of sunlight that fan out; far rocks in the haze."""
+    v, u = (np.mgrid[0:size, 0:size] + 0.5) / size
+    x, y = u * 2 - 1, 1 - v * 2  # y = 1 at the surface
+    deep, middle, bright = np.float32((0.004, 0.030, 0.055)), np.float32((0.012, 0.20, 0.27)), np.float32((0.30, 0.78, 0.78))
+    t = ((y + 1) / 2)[..., None]
+    light = deep + (middle - deep) * rise(0.05, 0.75, t) + (bright - middle) * rise(0.62, 1.0, t) ** 1.6
+    a = (x + 0.25) / (2.3 - y)  # the shafts meet at a point above the picture
+    shafts = 0.55 * noise(a * 60 + 40, 0 * a + 0.5, 5) + 0.35 * noise(a * 150 + 90, 0 * a + 1.5, 6) + 0.3 * noise(a * 22 + 20, 0 * a + 2.5, 7)
+    beam = np.clip(shafts + 0.12, 0, 1) * np.exp(-((x + 0.15) ** 2) / 0.5) * rise(-0.75, 0.9, y)
+    light = light + beam[..., None] * np.float32((0.16, 0.42, 0.40)) * 1.5
+    for far, tall, tone in ((41, 0.30, 0.55), (42, 0.20, 0.30)):
+        top = -0.12 + tall * (0.5 + 0.9 * fractal(x * 1.0 + 7, 0 * x + far, 0.0, 2.2, 6, 0.5, far)) * (0.35 + 0.65 * rise(0.0, 0.9, np.abs(x + 0.1)))
+        cover = rise(-0.004, 0.004, top - y)[..., None]
+        light = light * (1 - cover) + cover * (light * tone)
+    write(name, light, np.ones_like(x), 90)
+    flow = [np.linspace(0, 1, 512, endpoint=False)] * 2
+    gu, gv = np.meshgrid(*flow)
+    w = 0.35 * noise(gu * 4, gv * 4, 8, 4)
+    ripples = np.sin(2 * np.pi * (gv * 14 + 2.2 * w + 0.4 * noise(gu * 8, gv * 8, 9, 8)))
+    grain = noise(gu * 64, gv * 64, 10, 64) + noise(gu * 128, gv * 128, 11, 128)
+    height = 0.5 + 0.30 * ripples + 0.12 * grain + 0.5 * w
+    Image.fromarray((np.clip(height, 0, 1) * 255).astype(np.uint8)).save(FOLDER / "sea_sand.webp", quality=75, method=6)
+
+
+def clouds():
+    cumulus("cumulus_a.webp", 3)
+    cumulus("cumulus_b.webp", 11, wide=1.25)
+
+
+ALL = {f.__name__: f for f in (jet, sailplane, canopies, hot_air, transport, submarine, hanging, gorge, sea, clouds, fields)}
+
+if __name__ == "__main__":
+    for chosen in sys.argv[1:] or ALL:
+        ALL[chosen]()
