@@ -292,7 +292,7 @@ def canopies():
                 return a, g
 
             def parts(p, wide=wide, high=high, low=low, lines=lines):
-                a, g = scallop(p)
+                _, g = scallop(p)
                 r = length(p[:, 0], p[:, 2])
                 bulge = 1 + 0.035 * g * np.clip(r / wide, 0, 1)
                 q = np.stack([p[:, 0] / bulge, p[:, 1] - low, p[:, 2] / bulge], 1)
