@@ -21,7 +21,7 @@ __all__ = ["largest_turn"]
 def _kernel(composition: KernelTerms, channels: tuple, precision: str):
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = TileTerms(composition, channels, 0)
+    terms = TileTerms(composition, channels, 0, real)
 
     @ti.kernel
     def measure(

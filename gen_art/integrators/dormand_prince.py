@@ -63,7 +63,7 @@ def make_slopes(composition: KernelTerms, pairs: int, channels: tuple, precision
     """
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = TileTerms(composition, channels, pairs)
+    terms = TileTerms(composition, channels, pairs, real)
     names = terms.vectors
 
     @ti.kernel

@@ -171,7 +171,7 @@ def make_ledger_kernel(
     """
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = TileTerms(composition, channels, len(mutual), rotation, real)
+    terms = TileTerms(composition, channels, len(mutual), real, rotation)
     terms.mutual = mutual
     names = terms.vectors
     splitting = kind == "splitting"

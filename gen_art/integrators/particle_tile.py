@@ -80,7 +80,7 @@ class TileTerms:
     _data_oriented = True
 
     def __init__(
-        self, composition: KernelTerms, channels: tuple, pairs: int, rotation: tuple = ("", False, False), real=None
+        self, composition: KernelTerms, channels: tuple, pairs: int, real, rotation: tuple = ("", False, False)
     ):
         self.pusher, self.relativistic, self.exact = rotation
         self.accelerations, self.magnetics = composition.accelerations, composition.magnetics

@@ -62,7 +62,7 @@ def make_step(
     stage0, stage1 : stages stage0 to stage1 - 1 of each step; from -1 the first drift too
     """
     real = runtime.DTYPES[precision]
-    terms = TileTerms(composition, channels, pairs, rotation, real)
+    terms = TileTerms(composition, channels, pairs, real, rotation)
     if kind == "splitting":
         return runtime.kernel(_splitting(terms, staged, real), precision)
     return runtime.kernel(_runge_kutta(terms, staged, real), precision)

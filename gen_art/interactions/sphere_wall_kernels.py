@@ -25,7 +25,7 @@ def wall_kernels(composition: KernelTerms, spins: bool, precision: str):
     """(accelerate, potential) for the colliders of a composition; `spins`: whether spheres rotate."""
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = TileTerms(composition, (), 0, real=real)
+    terms = TileTerms(composition, (), 0, real)
 
     @ti.kernel
     def accelerate(

@@ -72,7 +72,7 @@ class Diagnostics:
 def _kernel(composition: KernelTerms, channels: tuple, precision: str):
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-    terms = TileTerms(composition, channels, 0, real=real)
+    terms = TileTerms(composition, channels, 0, real)
 
     @ti.kernel
     def measure(

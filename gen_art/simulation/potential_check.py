@@ -27,7 +27,7 @@ _TOLERANCE = 1e-3  # of the largest force
 @cache
 def _kernel(composition: KernelTerms, channels: tuple):
     matrix, real = ti.types.ndarray(ti.f64, 2), ti.f64
-    terms = TileTerms(composition, channels, 0, real=real)
+    terms = TileTerms(composition, channels, 0, real)
 
     @ti.kernel
     def measure(

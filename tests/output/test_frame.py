@@ -308,9 +308,9 @@ def test_the_survey_thins_galaxies_and_grains_that_follow_them():
     """
     short = {"clock.duration": "1/30", "clock.preroll": 0, "camera.frame": "auto"}
     galaxy = load_preset("galaxy", overrides=short)
-    assert independent_systems(galaxy) == ["dust", "lanes"] and galaxies(galaxy) == ["bodies"]
+    assert independent_systems(galaxy) == ["dust", "lanes", "knots", "far"] and galaxies(galaxy) == ["bodies"]
     (first, *_) = survey(galaxy)
-    assert 20000 < len(first.points) <= 24002
+    assert 20000 < len(first.points) <= 4000 + 2 * 10000 + 2 * 1600 + 420 + 4  # bodies, dust and lanes, knots, far
     few, _ = thinned(galaxy, galaxy.clock.simulated, ATTRACTING // MUTUAL, galaxies(galaxy))
     masses = [ga.Simulation(each).systems["bodies"].floats[MASS, :n] for each, n in ((galaxy, 16000), (few, 4000))]
     assert [np.count_nonzero(m) for m in masses] == [16000, 4000]

@@ -48,7 +48,7 @@ def probe(force, p, precision="f64", medium=None):
 def _kernel(composition, precision):
     """One for each class and its choices: numbers are run-time data here as they are in the step."""
     real, force = runtime.DTYPES[precision], composition.terms[0].force
-    terms = TileTerms(composition, tuple(sorted(force.needs)), 0)
+    terms = TileTerms(composition, tuple(sorted(force.needs)), 0, real)
     kinds = {k: force.provides(k) for k in ("acceleration", "force", "electric", "magnetic", "damping", "potential")}
     pushes = kinds["acceleration"] or kinds["force"] or kinds["electric"]
 

@@ -145,7 +145,7 @@ if sys.argv[1] == "plain":
     tracing_patch.install = lambda: None
 import gen_art as ga
 from gen_art.backend import runtime
-sim = ga.Simulation(ga.load_preset("charged", overrides={"seed": 1}), threads=1)
+sim = ga.Simulation(ga.load_preset("fire", overrides={"seed": 1}), threads=1)
 sim.step(2)
 print(sim.digest())
 runtime.finish()

@@ -89,7 +89,7 @@ def _solid(collider) -> Part | None:
 
 @cache
 def _distance_kernel(composition: KernelTerms):
-    terms = TileTerms(composition, (), 0, real=ti.f64)
+    terms = TileTerms(composition, (), 0, ti.f64)
     matrix = ti.types.ndarray(ti.f64, 2)
 
     @ti.kernel
