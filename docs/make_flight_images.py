@@ -47,8 +47,10 @@ def hull(p, xs, rs, y=0.0, squash=1.0):
     """A body round about the x axis, whose radii at xs are rs."""
     r = np.interp(p[:, 0], xs, rs)
     beyond = np.maximum(np.maximum(xs[0] - p[:, 0], p[:, 0] - xs[-1]), 0)
-    return 0.75 * length(np.maximum(length((p[:, 1] - y) / squash, p[:, 2]) - r, -r), beyond) * np.where(
-        (length((p[:, 1] - y) / squash, p[:, 2]) < r) & (beyond == 0), -1, 1
+    return (
+        0.75
+        * length(np.maximum(length((p[:, 1] - y) / squash, p[:, 2]) - r, -r), beyond)
+        * np.where((length((p[:, 1] - y) / squash, p[:, 2]) < r) & (beyond == 0), -1, 1)
     )
 
 
@@ -81,7 +83,20 @@ def view(yaw, pitch, roll=0.0):
     return np.float32([right, up, near])
 
 
-def solid(name, parts, paint, reach, axes, sun, size=512, centre=(0, 0, 0), sky=(0.50, 0.62, 0.80), below=(0.20, 0.21, 0.16), warm=(1.9, 1.75, 1.5), quality=88):
+def solid(
+    name,
+    parts,
+    paint,
+    reach,
+    axes,
+    sun,
+    size=512,
+    centre=(0, 0, 0),
+    sky=(0.50, 0.62, 0.80),
+    below=(0.20, 0.21, 0.16),
+    warm=(1.9, 1.75, 1.5),
+    quality=88,
+):
     """A WebP of a solid: `parts(p)` gives a list of distances, `paint(p, which, normal)` its albedo and its gloss."""
     n = size * FINER
     grid = (np.arange(n, dtype=np.float32) + 0.5) / n * 2 - 1
@@ -138,7 +153,9 @@ def write(name, light, alpha, quality=88):
     """Linear light and coverage; the light 1.5 becomes white."""
     colour = np.clip(light / 1.5, 0, 1) ** (1 / 2.2)
     pixels = np.concatenate([colour, np.clip(alpha, 0, 1)[..., None]], axis=2)
-    Image.fromarray((pixels * 255 + 0.5).astype(np.uint8)).save(FOLDER / name, quality=quality, method=6, alpha_quality=90)
+    Image.fromarray((pixels * 255 + 0.5).astype(np.uint8)).save(
+        FOLDER / name, quality=quality, method=6, alpha_quality=90
+    )
 
 
 def jet():
@@ -157,7 +174,9 @@ def jet():
         return [body, hood, intake, main, fin, tail, pipe]
 
     def paint(p, which, normal):
-        red, white, blue, glass = (np.float32(c) for c in ((0.62, 0.03, 0.04), (0.82, 0.82, 0.80), (0.03, 0.07, 0.30), (0.02, 0.03, 0.045)))
+        red, white, blue, glass = (
+            np.float32(c) for c in ((0.62, 0.03, 0.04), (0.82, 0.82, 0.80), (0.03, 0.07, 0.30), (0.02, 0.03, 0.045))
+        )
         albedo = np.broadcast_to(red, p.shape).copy()
         stripe = (which == 0) & (p[:, 1] < 0.02 - 0.02 * p[:, 0]) & (p[:, 1] > -0.22 - 0.02 * p[:, 0])
         albedo[stripe] = white
@@ -211,14 +230,30 @@ def canopies():
 
     def person(p, foot=(0, 0, 0), spread=0.0):
         f = np.float32(foot)
-        out = [ball(p, f + (0, 1.66, 0), (0.15, 0.17, 0.16)), box(p, f + (0, 1.2, 0), (0.22, 0.34, 0.16), 0.12), box(p, f + (0, 1.22, -0.2), (0.19, 0.28, 0.13), 0.08)]
+        out = [
+            ball(p, f + (0, 1.66, 0), (0.15, 0.17, 0.16)),
+            box(p, f + (0, 1.2, 0), (0.22, 0.34, 0.16), 0.12),
+            box(p, f + (0, 1.22, -0.2), (0.19, 0.28, 0.13), 0.08),
+        ]
         for side in (-1, 1):
             if spread:
-                out += [rod(p, f + (0.2 * side, 1.45, 0), f + (0.62 * side, 1.62, 0.1), 0.08), rod(p, f + (0.62 * side, 1.62, 0.1), f + (0.72 * side, 1.98, 0.1), 0.065)]
-                out += [rod(p, f + (0.12 * side, 0.9, 0), f + (0.38 * side, 0.5, 0), 0.11), rod(p, f + (0.38 * side, 0.5, 0), f + (0.42 * side, 0.62, -0.4), 0.085)]
+                out += [
+                    rod(p, f + (0.2 * side, 1.45, 0), f + (0.62 * side, 1.62, 0.1), 0.08),
+                    rod(p, f + (0.62 * side, 1.62, 0.1), f + (0.72 * side, 1.98, 0.1), 0.065),
+                ]
+                out += [
+                    rod(p, f + (0.12 * side, 0.9, 0), f + (0.38 * side, 0.5, 0), 0.11),
+                    rod(p, f + (0.38 * side, 0.5, 0), f + (0.42 * side, 0.62, -0.4), 0.085),
+                ]
             else:
-                out += [rod(p, f + (0.2 * side, 1.45, 0), f + (0.32 * side, 1.82, 0.05), 0.075), rod(p, f + (0.32 * side, 1.82, 0.05), f + (0.2 * side, 2.15, 0), 0.06)]
-                out += [rod(p, f + (0.1 * side, 0.9, 0), f + (0.13 * side, 0.45, 0.14), 0.105), rod(p, f + (0.13 * side, 0.45, 0.14), f + (0.13 * side, 0.02, 0.0), 0.08)]
+                out += [
+                    rod(p, f + (0.2 * side, 1.45, 0), f + (0.32 * side, 1.82, 0.05), 0.075),
+                    rod(p, f + (0.32 * side, 1.82, 0.05), f + (0.2 * side, 2.15, 0), 0.06),
+                ]
+                out += [
+                    rod(p, f + (0.1 * side, 0.9, 0), f + (0.13 * side, 0.45, 0.14), 0.105),
+                    rod(p, f + (0.13 * side, 0.45, 0.14), f + (0.13 * side, 0.02, 0.0), 0.08),
+                ]
         return out
 
     def dress(colour):
@@ -231,8 +266,20 @@ def canopies():
 
         return paint
 
-    solid("jumper_falling.webp", lambda p: person(p, (0, -1.1, 0), 1.0), dress((0.75, 0.12, 0.04)), 1.3, view(20, 25), (0.5, 0.7, 0.5), size=192)
-    palettes = {"a": ((0.72, 0.04, 0.05), (0.88, 0.86, 0.80)), "b": ((0.02, 0.12, 0.42), (0.92, 0.60, 0.06)), "c": ((0.85, 0.26, 0.02), (0.03, 0.25, 0.26))}
+    solid(
+        "jumper_falling.webp",
+        lambda p: person(p, (0, -1.1, 0), 1.0),
+        dress((0.75, 0.12, 0.04)),
+        1.3,
+        view(20, 25),
+        (0.5, 0.7, 0.5),
+        size=192,
+    )
+    palettes = {
+        "a": ((0.72, 0.04, 0.05), (0.88, 0.86, 0.80)),
+        "b": ((0.02, 0.12, 0.42), (0.92, 0.60, 0.06)),
+        "c": ((0.85, 0.26, 0.02), (0.03, 0.25, 0.26)),
+    }
     for letter, (one, two) in palettes.items():
         for wide, high, name in ((4.4, 3.0, "canopy"), (1.25, 2.6, "reefed")):
             if name == "reefed" and letter != "a":
@@ -245,7 +292,7 @@ def canopies():
                 return a, g
 
             def parts(p, wide=wide, high=high, low=low, lines=lines):
-                a, g = scallop(p)
+                _, g = scallop(p)
                 r = length(p[:, 0], p[:, 2])
                 bulge = 1 + 0.035 * g * np.clip(r / wide, 0, 1)
                 q = np.stack([p[:, 0] / bulge, p[:, 1] - low, p[:, 2] / bulge], 1)
@@ -256,7 +303,14 @@ def canopies():
                 cords = []
                 for k in range(lines):
                     b = 2 * np.pi * (k + 0.25) / lines
-                    cords.append(rod(p, (0.18 * np.sign(np.cos(b)), 2.0, 0), (wide * 1.0 * np.cos(b), low + 0.08, wide * 1.0 * np.sin(b)), 0.022))
+                    cords.append(
+                        rod(
+                            p,
+                            (0.18 * np.sign(np.cos(b)), 2.0, 0),
+                            (wide * 1.0 * np.cos(b), low + 0.08, wide * 1.0 * np.sin(b)),
+                            0.022,
+                        )
+                    )
                 out.append(np.min(np.stack(cords), axis=0))
                 return out + person(p)
 
@@ -274,11 +328,22 @@ def canopies():
                 albedo[which == 1] = 0.75
                 return albedo, np.where(which == 0, 0.12, gloss)
 
-            solid(f"{name}_{letter}.webp" if name == "canopy" else "reefed.webp", parts, paint, 5.0, view(15, -14), (0.6, 0.6, 0.55), size=512, centre=(0, 4.55, 0), below=(0.30, 0.30, 0.26))
+            solid(
+                f"{name}_{letter}.webp" if name == "canopy" else "reefed.webp",
+                parts,
+                paint,
+                5.0,
+                view(15, -14),
+                (0.6, 0.6, 0.55),
+                size=512,
+                centre=(0, 4.55, 0),
+                below=(0.30, 0.30, 0.26),
+            )
 
 
 def hot_air():
     """Hot-air balloons in four dresses, lit by a low sun from the left."""
+
     def parts(p):
         # the envelope narrows below to its mouth
         y = p[:, 1]
@@ -300,14 +365,26 @@ def hot_air():
     down = np.clip(-ys / 8.6, 0, 1)
     PROFILE = (ys, np.where(ys > 0, 8.2 * np.sqrt(np.maximum(1 - up**2, 0)), 8.2 - 6.7 * down**1.55 - 0.1 * down))
     red, orange, gold, cream, navy, teal, violet, rose = (
-        np.float32(c) for c in ((0.66, 0.03, 0.04), (0.86, 0.24, 0.02), (0.92, 0.60, 0.05), (0.88, 0.84, 0.74), (0.02, 0.06, 0.26), (0.02, 0.30, 0.33), (0.20, 0.05, 0.32), (0.72, 0.10, 0.24))
+        np.float32(c)
+        for c in (
+            (0.66, 0.03, 0.04),
+            (0.86, 0.24, 0.02),
+            (0.92, 0.60, 0.05),
+            (0.88, 0.84, 0.74),
+            (0.02, 0.06, 0.26),
+            (0.02, 0.30, 0.33),
+            (0.20, 0.05, 0.32),
+            (0.72, 0.10, 0.24),
+        )
     )
 
     def stripes(a, y):
         return np.array([red, gold, red, cream])[np.floor(a * 24).astype(int) % 4]
 
     def bands(a, y):
-        return np.array([navy, teal, cream, gold, orange, red, navy])[np.clip(np.floor((y + 8.6) / 17 * 7 + 0.25 * (np.abs((a * 12) % 1 - 0.5) * 2)).astype(int), 0, 6)]
+        return np.array([navy, teal, cream, gold, orange, red, navy])[
+            np.clip(np.floor((y + 8.6) / 17 * 7 + 0.25 * (np.abs((a * 12) % 1 - 0.5) * 2)).astype(int), 0, 6)
+        ]
 
     def spiral(a, y):
         return np.array([violet, rose, orange, gold])[np.floor(a * 8 + y * 0.28).astype(int) % 4]
@@ -316,6 +393,7 @@ def hot_air():
         return np.array([cream, teal])[(np.floor(a * 24).astype(int) + np.floor(y / 2.1).astype(int)) % 2]
 
     for letter, dress in zip("abcd", (stripes, bands, spiral, checks), strict=True):
+
         def paint(p, which, normal, dress=dress):
             a = np.arctan2(p[:, 2], p[:, 0]) / (2 * np.pi) + 0.5
             albedo = np.full(p.shape, 0.06, np.float32)
@@ -329,7 +407,19 @@ def hot_air():
             albedo[which == 5] = (0.25, 0.12, 0.10)
             return albedo, np.where(which == 0, 0.22, 0.1)
 
-        solid(f"hot_air_{letter}.webp", parts, paint, 11.6, view(20, -6), (-0.75, 0.42, 0.5), size=512, centre=(0, -2.7, 0), warm=(2.1, 1.65, 1.1), sky=(0.48, 0.58, 0.80), below=(0.30, 0.27, 0.22))
+        solid(
+            f"hot_air_{letter}.webp",
+            parts,
+            paint,
+            11.6,
+            view(20, -6),
+            (-0.75, 0.42, 0.5),
+            size=512,
+            centre=(0, -2.7, 0),
+            warm=(2.1, 1.65, 1.1),
+            sky=(0.48, 0.58, 0.80),
+            below=(0.30, 0.27, 0.22),
+        )
 
 
 def transport():
@@ -370,14 +460,21 @@ def submarine():
     def parts(p):
         q = p.copy()
         q[:, 2] = np.abs(q[:, 2])
-        body = hull(p, [-4.3, -3.6, -2.4, -1, 2.2, 3.2, 3.8, 4.15, 4.25], [0.10, 0.24, 0.55, 0.74, 0.74, 0.64, 0.46, 0.22, 0.02])
+        body = hull(
+            p, [-4.3, -3.6, -2.4, -1, 2.2, 3.2, 3.8, 4.15, 4.25], [0.10, 0.24, 0.55, 0.74, 0.74, 0.64, 0.46, 0.22, 0.02]
+        )
         deck = box(p, (0.1, 0.70, 0), (2.3, 0.08, 0.26), 0.05)
         s = np.clip((p[:, 1] - 0.6) / 1.0, 0, 1)
         tower = 0.8 * box(np.stack([p[:, 0] + 0.12 * s, p[:, 1], p[:, 2]], 1), (0.75, 1.1, 0), (0.72, 0.62, 0.22), 0.2)
         planes = wing(q, (1.25, 1.2, 0.15), 0.5, (1.15, 1.2, 0.95), 0.36, 0.07)
-        mast = np.minimum(rod(p, (0.7, 1.6, 0), (0.7, 2.35, 0), 0.045), rod(p, (0.45, 1.6, 0.05), (0.45, 2.1, 0.05), 0.06))
+        mast = np.minimum(
+            rod(p, (0.7, 1.6, 0), (0.7, 2.35, 0), 0.045), rod(p, (0.45, 1.6, 0.05), (0.45, 2.1, 0.05), 0.06)
+        )
         mast = np.minimum(mast, box(p, (0.76, 2.36, 0), (0.12, 0.06, 0.06), 0.03))
-        fins = np.minimum(wing(p, (-3.0, 0.15, 0), 0.75, (-3.4, 1.05, 0), 0.5, 0.07, along=1), wing(p, (-3.0, -0.15, 0), 0.75, (-3.4, -1.0, 0), 0.5, 0.07, along=1))
+        fins = np.minimum(
+            wing(p, (-3.0, 0.15, 0), 0.75, (-3.4, 1.05, 0), 0.5, 0.07, along=1),
+            wing(p, (-3.0, -0.15, 0), 0.75, (-3.4, -1.0, 0), 0.5, 0.07, along=1),
+        )
         stern = wing(q, (-3.0, 0, 0.15), 0.75, (-3.4, 0, 1.05), 0.5, 0.07)
         screw = []
         for k in range(5):
@@ -389,7 +486,9 @@ def submarine():
             z = np.stack([x * 0.8 + w * 0.6, r - 0.38, w * 0.8 - x * 0.6], 1)
             screw.append(ball(z, (0, 0, 0), (0.04, 0.36, 0.15)))
         hub = rod(p, (-4.2, 0, 0), (-4.6, 0, 0), 0.11, 0.05)
-        rail = np.minimum(rod(p, (1.7, 1.0, 0.2), (3.5, 0.72, 0.02), 0.014), rod(p, (1.9, 0.72, 0.2), (1.9, 0.98, 0.2), 0.014))
+        rail = np.minimum(
+            rod(p, (1.7, 1.0, 0.2), (3.5, 0.72, 0.02), 0.014), rod(p, (1.9, 0.72, 0.2), (1.9, 0.98, 0.2), 0.014)
+        )
         return [body, deck, tower, planes, mast, np.minimum(fins, stern), np.min(np.stack(screw), axis=0), hub, rail]
 
     def paint(p, which, normal):
@@ -414,7 +513,19 @@ def submarine():
         albedo *= np.clip(1 + rust, 0.6, 1.25)[:, None]
         return albedo, np.full(len(p), 0.35)
 
-    solid("submarine.webp", parts, paint, 4.75, view(-16, 9), (0.12, 1.0, 0.38), size=1024, centre=(-0.15, 0.2, 0), sky=(0.22, 0.62, 0.72), below=(0.02, 0.10, 0.14), warm=(0.75, 1.20, 1.15))
+    solid(
+        "submarine.webp",
+        parts,
+        paint,
+        4.75,
+        view(-16, 9),
+        (0.12, 1.0, 0.38),
+        size=1024,
+        centre=(-0.15, 0.2, 0),
+        sky=(0.22, 0.62, 0.72),
+        below=(0.02, 0.10, 0.14),
+        warm=(0.75, 1.20, 1.15),
+    )
 
 
 def cumulus(name, seed, size=512, wide=1.0):
@@ -430,6 +541,7 @@ def cumulus(name, seed, size=512, wide=1.0):
         balls.append((bx, by, rng.normal(0, 0.2), r))
     depth = 40
     zs = np.linspace(0.7, -0.7, depth)
+
     def density(px, py, pz):
         f = np.full(px.shape, -9.0, np.float32)
         for bx, by, bz, r in balls:
@@ -474,7 +586,9 @@ def fields(name="fields.webp", size=1024):
     bend = 0.012 * noise(u * 8, v * 8, 1, 8), 0.012 * noise(u * 8, v * 8, 2, 8)
     x, y = u + bend[0], v + bend[1]
     cells = 12
-    seeds = np.stack(np.meshgrid(np.arange(cells), np.arange(cells)), -1).reshape(-1, 2) + rng.uniform(0.08, 0.92, (cells * cells, 2))
+    seeds = np.stack(np.meshgrid(np.arange(cells), np.arange(cells)), -1).reshape(-1, 2) + rng.uniform(
+        0.08, 0.92, (cells * cells, 2)
+    )
     seeds /= cells
     first, second, which = np.full(x.shape, 9.0), np.full(x.shape, 9.0), np.zeros(x.shape, int)
     angle = 0.35
@@ -485,7 +599,18 @@ def fields(name="fields.webp", size=1024):
         closer = d < first
         second = np.where(closer, first, np.minimum(second, d))
         first, which = np.where(closer, d, first), np.where(closer, k, which)
-    kinds = np.float32([(0.14, 0.22, 0.05), (0.20, 0.28, 0.07), (0.47, 0.38, 0.12), (0.56, 0.46, 0.20), (0.27, 0.19, 0.10), (0.10, 0.17, 0.04), (0.62, 0.55, 0.07), (0.24, 0.31, 0.10)])
+    kinds = np.float32(
+        [
+            (0.14, 0.22, 0.05),
+            (0.20, 0.28, 0.07),
+            (0.47, 0.38, 0.12),
+            (0.56, 0.46, 0.20),
+            (0.27, 0.19, 0.10),
+            (0.10, 0.17, 0.04),
+            (0.62, 0.55, 0.07),
+            (0.24, 0.31, 0.10),
+        ]
+    )
     kind = rng.choice(len(kinds), cells * cells, p=[0.2, 0.2, 0.13, 0.12, 0.08, 0.1, 0.05, 0.12])
     colour = kinds[kind[which]] * rng.uniform(0.85, 1.15, (cells * cells, 1))[which].astype(np.float32)
     turn = rng.choice([0.35, 0.35 + np.pi / 2], cells * cells)[which]
@@ -511,8 +636,14 @@ def hanging():
     def parts(p):
         out = [ball(p, (0, -0.95, 0), (0.14, 0.17, 0.15)), box(p, (0, -0.42, 0), (0.2, 0.33, 0.14), 0.12)]
         for side in (-1, 1):
-            out += [rod(p, (0.2 * side, -0.64, 0), (0.55 * side, -0.85, 0.05), 0.07), rod(p, (0.55 * side, -0.85, 0.05), (0.68 * side, -1.2, 0.15), 0.055)]
-            out += [rod(p, (0.1 * side, -0.1, 0), (0.11 * side, 0.38, 0.1), 0.1, 0.08), rod(p, (0.11 * side, 0.38, 0.1), (0.05 * side, 0.85, 0), 0.075, 0.055)]
+            out += [
+                rod(p, (0.2 * side, -0.64, 0), (0.55 * side, -0.85, 0.05), 0.07),
+                rod(p, (0.55 * side, -0.85, 0.05), (0.68 * side, -1.2, 0.15), 0.055),
+            ]
+            out += [
+                rod(p, (0.1 * side, -0.1, 0), (0.11 * side, 0.38, 0.1), 0.1, 0.08),
+                rod(p, (0.11 * side, 0.38, 0.1), (0.05 * side, 0.85, 0), 0.075, 0.055),
+            ]
         return [*out, rod(p, (0, 0.85, 0), (0, 1.45, 0), 0.06), rod(p, (-0.1, 0.78, 0), (0.1, 0.78, 0), 0.1)]
 
     def paint(p, which, normal):
@@ -537,11 +668,20 @@ def gorge(name="gorge.webp", width=1024, rows=512):
     x, y = np.meshgrid((np.arange(w) + 0.5) / w * 2 - 1, (h - np.arange(h) - 0.5) / w * 2)
     colour, cover = np.zeros((h, w, 3)), np.zeros((h, w))
     haze = np.array([0.50, 0.62, 0.72])
-    spurs = [(0.02, 0.30, 1, 5), (0.10, 0.34, -1, 4), (-0.10, 0.46, 1, 3), (0.20, 0.50, -1, 2), (-0.30, 0.66, 1, 1), (0.36, 0.70, -1, 0)]
+    spurs = [
+        (0.02, 0.30, 1, 5),
+        (0.10, 0.34, -1, 4),
+        (-0.10, 0.46, 1, 3),
+        (0.20, 0.50, -1, 2),
+        (-0.30, 0.66, 1, 1),
+        (0.36, 0.70, -1, 0),
+    ]
     for k, (foot, top, side, far) in enumerate(spurs):
         away = side * (foot - x)  # from the foot of the spur up its slope
         form = np.clip(away + 0.03 * fractal(x + 3 * k, 0 * x + k, 0.0, 5.0, 4, 0.5, 100 + k), 0, None)
-        steep = 2.4 * np.minimum(form, 0.09) + 1.0 * np.clip(form - 0.09, 0, 0.22) + 0.25 * np.clip(form - 0.31, 0, None)
+        steep = (
+            2.4 * np.minimum(form, 0.09) + 1.0 * np.clip(form - 0.09, 0, 0.22) + 0.25 * np.clip(form - 0.31, 0, None)
+        )
         crest = steep * top / 0.5 * (1 + 0.35 * fractal(x + 5 * k, 0 * x, 0.0, 5.0, 6, 0.5, 120 + k))
         size = 0.010 + 0.010 * (5 - far) / 5
         tufts = size * 0.8 * np.abs(noise(x / size * 0.5 + 90, 0 * x + k, 130 + k))
@@ -550,12 +690,20 @@ def gorge(name="gorge.webp", width=1024, rows=512):
         crowns = noise(u, v, 140 + k) + 0.5 * noise(2.1 * u, 2.1 * v, 150 + k)
         lit = crowns - (noise(u + 0.35, v - 0.4, 140 + k) + 0.5 * noise(2.1 * (u + 0.2), 2.1 * (v - 0.25), 150 + k))
         kind = fractal(x + k, y, 0.0, 6.0, 3, 0.5, 160 + k)[..., None]
-        green = np.array([0.085, 0.150, 0.035]) * (1 + 0.9 * kind) + np.array([0.05, 0.03, 0.0]) * np.clip(kind * 2, 0, 1)
+        green = np.array([0.085, 0.150, 0.035]) * (1 + 0.9 * kind) + np.array([0.05, 0.03, 0.0]) * np.clip(
+            kind * 2, 0, 1
+        )
         sun = 0.75 if side < 0 else 0.42  # the sun stands on the left: the slopes on the right are lit
         tree = green * np.clip(0.45 + sun + 1.1 * lit * sun + 0.5 * crowns, 0.1, 3)[..., None]
-        strata = noise(x * 12 + 30, y * 90 + 20 + 4 * noise(x * 8 + 9, y * 8 + 9, 171), 170 + k) + noise(x * 120 + 60, y * 30 + 20, 172 + k)
+        strata = noise(x * 12 + 30, y * 90 + 20 + 4 * noise(x * 8 + 9, y * 8 + 9, 171), 170 + k) + noise(
+            x * 120 + 60, y * 30 + 20, 172 + k
+        )
         stone = np.array([0.36, 0.33, 0.28]) * np.clip(0.35 + 0.7 * sun + 0.55 * strata, 0.12, 2)[..., None]
-        bare = rise(0.10, 0.22, fractal(x * 1.4 + 11 * k, y * 0.8, 0.0, 5.0, 5, 0.55, 180 + k) - 0.02 + 0.10 * rise(0.06, 0.0, y))[..., None]
+        bare = rise(
+            0.10,
+            0.22,
+            fractal(x * 1.4 + 11 * k, y * 0.8, 0.0, 5.0, 5, 0.55, 180 + k) - 0.02 + 0.10 * rise(0.06, 0.0, y),
+        )[..., None]
         ground = tree * (1 - bare) + stone * bare
         depth = 1 - np.exp(-0.17 * far)
         mist = np.clip(depth + 0.04 * far * np.exp(-y / 0.06), 0, 0.92)[..., None]
@@ -571,15 +719,25 @@ def sea(name="sea_light.webp", size=768):
     """Water from below: bright towards the surface, with shafts of sunlight that fan out; far rocks in the haze."""
     v, u = (np.mgrid[0:size, 0:size] + 0.5) / size
     x, y = u * 2 - 1, 1 - v * 2  # y = 1 at the surface
-    deep, middle, bright = np.float32((0.004, 0.030, 0.055)), np.float32((0.012, 0.20, 0.27)), np.float32((0.30, 0.78, 0.78))
+    deep, middle, bright = (
+        np.float32((0.004, 0.030, 0.055)),
+        np.float32((0.012, 0.20, 0.27)),
+        np.float32((0.30, 0.78, 0.78)),
+    )
     t = ((y + 1) / 2)[..., None]
     light = deep + (middle - deep) * rise(0.05, 0.75, t) + (bright - middle) * rise(0.62, 1.0, t) ** 1.6
     a = (x + 0.25) / (2.3 - y)  # the shafts meet at a point above the picture
-    shafts = 0.55 * noise(a * 60 + 40, 0 * a + 0.5, 5) + 0.35 * noise(a * 150 + 90, 0 * a + 1.5, 6) + 0.3 * noise(a * 22 + 20, 0 * a + 2.5, 7)
+    shafts = (
+        0.55 * noise(a * 60 + 40, 0 * a + 0.5, 5)
+        + 0.35 * noise(a * 150 + 90, 0 * a + 1.5, 6)
+        + 0.3 * noise(a * 22 + 20, 0 * a + 2.5, 7)
+    )
     beam = np.clip(shafts + 0.12, 0, 1) * np.exp(-((x + 0.15) ** 2) / 0.5) * rise(-0.75, 0.9, y)
     light = light + beam[..., None] * np.float32((0.16, 0.42, 0.40)) * 1.5
     for far, tall, tone in ((41, 0.30, 0.55), (42, 0.20, 0.30)):
-        top = -0.12 + tall * (0.5 + 0.9 * fractal(x * 1.0 + 7, 0 * x + far, 0.0, 2.2, 6, 0.5, far)) * (0.35 + 0.65 * rise(0.0, 0.9, np.abs(x + 0.1)))
+        top = -0.12 + tall * (0.5 + 0.9 * fractal(x * 1.0 + 7, 0 * x + far, 0.0, 2.2, 6, 0.5, far)) * (
+            0.35 + 0.65 * rise(0.0, 0.9, np.abs(x + 0.1))
+        )
         cover = rise(-0.004, 0.004, top - y)[..., None]
         light = light * (1 - cover) + cover * (light * tone)
     write(name, light, np.ones_like(x), 90)
@@ -597,7 +755,10 @@ def clouds():
     cumulus("cumulus_b.webp", 11, wide=1.25)
 
 
-ALL = {f.__name__: f for f in (jet, sailplane, canopies, hot_air, transport, submarine, hanging, gorge, sea, clouds, fields)}
+ALL = {
+    f.__name__: f
+    for f in (jet, sailplane, canopies, hot_air, transport, submarine, hanging, gorge, sea, clouds, fields)
+}
 
 if __name__ == "__main__":
     for chosen in sys.argv[1:] or ALL:
