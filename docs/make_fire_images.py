@@ -31,7 +31,7 @@ def bark(name, columns=256, rows=256):
 
 
 def floor(name, side=1024, metres=4.0):
-    """Soil with pebbles and needles, grey with ash around the middle."""
+    """Soil with pebbles and needles, grey with ash around the corner, so that it lies around the origin."""
     rng = np.random.default_rng(4)
     v, u = ((np.mgrid[0:side, 0:side] + 0.5) / side - 0.5) * metres
     soil = 0.34 + 0.16 * fractal(u, v, metres / side, 2.0, 6, 0.62, 11) + 0.12 * noise(u * 90, v * 90, 12)
@@ -62,7 +62,8 @@ def floor(name, side=1024, metres=4.0):
     grey = 0.42 + 0.2 * fractal(u, v, metres / side, 9.0, 5, 0.6, 31)
     char = rise(-0.05, 0.25, fractal(u, v, metres / side, 6.0, 4, 0.6, 41))
     bed = (grey * (1 - 0.75 * char))[..., None] * np.array([1.0, 0.97, 0.94])
-    save(colour + (bed - colour) * (0.9 * ash)[..., None], name, 72)
+    light = colour + (bed - colour) * (0.9 * ash)[..., None]
+    save(np.roll(light, side // 2, axis=(0, 1)), name, 72)  # a floor's image begins at the origin: there is the ash
 
 
 if __name__ == "__main__":

@@ -61,6 +61,9 @@ __all__ = [
 
 DTYPES = {"f32": ti.f32, "f64": ti.f64}
 _ALIGNMENT = 128  # bytes: a vector of sixteen float64
+_CACHE_LIMIT = (
+    1 << 30
+)  # bytes; the shipped presets take a tenth of it, and Taichi's own limit of 100 MiB forgot some of theirs
 _state: dict = {"config": None, "kernels": [], "lock": None}
 
 
@@ -166,6 +169,7 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
             fast_math=False,  # the arithmetic of a particle must be the same in every lane and in every kernel
             offline_cache=True,
             offline_cache_file_path=str(folder),
+            offline_cache_max_size_of_files=_CACHE_LIMIT,
             enable_fallback=False,
         )
     _state["config"] = (arch, count)

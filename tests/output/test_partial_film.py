@@ -134,8 +134,9 @@ def _hold_last_flush(monkeypatch, number: int):
 
         def encode(self, frame):
             if frame is None and self._held:
-                os.kill(os.getpid(), signal.SIGINT)
-                raised.wait(60)
+                while not raised.is_set():  # Python misses a signal just before its main thread goes to sleep
+                    signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+                    raised.wait(0.2)
                 threading.Event().wait(0.5)
             return self._stream.encode(frame)
 
@@ -146,8 +147,9 @@ def _hold_last_flush(monkeypatch, number: int):
     raised = threading.Event()
 
     def stop(*_):
-        raised.set()
-        raise KeyboardInterrupt
+        if not raised.is_set():
+            raised.set()
+            raise KeyboardInterrupt
 
     monkeypatch.setattr(segments, "encoder_stream", stream)
     return signal.signal(signal.SIGINT, stop)
