@@ -1,44 +1,51 @@
 """`gen-art gallery`: makes a still and a short loop of each preset, and a page that shows them."""
 
-from html import escape
 from pathlib import Path
 
 import click
 
 from gen_art.commands import options
 from gen_art.commands.terminal import echo
+from gen_art.errors import UsageError
 
 __all__ = ["command"]
 
-STILL, LOOP = (1280, 720), (640, 360)
-LOOP_BYTES = 750_000  # size of a loop, roughly: the encoder limits the rate within the buffer of each segment only
+# size of a loop in bytes, roughly: the encoder limits the rate within the buffer of each segment only
+LARGE_LOOP, COURSE_LOOP = 750_000, 280_000
 
 
 @click.command("gallery")
 @click.argument("names", nargs=-1)
 @click.option("-o", "--output", "folder", default="gallery", show_default=True, help="The folder to write to.")
+@click.option("--page-only", is_flag=True, help="Write index.html alone, from the stills and loops in the folder.")
 @options.process_options
-def command(names, folder, threads, progress):
-    """Make a still and a loop of each preset.
+def command(names, folder, page_only, threads, progress):
+    """Make a still and a loop of each preset, and a page that shows them.
 
-    Stills are 1280x720, loops 640x360; of the presets NAMES, or of all. index.html shows them.
+    Stills are 1280x720, loops 640x360; of the presets NAMES, or of all.
+    index.html shows those in the folder, with the YAML and the command of
+    each; it opens from the file system.
     """
     from gen_art.commands.progress import reporter
     from gen_art.files import beside
     from gen_art.output import job
+    from gen_art.output.gallery.page import LOOP, STILL, page
     from gen_art.preset.load import load_preset
     from gen_art.preset.shipped import course_names, preset_names
 
-    out, shipped = Path(folder), {*preset_names(), *course_names()}
-    for name in names or preset_names():
+    out, shipped = Path(folder), [*preset_names(), *course_names()]
+    for name in names:
+        if name not in shipped:
+            raise UsageError(f"the gallery shows the shipped presets, and {name!r} is none (`gen-art list` names them)")
+    for name in () if page_only else names or shipped:
         preset = load_preset(name)
-        name = name if name in shipped else preset.name  # of a path, the files would lie beside the preset
+        large = name in preset_names()
         time, frames = moments(preset)
         with reporter(progress) as report:
             paths = job.still(
                 preset, out / f"{name}.webp", time, size=STILL, overwrite=True, threads=threads, progress=report
             )
-            rate = int(LOOP_BYTES * 8 / (len(frames) / preset.clock.fps))
+            rate = int((LARGE_LOOP if large else COURSE_LOOP) * 8 / (len(frames) / preset.clock.fps))
             paths += job.render(
                 preset, out / f"{name}.mp4", frames=frames, size=LOOP, overwrite=True, threads=threads, progress=report,
                 max_rate=rate,
@@ -46,7 +53,7 @@ def command(names, folder, threads, progress):
         for path in paths:
             echo(f"{path} {path.stat().st_size / 1000:.0f} KB")
     with beside(out / "index.html") as temporary:
-        temporary.write_text(page(preset_names()), encoding="utf-8")
+        temporary.write_text(page(out), encoding="utf-8")
     echo(out / "index.html")
 
 
@@ -59,34 +66,3 @@ def moments(preset) -> tuple[float, range]:
         start = max(0.0, min(time - length / 2, preset.clock.duration - length))
         return time, range(round(start * fps), round((start + length) * fps))
     return time, range(round(loop.lo * fps), round(loop.hi * fps))
-
-
-def page(names) -> str:
-    """index.html: every preset's loop over its still, with the first lines of its file."""
-    from gen_art.preset.shipped import presets_folder
-
-    figures = []
-    for name in names:
-        lines = (presets_folder() / f"{name}.yaml").read_text(encoding="utf-8").splitlines()
-        description = " ".join(line.lstrip("# ") for line in lines[:2] if line.startswith("#"))
-        figures.append(
-            f'<figure><video src="{name}.mp4" poster="{name}.webp" autoplay loop muted playsinline></video>'
-            f'<figcaption><a href="{name}.webp">{name}</a> {escape(description)}</figcaption></figure>'
-        )
-    return _PAGE.format(figures="\n".join(figures))
-
-
-_PAGE = """<!doctype html>
-<html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">
-<title>Gen Art: gallery</title>
-<style>
-body {{ margin: 0; padding: 4vw; background: #0b0b0d; color: #bbb; font: 16px/1.5 system-ui, sans-serif }}
-main {{ display: grid; gap: 3vw; grid-template-columns: repeat(auto-fit, minmax(min(30em, 100%), 1fr)) }}
-figure {{ margin: 0 }} video {{ width: 100%; display: block; background: #000 }} a {{ color: #fff }}
-figcaption {{ padding-top: .5em }}
-</style>
-<main>
-{figures}
-</main>
-</html>
-"""

@@ -16,7 +16,7 @@ def presets_folder() -> Path:
 
 
 def preset_names() -> list[str]:
-    """The names of the large presets, which are shown in the gallery."""
+    """The names of the large presets."""
     return sorted(path.stem for path in presets_folder().glob("*.yaml"))
 
 
