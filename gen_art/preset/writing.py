@@ -17,6 +17,7 @@ _SHORT = 100  # mappings and lists up to this many characters are written on one
 
 def _yaml() -> YAML:
     yaml = YAML()
+    yaml.brace_single_entry_mapping_in_flow_sequence = True  # [{box: 1}, ...] stays as it was written
     yaml.preserve_quotes = True
     yaml.width = _WIDTH
     yaml.indent(mapping=2, sequence=4, offset=2)

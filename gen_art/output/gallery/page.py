@@ -42,7 +42,8 @@ def page(folder: Path) -> str:
 
     It needs nothing but these files: style, script and every YAML stand in the page itself.
     """
-    shown, sections, links = [], [], []
+    shown: list[dict[str, str]] = []
+    sections, links = [], []
     for family in families():
         pieces = [name for name in family.pieces if _has(folder, name)]
         if not pieces:
