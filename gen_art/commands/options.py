@@ -178,7 +178,7 @@ picture_options = _stack(
         type=_Word(["draft", "preview", "final"]),
         default="final",
         show_default=True,
-        help="draft halves the size; draft and preview encode films faster.",
+        help="draft halves the size and leaves supersample out; draft and preview encode films faster.",
     ),
     click.option("--overwrite", is_flag=True, help="Replace output that exists."),
     click.option("--transparent", is_flag=True, help="Leave the background out, if the format supports it."),

@@ -153,13 +153,15 @@ def _load_plugins(plugins):
     return tuple(p if hasattr(p, "sha256") else load_plugin(p) for p in plugins)
 
 
-def _load(preset, fps=None) -> "Preset":
+def _load(preset, fps=None, quality: str = "final") -> "Preset":
     from gen_art.preset.load import load_preset
     from gen_art.preset.schema import Preset
 
-    if isinstance(preset, Preset) and fps is None:
-        return preset
-    return load_preset(preset, overrides={"clock.fps": fps} if fps is not None else None)
+    loaded = preset if isinstance(preset, Preset) else load_preset(preset)
+    overrides: dict[str, float] = {} if fps is None else {"clock.fps": fps}
+    if quality == "draft" and loaded.camera is not None and loaded.camera.supersample > 1:
+        overrides["camera.supersample"] = 1
+    return load_preset(loaded, overrides=overrides) if overrides else loaded
 
 
 def _frame_numbers(frames, preset) -> Sequence[int]:
@@ -194,7 +196,7 @@ def render(
     size : (width, height), pixels; the preset's when None
     scale : a factor on the size
     fps : frames a second, in place of the preset's clock.fps
-    quality : `draft` halves the width and height; `draft` and `preview` use the codec profile `preview`
+    quality : `draft` halves the width and height and draws without `supersample`; `draft` and `preview` use the codec profile `preview`
     codec : h264 h265 prores ffv1 vp9 av1; the default of the file extension when None
     profile : preview, web or master: from fast and small to slow and good
     bits : bits a channel; 8 or 10 where the codec has both, 16 for FFV1, .png and .exr, 32 for .exr
@@ -210,7 +212,7 @@ def render(
         plugins=plugins, progress=progress, codec=codec, profile=profile,
     )  # fmt: skip
     loaded_plugins = _load_plugins(plugins)
-    spec = _load(preset, fps)
+    spec = _load(preset, fps, quality)
     numbers = _frame_numbers(frames, spec)
     target, size, _ = plan_film(
         spec, out, precision=precision, size=size, scale=scale, quality=quality, overwrite=overwrite,
@@ -290,7 +292,7 @@ def still(
         plugins=plugins, progress=progress, time=time,
     )  # fmt: skip
     loaded_plugins = _load_plugins(plugins)
-    spec = _load(preset, fps)
+    spec = _load(preset, fps, quality)
     time = spec.poster_time if time is None else time
     target, size, _ = plan_still(
         spec, out, time, precision=precision, size=size, scale=scale, quality=quality, overwrite=overwrite,

@@ -171,6 +171,19 @@ def test_progress_counts_frames_and_particles(tmp_path):
     json.dumps(events)
 
 
+def test_a_draft_draws_each_pixel_once(tmp_path):
+    """Mutant: a draft with the preset's supersample, which its picture then shows."""
+    fine = piece(**{"camera.supersample": 2})
+    paths = [
+        *job.still(fine, tmp_path / "draft.png", 0.2, size=(120, 80), quality="draft"),
+        *job.still(piece(), tmp_path / "small.png", 0.2, size=(60, 40)),
+        *job.still(fine, tmp_path / "fine.png", 0.2, size=(60, 40)),
+    ]
+    draft, small, averaged = (np.asarray(Image.open(path)) for path in paths)
+    assert np.array_equal(draft, small) and not np.array_equal(draft, averaged)
+    assert np.array_equal(np.asarray(Image.open(job.rerun(paths[0], tmp_path / "again.png")[0])), draft)
+
+
 def test_sizes_scale_and_draft_halves(tmp_path):
     assert job.picture_size(piece()) == (96, 54)
     assert job.picture_size(piece(), scale=0.5) == (48, 27)
