@@ -196,7 +196,8 @@ def render(
     size : (width, height), pixels; the preset's when None
     scale : a factor on the size
     fps : frames a second, in place of the preset's clock.fps
-    quality : `draft` halves the width and height and draws without `supersample`; `draft` and `preview` use the codec profile `preview`
+    quality : `draft` halves the width and height and draws without `supersample`; `draft` and `preview` use the codec profile
+        `preview`
     codec : h264 h265 prores ffv1 vp9 av1; the default of the file extension when None
     profile : preview, web or master: from fast and small to slow and good
     bits : bits a channel; 8 or 10 where the codec has both, 16 for FFV1, .png and .exr, 32 for .exr
