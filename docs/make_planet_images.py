@@ -1,0 +1,108 @@
+"""Draws the planets of the course, lit from one side: presets/course/planet_*.webp.
+
+    python docs/make_planet_images.py [FOLDER]
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+SIZE = 1000  # pixels of the image
+RIM = 1.06  # radii from the middle of the image to its edge: the air reaches a little beyond the ground
+
+
+def fractal(x, seed, first, octaves, gain=0.55):
+    """Smooth noise about 0 of the points x (..., 3), in octaves; `first` waves in one radius."""
+    lattice = np.random.default_rng(seed).standard_normal((64, 64, 64))
+    total, weight = 0.0, 1.0
+    for octave in range(octaves):
+        place = x * first * 2**octave + 17.3 * octave
+        corner = np.floor(place).astype(int)
+        t = place - corner
+        t = t * t * (3 - 2 * t)
+        value = 0.0
+        for k in range(8):
+            bits = np.array([k & 1, k >> 1 & 1, k >> 2 & 1])
+            share = np.prod(np.where(bits == 1, t, 1 - t), axis=-1)
+            a, b, c = np.moveaxis((corner + bits) % 64, -1, 0)
+            value = value + share * lattice[a, b, c]
+        total, weight = total + weight * value, weight * gain
+    return total
+
+
+def rise(low, high, x):
+    t = np.clip((x - low) / (high - low), 0, 1)
+    return t * t * (3 - 2 * t)
+
+
+def mix(one, other, share):
+    return one + (np.asarray(other, float) - one) * share[..., None]
+
+
+def ball(tilt):
+    """(distance from the middle in radii, normals towards the viewer, the same in the planet's own axes)."""
+    v, u = RIM * (1 - (np.mgrid[0:SIZE, 0:SIZE] + 0.5) / SIZE * 2) * np.array([1, -1])[:, None, None]
+    far = np.hypot(u, v)
+    normal = np.stack([u, v, np.sqrt(np.clip(1 - far**2, 0, None))], axis=-1)
+    c, s = np.cos(np.radians(tilt)), np.sin(np.radians(tilt))
+    return far, normal, normal @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1.0]]).T
+
+
+def ocean(own):
+    """Seas, land and clouds: (colours, how much each place shines like water)."""
+    height = fractal(own + 3.1, 5, 1.4, 7) + 0.25 * np.abs(own[..., 1]) - 0.5
+    land = rise(0.0, 0.06, height)
+    dry = rise(-0.3, 0.7, fractal(own, 8, 3, 5) + 0.8 * np.exp(-(((np.abs(own[..., 1]) - 0.4) / 0.18) ** 2)))
+    sea = mix(np.array([0.01, 0.045, 0.13]), [0.03, 0.16, 0.24], rise(-0.35, 0.0, height))
+    ground = mix(np.array([0.06, 0.12, 0.035]) + 0 * own, [0.42, 0.31, 0.17], dry)
+    ground = mix(ground, [0.25, 0.22, 0.2], rise(0.5, 1.2, height))
+    colour = mix(sea, ground, land)
+    colour = mix(colour, [0.85, 0.88, 0.92], rise(0.86, 0.93, np.abs(own[..., 1]) + 0.05 * fractal(own, 9, 6, 4)))
+    swirl = own + 0.16 * np.stack([fractal(own, seed, 2.5, 4) for seed in (21, 22, 23)], axis=-1)
+    cloud = rise(0.15, 1.1, fractal(swirl * np.array([1, 1.7, 1]), 13, 2.6, 7, 0.6) + 0.1)
+    return mix(colour, [0.92, 0.93, 0.95], 0.92 * cloud), (1 - land) * (1 - cloud)
+
+
+def bands(own):
+    """The belts of a giant of gas."""
+    drift = 0.05 * fractal(own * np.array([1, 3, 1]), 31, 2, 5)
+    y = own[..., 1] + drift + 0.012 * fractal(own * np.array([1, 4, 1]), 34, 9, 4)
+    belt = np.interp(
+        y, [-1, -0.7, -0.52, -0.4, -0.26, -0.1, 0.06, 0.12, 0.3, 0.44, 0.6, 0.75, 1],
+        [0.2, 0.35, 0.8, 0.5, 0.1, 0.75, 0.95, 0.6, 0.12, 0.55, 0.85, 0.4, 0.2],
+    )  # fmt: skip
+    belt = np.clip(belt + 0.1 * fractal(own * np.array([1, 6, 1]), 37, 5, 5), 0, 1)
+    colour = mix(np.array([0.30, 0.13, 0.06]) + 0 * own, [0.62, 0.36, 0.2], rise(0.0, 0.5, belt))
+    return mix(colour, [0.88, 0.77, 0.6], rise(0.45, 1.0, belt)), 0 * belt
+
+
+def draw(path, surface, sun, tilt, air, night):
+    """A planet below light from `sun`; its air scatters the colour `air` at the rim of its lit side."""
+    far, normal, own = ball(tilt)
+    sun = np.array(sun, float) / np.linalg.norm(sun)
+    colour, shine = surface(own)
+    light = normal @ sun
+    half = (sun + np.array([0, 0, 1])) / np.linalg.norm(sun + np.array([0, 0, 1]))
+    day = np.clip(light + 0.02, 0, 1) ** 0.9
+    dusk = np.exp(-(((light - 0.03) / 0.09) ** 2))
+    lit = colour * (day[..., None] + dusk[..., None] * np.array([0.09, 0.03, 0.0])) + colour * night
+    lit += (shine * 0.7 * np.clip(normal @ half, 0, 1) ** 60 * day)[..., None] * np.array([1.0, 0.95, 0.85])
+    haze = (1 - normal[..., 2]) ** 3 * np.clip(light + 0.25, 0, 1)
+    lit = lit + 0.8 * haze[..., None] * np.array(air)
+    inside = rise(1.0 + 1.5 / SIZE, 1.0 - 1.5 / SIZE, far)
+    towards = np.stack([*np.moveaxis(normal[..., :2] / np.maximum(far, 1e-9)[..., None], -1, 0), 0 * far], axis=-1) @ sun
+    glow = np.exp(-np.clip(far - 1, 0, None) / 0.012) * np.clip(towards + 0.25, 0, 1) * (far < RIM) * (1 - inside)
+    out = lit * inside[..., None] + glow[..., None] * np.array(air) * 0.9
+    alpha = np.clip(inside + 0.8 * glow, 0, 1)
+    out = out / np.maximum(alpha, 1e-6)[..., None]
+    srgb = np.where(out < 0.0031308, 12.92 * out, 1.055 * np.clip(out, 1e-9, None) ** (1 / 2.4) - 0.055)
+    pixels = np.dstack([np.clip(srgb, 0, 1), alpha]) * 255 + 0.5
+    Image.fromarray(pixels.astype(np.uint8)).save(path, quality=82, method=6)
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent.parent / "presets" / "course"
+    draw(folder / "planet_ocean.webp", ocean, (-0.75, 0.45, 0.5), 20, (0.25, 0.5, 1.0), 0.004)
+    draw(folder / "planet_bands.webp", bands, (-0.85, 0.25, 0.45), 14, (0.9, 0.7, 0.45), 0.003)
