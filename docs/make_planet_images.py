@@ -1,6 +1,6 @@
 """Draws the planets of the course, lit from one side: presets/course/planet_*.webp.
 
-    python docs/make_planet_images.py [FOLDER]
+python docs/make_planet_images.py [FOLDER]
 """
 
 import sys
@@ -92,7 +92,9 @@ def draw(path, surface, sun, tilt, air, night):
     haze = (1 - normal[..., 2]) ** 3 * np.clip(light + 0.25, 0, 1)
     lit = lit + 0.8 * haze[..., None] * np.array(air)
     inside = rise(1.0 + 1.5 / SIZE, 1.0 - 1.5 / SIZE, far)
-    towards = np.stack([*np.moveaxis(normal[..., :2] / np.maximum(far, 1e-9)[..., None], -1, 0), 0 * far], axis=-1) @ sun
+    towards = (
+        np.stack([*np.moveaxis(normal[..., :2] / np.maximum(far, 1e-9)[..., None], -1, 0), 0 * far], axis=-1) @ sun
+    )
     glow = np.exp(-np.clip(far - 1, 0, None) / 0.012) * np.clip(towards + 0.25, 0, 1) * (far < RIM) * (1 - inside)
     out = lit * inside[..., None] + glow[..., None] * np.array(air) * 0.9
     alpha = np.clip(inside + 0.8 * glow, 0, 1)
