@@ -107,7 +107,7 @@ def plain_kernel(composition, blocks: bool):
     from gen_art.integrators.particle_tile import TileTerms, repeats, view
     from gen_art.maths.elementary import phi
 
-    terms = TileTerms(composition, (), 0)
+    terms = TileTerms(composition, (), 0, ti.f32)
     drag, place = terms.dampings[0].force, terms.dampings[0].offset
     matrix, vector = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.f32, 1)
 
