@@ -1,5 +1,7 @@
 """All tests share one start of the runtime, and none sees the plugins that another file of tests loaded."""
 
+import os
+
 import pytest
 
 from gen_art import plugins
@@ -11,8 +13,8 @@ from gen_art.interactions.base import INTERACTIONS
 
 @pytest.fixture(scope="session", autouse=True)
 def _runtime_of_the_process():
-    """Two threads, whatever the machine has."""
-    runtime.init(threads=2)
+    """Two threads, whatever the machine has; one where tests run side by side, whose threads would wait for each other."""
+    runtime.init(threads=1 if "PYTEST_XDIST_WORKER" in os.environ else 2)
 
 
 @pytest.fixture(scope="module", autouse=True)
