@@ -63,10 +63,10 @@ def test_a_film_shows_what_pictures_drawn_anew_show(scene, monkeypatch):
         return original(*options)
 
     monkeypatch.setattr(surface_pass, "draw_kernel", counted)
-    film = Playback(given, SIZE, "f32", 2)
+    film = Playback(given, SIZE, "f32", None)
     pictures = [np.array(film.picture(step)) for step in STEPS]
     assert len(calls) == (1 if scene in RESTING else len(STEPS))
     for step, picture in zip(STEPS, pictures):
-        np.testing.assert_array_equal(picture, Playback(given, SIZE, "f32", 2).picture(step))
+        np.testing.assert_array_equal(picture, Playback(given, SIZE, "f32", None).picture(step))
     if scene in RESTING:
         assert (pictures[0] != pictures[-1]).any()  # the smoke moved
