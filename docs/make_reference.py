@@ -52,12 +52,13 @@ SECTIONS = (
         "Forces",
         "Under `forces:` of the preset they act on every system; under `forces:` of a system, on that system. Those marked "
         "*field* may also stand under `medium:`. Their vector is then a velocity of the medium in m/s, towards which drag and "
-        "damping accelerate particles.",
+        "damping accelerate particles.\n\n![what each force does to particles](images/forces.webp)",
     ),
     (
         "shapes",
         "Shapes",
-        "Where particles are born: `shape:` of an emitter. Positions are relative to the emitter. A vector alone is a `point`.",
+        "Where particles are born: `shape:` of an emitter. Positions are relative to the emitter. A vector alone is a `point`.\n\n"
+        "![particles in each shape](images/shapes.webp)",
     ),
     (
         "velocities",

@@ -1,9 +1,11 @@
 """Nothing comes without its formula, its page, its test and, for a preset, its picture."""
 
-import importlib.util
+import importlib
 import re
+import sys
 from pathlib import Path
 
+import imageio.v3 as imageio
 import numpy as np
 import pytest
 from PIL import Image
@@ -26,12 +28,23 @@ PAGE = (ROOT / "docs" / "forces.md").read_text(encoding="utf-8")
 TESTS = "\n".join(path.read_text(encoding="utf-8") for path in sorted((ROOT / "tests" / "physics").glob("*.py")))
 
 
+def _module(name: str):
+    """A script of docs/, which also finds its neighbours there."""
+    sys.path.insert(0, str(ROOT / "docs"))
+    try:
+        return importlib.import_module(name)
+    finally:
+        sys.path.remove(str(ROOT / "docs"))
+
+
 @pytest.fixture(scope="module")
 def reference():
-    spec = importlib.util.spec_from_file_location("make_reference", ROOT / "docs" / "make_reference.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return _module("make_reference")
+
+
+@pytest.fixture(scope="module")
+def thumbnails():
+    return _module("make_thumbnails")
 
 
 def test_there_is_something_to_check():
@@ -80,6 +93,20 @@ def test_integrators(name):
 def test_the_pages_are_up_to_date(reference):
     for path, text in reference.pages().items():
         assert path.read_text(encoding="utf-8") == text, f"{path.name} is out of date: run docs/make_reference.py"
+
+
+def test_every_name_has_its_thumbnail(thumbnails, monkeypatch):
+    """Each scene is a valid preset, and each sheet shows as many as there are names."""
+    monkeypatch.chdir(presets_folder())
+    for kind, names in thumbnails.names().items():
+        sheet = thumbnails.sheets()[kind]
+        for name in names:
+            thumbnails.scene(sheet, name)
+        assert "key" in sheet or set(sheet["names"]) == set(names)
+        picture = imageio.imread(ROOT / "docs" / "images" / f"{kind}.webp")
+        width, height = sheet.get("size", thumbnails.SIZE)
+        rows = -(-len(names) // sheet["columns"])
+        assert picture.shape[:2] == (rows * height, sheet["columns"] * width), "run docs/make_thumbnails.py"
 
 
 def test_every_mapping_of_a_preset_has_its_table_and_every_key_its_words(reference):

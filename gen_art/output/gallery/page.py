@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-import yaml
+from ruamel.yaml import YAML
 
 from gen_art.preset.shipped import presets_folder
 
@@ -33,7 +33,7 @@ class Family:
 @cache
 def families() -> tuple[Family, ...]:
     """The families of all shipped presets, as families.yaml lists them."""
-    listed = yaml.safe_load((HERE / "families.yaml").read_text(encoding="utf-8"))
+    listed = YAML(typ="safe").load(HERE / "families.yaml")
     return tuple(Family(each["title"], each["text"], tuple(each["pieces"])) for each in listed)
 
 
