@@ -57,8 +57,8 @@ SECTIONS = (
     (
         "shapes",
         "Shapes",
-        "Where particles are born: `shape:` of an emitter. Positions are relative to the emitter. A vector alone is a `point`.\n\n"
-        "![particles in each shape](images/shapes.webp)",
+        "Where particles are born: `shape:` of an emitter. Positions are relative to the emitter. A vector alone is a `point`."
+        "\n\n![particles in each shape](images/shapes.webp)",
     ),
     (
         "velocities",
