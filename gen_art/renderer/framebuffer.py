@@ -10,7 +10,7 @@ from gen_art.errors import MemoryRefused
 from gen_art.renderer import disc_splat, tiled_splat
 from gen_art.renderer.coarse_framebuffer import composite
 from gen_art.renderer.picture_tiles import BIN
-from gen_art.renderer.sprite import DISC, ELLIPSE, LEVEL
+from gen_art.renderer.sprite import COVERED_DISC, DISC, ELLIPSE, LEVEL
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES
 from gen_art.renderer.tiled_splat import CHUNKS, kind_bits
@@ -19,7 +19,7 @@ __all__ = ["FrameBuffer", "splat"]
 
 # Where sprites hide each other, the order of drawing is cut into slices; in each slice the coarse framebuffers are drawn first.
 SLICES = 12
-DISCS = frozenset({DISC})
+DISCS = frozenset({DISC, COVERED_DISC})
 OF_LEVELS = frozenset({DISC, ELLIPSE})  # the kinds that are drawn into coarse framebuffers where they are large
 PARALLEL_CLEAR = 2**24  # bytes of a framebuffer from which waking threads to clear it pays
 WIDE, CLEAR_PARTS = 16, 64  # floats of a vector; parts that threads clear
@@ -71,13 +71,13 @@ class FrameBuffer:
     def draw(self, sprites: Sprites, order: np.ndarray, level: int, kinds: frozenset) -> np.ndarray:
         """Draw those of the sprites that belong to this framebuffer's level; returns which bins they touch, (down, across) bool.
 
-        kinds : the kinds of the sprites. Bins in which all are whole discs are drawn by vectors
+        kinds : the kinds of the sprites. Bins in which all are discs are drawn by vectors
         Raises MemoryRefused when the sprites touch 2^31 bins or more in all.
         """
         if level:
             kinds = kinds & OF_LEVELS
-        if not sprites.layered and kinds > DISCS:  # light is added in any order
-            return self._draw(sprites, order, level, DISCS) | self._draw(sprites, order, level, kinds - DISCS)
+        if not sprites.layered and kinds & DISCS and kinds - DISCS:  # light is added in any order
+            return self._draw(sprites, order, level, kinds & DISCS) | self._draw(sprites, order, level, kinds - DISCS)
         return self._draw(sprites, order, level, kinds)
 
     def _draw(self, sprites: Sprites, order: np.ndarray, level: int, kinds: frozenset) -> np.ndarray:
@@ -104,14 +104,16 @@ class FrameBuffer:
             sprites.headers, order, n, level, listed, chunk, self.across, starts, entries, tile_masks
         )
         firsts, of_discs_alone = bounds[:-1].copy(), touched & ~others.any(axis=0)
+        surfaces_hide = sprites.hidden_by is not NOTHING_HIDES
         if of_discs_alone.any():
             wide = disc_splat.WIDE
-            disc_splat.draw_discs(
+            disc_splat.draw_discs_kernel(surfaces_hide and COVERED_DISC in kinds)(
                 sprites.rows, entries, tile_masks, firsts, np.where(of_discs_alone, bounds[1:], firsts), self.across, bins,
-                self.buffer.reshape(-1, wide), self.stride // wide,
+                self.buffer.reshape(-1, wide), self.stride // wide, sprites.depths, sprites.hidden_by.depths,
+                sprites.hidden_by.tiles,
             )  # fmt: skip
         if (touched & ~of_discs_alone).any():
-            tiled_splat.draw_kernel(kinds, sprites.hidden_by is not NOTHING_HIDES)(
+            tiled_splat.draw_kernel(kinds, surfaces_hide)(
                 sprites.rows, sprites.texels, sprites.headers, entries, tile_masks, firsts,
                 np.where(of_discs_alone, firsts, bounds[1:]), self.across, bins, self.buffer, self.stride, sprites.depths,
                 sprites.hidden_by.depths,
