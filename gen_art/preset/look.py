@@ -347,6 +347,7 @@ class Look(Model):
         0.0, "with `draw: cloth`, the part of the scattered light that leaves on the other side: 0.3 is thin cotton"
     )
     liquid: Liquid = about(Liquid.model_validate({}), "what light does inside the surface of `draw: surface`")
+    mirrored: bool = about(True, "whether a ground or plane with `mirror: true` shows the system")
     falloff: Literal["none", "inverse_square"] = about(
         "none", "`inverse_square` dims points as 1/d^2, with a factor of 1 at the camera's target"
     )

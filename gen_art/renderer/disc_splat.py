@@ -77,7 +77,10 @@ def draw_discs_kernel(surfaces_hide: bool):
                 corner = y0 * stride + x0 * 4 // WIDE
                 columns, rows = [ti.Vector(c) for c in ti.static(_COLUMNS)], ti.Vector(_ROWS)
                 tile = [_all(0.0) for _ in ti.static(range(TILE * PARTS))]
-                light, coverage = [_all(0.0) for _ in ti.static(range(PARTS))], [_all(0.0) for _ in ti.static(range(PARTS))]
+                light, coverage = (
+                    [_all(0.0) for _ in ti.static(range(PARTS))],
+                    [_all(0.0) for _ in ti.static(range(PARTS))],
+                )
                 for v in ti.static(range(TILE * PARTS)):
                     tile[v] = framebuffer[corner + v // PARTS * stride + v % PARTS]
                 low, high = 3e38, 3e38  # the least and the largest depth of surfaces in the tile

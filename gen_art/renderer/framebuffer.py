@@ -7,10 +7,10 @@ import numpy as np
 
 from gen_art.backend.runtime import aligned, kernel, ti
 from gen_art.errors import MemoryRefused
-from gen_art.renderer import disc_splat, tiled_splat
+from gen_art.renderer import disc_splat, picture_splat, tiled_splat
 from gen_art.renderer.coarse_framebuffer import composite
 from gen_art.renderer.picture_tiles import BIN
-from gen_art.renderer.sprite import COVERED_DISC, DISC, ELLIPSE, LEVEL
+from gen_art.renderer.sprite import COVERED_DISC, DISC, ELLIPSE, LEVEL, PICTURE
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES
 from gen_art.renderer.tiled_splat import CHUNKS, kind_bits
@@ -19,7 +19,7 @@ __all__ = ["FrameBuffer", "splat"]
 
 # Where sprites hide each other, the order of drawing is cut into slices; in each slice the coarse framebuffers are drawn first.
 SLICES = 12
-DISCS = frozenset({DISC, COVERED_DISC})
+DISCS, PICTURES = frozenset({DISC, COVERED_DISC}), frozenset({PICTURE})
 OF_LEVELS = frozenset({DISC, ELLIPSE})  # the kinds that are drawn into coarse framebuffers where they are large
 PARALLEL_CLEAR = 2**24  # bytes of a framebuffer from which waking threads to clear it pays
 WIDE, CLEAR_PARTS = 16, 64  # floats of a vector; parts that threads clear
@@ -71,7 +71,7 @@ class FrameBuffer:
     def draw(self, sprites: Sprites, order: np.ndarray, level: int, kinds: frozenset) -> np.ndarray:
         """Draw those of the sprites that belong to this framebuffer's level; returns which bins they touch, (down, across) bool.
 
-        kinds : the kinds of the sprites. Bins in which all are discs are drawn by vectors
+        kinds : the kinds of the sprites. Bins of discs alone, or of images alone, have kernels of their own
         Raises MemoryRefused when the sprites touch 2^31 bins or more in all.
         """
         if level:
@@ -83,8 +83,8 @@ class FrameBuffer:
     def _draw(self, sprites: Sprites, order: np.ndarray, level: int, kinds: frozenset) -> np.ndarray:
         n, bins, listed = len(order), self.across * self.down, kind_bits(kinds)
         chunk = -(-n // CHUNKS)
-        counts, others = (np.zeros((CHUNKS, bins), np.int32) for _ in range(2))
-        tiled_splat.count_bin_entries(sprites.headers, order, n, level, listed, chunk, self.across, counts, others)
+        counts, kinds_there = (np.zeros((CHUNKS, bins), np.int32) for _ in range(2))
+        tiled_splat.count_bin_entries(sprites.headers, order, n, level, listed, chunk, self.across, counts, kinds_there)
         bin_counts = counts.T.reshape(-1)
         ends = np.cumsum(bin_counts, dtype=np.int64)
         total = int(ends[-1])
@@ -103,19 +103,26 @@ class FrameBuffer:
         tiled_splat.list_bin_entries(
             sprites.headers, order, n, level, listed, chunk, self.across, starts, entries, tile_masks
         )
-        firsts, of_discs_alone = bounds[:-1].copy(), touched & ~others.any(axis=0)
+        firsts, there = bounds[:-1].copy(), np.bitwise_or.reduce(kinds_there, axis=0)
+        of_discs, of_pictures = (touched & (there & ~kind_bits(alone) == 0) for alone in (DISCS, PICTURES))
+        of_others = touched & ~of_discs & ~of_pictures
         surfaces_hide = sprites.hidden_by is not NOTHING_HIDES
-        if of_discs_alone.any():
+        if of_discs.any():
             wide = disc_splat.WIDE
             disc_splat.draw_discs_kernel(surfaces_hide and COVERED_DISC in kinds)(
-                sprites.rows, entries, tile_masks, firsts, np.where(of_discs_alone, bounds[1:], firsts), self.across, bins,
+                sprites.rows, entries, tile_masks, firsts, np.where(of_discs, bounds[1:], firsts), self.across, bins,
                 self.buffer.reshape(-1, wide), self.stride // wide, sprites.depths, sprites.hidden_by.depths,
                 sprites.hidden_by.tiles,
             )  # fmt: skip
-        if (touched & ~of_discs_alone).any():
+        if of_pictures.any():
+            picture_splat.draw_pictures(
+                sprites.rows, sprites.texels, sprites.headers, entries, firsts, np.where(of_pictures, bounds[1:], firsts),
+                self.across, bins, self.buffer.reshape(-1, 4), self.stride // 4, sprites.depths, sprites.hidden_by.depths,
+            )  # fmt: skip
+        if of_others.any():
             tiled_splat.draw_kernel(kinds, surfaces_hide)(
                 sprites.rows, sprites.texels, sprites.headers, entries, tile_masks, firsts,
-                np.where(of_discs_alone, firsts, bounds[1:]), self.across, bins, self.buffer, self.stride, sprites.depths,
+                np.where(of_others, bounds[1:], firsts), self.across, bins, self.buffer, self.stride, sprites.depths,
                 sprites.hidden_by.depths,
             )  # fmt: skip
         return touched.reshape(self.down, self.across)

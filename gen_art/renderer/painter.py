@@ -249,7 +249,8 @@ class Painter:
     ) -> tuple[np.ndarray, np.ndarray | None]:
         """(picture, depths of the surfaces or None) from a view behind a mirror (point, normal); overwritten by the next."""
         self.framebuffer.clear()
-        self._draw(sim, list(sim.systems), view, film_time, shutter, 1.0, self.framebuffer, trails={}, mirror=mirror)
+        names = [name for name in sim.systems if (self.looks.get(name) or self._default_look).mirrored]
+        self._draw(sim, names, view, film_time, shutter, 1.0, self.framebuffer, trails={}, mirror=mirror)
         if self.sky is not None:
             # without the sun's disc: the lamp's own highlight stands for its reflection
             draw_sky(replace(self.sky, disc=np.zeros_like(self.sky.disc)), view, self.framebuffer)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from gen_art.backend.runtime import aligned
 from gen_art.renderer.elliptic_splat import write_ellipses
 from gen_art.renderer.sprite import BOTTOM, KIND, SPRITE_FLOATS, SPRITE_INTS, TOP, write_sprites
 from gen_art.renderer.sprite_image import NO_TEXELS, texels, write_image_sprites
@@ -75,7 +76,8 @@ class Sprites:
         image, _ = texels(picture.image.place)
         if picture.image.place not in self._chains:
             self._chains[picture.image.place] = len(self.texels)
-            self.texels = np.concatenate([self.texels, image])
+            before, self.texels = self.texels, aligned((len(self.texels) + len(image), 4), np.float32)
+            self.texels[: len(before)], self.texels[len(before) :] = before, image
         first = self._chains[picture.image.place]
         side = round(((3 * len(image) + 1) / 4) ** 0.5)
         n, base = projected.count, self._reserve(projected.count)

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gen_art.backend.runtime import kernel, ti
+from gen_art.backend.runtime import aligned, kernel, ti
 from gen_art.errors import UsageError
 from gen_art.maths.elementary import cos, sin
 from gen_art.pictures import read_picture
@@ -47,8 +47,8 @@ from gen_art.renderer.surfaces.hiding import BEFORE, BEHIND, place_among_surface
 __all__ = ["NO_TEXELS", "read_texel", "texels", "write_image_sprites"]
 
 SIDE = 1024  # texels of the largest level
-LARGE = 512.0  # pixels of half a side, from which on no texel is smaller than a pixel
-NO_TEXELS = np.zeros((1, 4), np.float32)
+LARGE = 128.0  # pixels of half a side, from which on the sum over pixels is the integral, to a thousandth
+NO_TEXELS = aligned((1, 4), np.float32)
 
 F1, F2, F3 = (ti.types.ndarray(ti.f32, n) for n in (1, 2, 3))
 H2 = ti.types.ndarray(ti.i16, 2)

@@ -3,7 +3,7 @@
 The framebuffer is cut into bins of 32 x 32 pixels. Each sprite is listed in the bins it touches, in the order of drawing (a
 counting sort over fixed chunks). A bin is drawn in tiles of 8 x 8 pixels, each by one thread in a local array, which lets the
 compiler vectorise the blending. The result depends neither on the number of threads nor on any atomic sum.
-Where all sprites are discs, disc_splat.py draws the tiles instead, faster.
+Bins of discs alone are drawn by disc_splat.py, and bins of images alone by picture_splat.py, faster.
 
 P : (n, 16) float rows of the sprites; headers : (n, 6) their integers; T : texels of the images
 
@@ -105,9 +105,9 @@ def _count_bin_entries(
     chunk: ti.i32,
     across: ti.i32,
     counts: I2,
-    others: I2,
+    kinds_there: I2,
 ):
-    """Count the sprites in each bin, (chunks, bins), and say in `others` where there are any but discs."""
+    """Count the sprites in each bin, (chunks, bins), and find the kinds that are there, a bit for each."""
     ti.loop_config(block_dim=1)
     for c in range(CHUNKS):
         for j in range(c * chunk, ti.min((c + 1) * chunk, n)):
@@ -115,9 +115,7 @@ def _count_bin_entries(
             for y in range(y0, y1 + 1):
                 for x in range(x0, x1 + 1):
                     counts[c, y * across + x] = counts[c, y * across + x] + 1
-                    kind = ti.cast(headers[order[j], KIND], ti.i32)
-                    if kind != DISC and kind != COVERED_DISC:
-                        others[c, y * across + x] = 1
+                    kinds_there[c, y * across + x] |= 1 << ti.cast(headers[order[j], KIND], ti.i32)
 
 
 @ti.kernel

@@ -1,7 +1,7 @@
 """What a mirror shows of ribbons and of its own shadow.
 
 Mutants that were tried, each of which fails a test here: ribbons that the mirror's plane does not cut; the part behind the plane
-left in place of that before it; a mirror that is left out of its own picture.
+left in place of that before it; a mirror that is left out of its own picture; a mirror that shows every system; one that shows only those left out.
 """
 
 import numpy as np
@@ -42,6 +42,15 @@ def test_a_mirror_shows_ribbons_above_it_where_optics_puts_them():
     image = picture(40, systems={"path": ribbon(-0.4, (0.5, 0, 0))})
     real = picture(40, systems={"path": ribbon(0.4, (0.5, 0, 0))})
     assert image.sum() > 1 and np.abs(got - (image + real)).max() < 0.02 * got.max()
+
+
+def test_a_mirror_leaves_out_what_is_not_mirrored():
+    left, right = ribbon(0.4, (0.5, 0, 0)), ribbon(0.4, (-0.5, 0, 0))
+    hidden = {**left, "look": left["look"] | {"mirrored": False}}
+    got = picture(40, systems={"left": hidden, "right": right}, ground=MIRROR)
+    alone = picture(40, systems={"right": right}, ground=MIRROR)
+    unseen = picture(40, systems={"left": left}, ground={**MIRROR, "mirror": False})
+    assert unseen.sum() > 1 and np.abs(got - (alone + unseen)).max() < 1e-4 * got.max()
 
 
 @pytest.mark.parametrize("speed", [0.8, -0.8])
