@@ -136,6 +136,19 @@ def table_top(side=1024, boards=4):
     return np.stack([0.34 * light, 0.235 * light**1.08, 0.165 * light**1.14], axis=2)
 
 
+def bubble(side=96):
+    """A bubble of air in water, lit from above: the sky in a bright rim, clear within, the lamp in its upper left."""
+    y, x = 1 - (np.mgrid[0:side, 0:side] + 0.5)[0] / side * 2, (np.mgrid[0:side, 0:side] + 0.5)[1] / side * 2 - 1
+    far = np.hypot(x, y) / 0.96
+    inside = np.clip((1 - far) * side * 0.48, 0, 1)
+    rim = np.clip(far, 0, 1) ** 7
+    light = rim * (0.55 + 0.45 * y) + 0.10 * np.clip(-y, 0, 1) * far**2 + 0.05
+    for u, v, size, much in ((-0.36, 0.46, 0.13, 1.0), (0.34, -0.50, 0.16, 0.35)):
+        light = light + much * np.exp(-((x - u) ** 2 + (y - v) ** 2) / size**2)
+    alpha = np.clip(light, 0, 1) * inside
+    return np.dstack([np.ones((side, side, 3)), alpha])
+
+
 def flag(columns=600, rows=400, width=1.5, height=1.0):
     """Three sewn stripes of bunting with hems, seams of two rows of stitches, and a canvas heading with eyelets."""
     v, u = np.mgrid[0:rows, 0:columns]
@@ -183,4 +196,5 @@ if __name__ == "__main__":
     save(block_side(), "course/block_side.png")
     save(block_end(), "course/block_end.png")
     save(table_top(), "course/table_top.webp", quality=60)
+    save(bubble(), "course/bubble.webp", quality=80)
     save(flag(), "course/flag.png", 120)

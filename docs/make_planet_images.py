@@ -41,9 +41,13 @@ def mix(one, other, share):
     return one + (np.asarray(other, float) - one) * share[..., None]
 
 
-def ball(tilt):
-    """(distance from the middle in radii, normals towards the viewer, the same in the planet's own axes)."""
+def ball(tilt, radius, below):
+    """(distance from the planet's middle in radii, normals towards the viewer, the same in the planet's own axes).
+
+    radius, below : its radius, and how far its middle is below that of the image, in halves of the image's side over RIM
+    """
     v, u = RIM * (1 - (np.mgrid[0:SIZE, 0:SIZE] + 0.5) / SIZE * 2) * np.array([1, -1])[:, None, None]
+    v, u = (v + below) / radius, u / radius
     far = np.hypot(u, v)
     normal = np.stack([u, v, np.sqrt(np.clip(1 - far**2, 0, None))], axis=-1)
     c, s = np.cos(np.radians(tilt)), np.sin(np.radians(tilt))
@@ -78,9 +82,20 @@ def bands(own):
     return mix(colour, [0.88, 0.77, 0.6], rise(0.45, 1.0, belt)), 0 * belt
 
 
-def draw(path, surface, sun, tilt, air, night):
+def seas(own):
+    """Seas and clouds from a low orbit: (colours, how much each place shines like water)."""
+    own = own[..., [0, 2, 1]] * np.array([3, 3, 0.2])  # no ice
+    sea = mix(np.array([0.008, 0.035, 0.11]) + 0 * own, [0.015, 0.06, 0.14], rise(-0.6, 0.8, fractal(own, 4, 2, 5)))
+    own = own * np.array([1, 1, 15])
+    swirl = own + 0.12 * np.stack([fractal(own, seed, 3, 4) for seed in (21, 22, 23)], axis=-1)
+    fields = rise(-0.7, 0.7, fractal(swirl, 15, 1.6, 4))
+    cloud = fields * rise(-0.5, 1.1, fractal(swirl, 13, 9, 7, 0.68))
+    return mix(sea, [0.92, 0.93, 0.95], 0.95 * cloud), 0.3 * (1 - cloud)
+
+
+def draw(path, surface, sun, tilt, air, night, radius=1.0, below=0.0):
     """A planet below light from `sun`; its air scatters the colour `air` at the rim of its lit side."""
-    far, normal, own = ball(tilt)
+    far, normal, own = ball(tilt, radius, below)
     sun = np.array(sun, float) / np.linalg.norm(sun)
     colour, shine = surface(own)
     light = normal @ sun
@@ -91,11 +106,12 @@ def draw(path, surface, sun, tilt, air, night):
     lit += (shine * 0.7 * np.clip(normal @ half, 0, 1) ** 60 * day)[..., None] * np.array([1.0, 0.95, 0.85])
     haze = (1 - normal[..., 2]) ** 3 * np.clip(light + 0.25, 0, 1)
     lit = lit + 0.8 * haze[..., None] * np.array(air)
-    inside = rise(1.0 + 1.5 / SIZE, 1.0 - 1.5 / SIZE, far)
+    edge = 1.5 / SIZE / radius
+    inside = rise(1.0 + edge, 1.0 - edge, far)
     towards = (
         np.stack([*np.moveaxis(normal[..., :2] / np.maximum(far, 1e-9)[..., None], -1, 0), 0 * far], axis=-1) @ sun
     )
-    glow = np.exp(-np.clip(far - 1, 0, None) / 0.012) * np.clip(towards + 0.25, 0, 1) * (far < RIM) * (1 - inside)
+    glow = np.exp(-np.clip(far - 1, 0, None) / 0.012 * radius) * np.clip(towards + 0.25, 0, 1) * (far < RIM) * (1 - inside)
     out = lit * inside[..., None] + glow[..., None] * np.array(air) * 0.9
     alpha = np.clip(inside + 0.8 * glow, 0, 1)
     out = out / np.maximum(alpha, 1e-6)[..., None]
@@ -108,3 +124,4 @@ if __name__ == "__main__":
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent.parent / "presets" / "course"
     draw(folder / "planet_ocean.webp", ocean, (-0.75, 0.45, 0.5), 20, (0.25, 0.5, 1.0), 0.004)
     draw(folder / "planet_bands.webp", bands, (-0.85, 0.25, 0.45), 14, (0.9, 0.7, 0.45), 0.003)
+    draw(folder / "planet_limb.webp", seas, (-0.3, 0.75, 0.6), 12, (0.25, 0.5, 1.0), 0.004, 5.0, 5.1)

@@ -86,6 +86,10 @@ class Label(Model):
     )
     size: TextSize = about(26.0, "size of the letters, in pixels of a picture that is 720 pixels high")
     color: ColourValue = about("white", "the text's colour, as it is in the finished picture")
+    outline: ColourValue | None = about(
+        None,
+        "the colour around the letters, such as the paper's; when left out, black around light letters, white around dark ones",
+    )
     anchor: Literal["left", "centre", "right"] | None = about(
         None, "the part of the text that is at its place; when left out, its nearest side, and `centre` above a point"
     )

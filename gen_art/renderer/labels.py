@@ -55,7 +55,7 @@ def draw_labels(
         else:
             point = label.at if label.at is not None else means.get(str(label.follow))
             marks = _at_point(label, size, point, view, width, height) if point is not None else []
-        draw_over(picture, marks, srgb(label.color), size, opacity)
+        draw_over(picture, marks, srgb(label.color), size, opacity, srgb(label.outline) if label.outline else None)
 
 
 def _fitting(label: Label, width: int, height: int) -> float:

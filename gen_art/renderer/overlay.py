@@ -87,8 +87,9 @@ def _strip(start, end, half: float, longer: float, left: float, top: float) -> l
 
 
 def draw_over(
-    picture: np.ndarray, marks, colour: tuple[float, float, float], size: float, opacity: float = 1.0
-) -> None:
+    picture: np.ndarray, marks, colour: tuple[float, float, float], size: float, opacity: float = 1.0,
+    outline: tuple[float, float, float] | None = None,
+) -> None:  # fmt: skip
     """Draw marks of one colour into a developed picture, in place; what is outside of it is cut off.
 
     picture : (height, width, 3 or 4) uint8 or uint16, sRGB, with straight alpha if it has four channels
@@ -96,6 +97,7 @@ def draw_over(
     colour : sRGB, 0..1
     size : pixels of the text, of which the halo's width is a part
     opacity : 0..1 of all of it
+    outline : sRGB, 0..1, of the halo; black or white, whichever stands out from the colour, when None
     """
     if not marks or opacity <= 0.0:
         return
@@ -114,9 +116,10 @@ def draw_over(
         mark.draw(ink, halo, left, top, rim)
     inked, around = (np.asarray(canvas.reduce(FINER), np.float64)[..., None] / 255.0 for canvas in canvases)
     rest = HALO_OPACITY * around * (1.0 - inked)
-    light = sum(c**2.2 * share for c, share in zip(colour, (0.2126, 0.7152, 0.0722)))
-    behind = 1.0 if light < DARK_TEXT else 0.0
-    lay(picture, opacity * (inked * np.array(colour) + rest * behind), opacity * (inked + rest), top, left)
+    if outline is None:
+        light = sum(c**2.2 * share for c, share in zip(colour, (0.2126, 0.7152, 0.0722)))
+        outline = (1.0, 1.0, 1.0) if light < DARK_TEXT else (0.0, 0.0, 0.0)
+    lay(picture, opacity * (inked * np.array(colour) + rest * np.array(outline)), opacity * (inked + rest), top, left)
 
 
 def lay(picture: np.ndarray, colour: np.ndarray, cover: np.ndarray, top: int, left: int) -> None:

@@ -162,6 +162,14 @@ def test_alpha_of_a_transparent_picture():
     assert np.abs(deep / 257 - black).max() <= 0.5 + 1e-9
 
 
+def test_outline_of_a_colour():
+    """Mutant: an outline that is left out, or white whatever it is called."""
+    label = {"text": "label", "place": "bottom right", "size": 60, "color": "navy"}
+    red = drawn(label | {"outline": "#ff0000"}).astype(int)
+    around = (red[..., 0] > 150) & (red[..., 1] < 20)
+    assert around.sum() > 200 and not (red[..., 1] > 60).any()
+
+
 def luminance(code):
     c = code / 255
     return c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4

@@ -13,7 +13,7 @@ from gen_art.maths.array_functions import exp
 from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.smoke_density import DIRECTIONS, WEIGHTS, Smoke
 
-__all__ = ["SkyLight"]
+__all__ = ["RESOLUTION", "SkyLight"]
 
 RESOLUTION = 40  # cells along the longest side
 _MARGIN = 0.35  # the grid extends beyond what hides the sky by this part of its longest side

@@ -22,7 +22,7 @@ from gen_art.renderer.surfaces.solids import (
     SOLID_FLOATS,
 )
 
-__all__ = ["SolidSystem", "mean_areas", "pixel_rectangles", "shapes_of", "solid_rows"]
+__all__ = ["SolidSystem", "mean_areas", "pieces", "pixel_rectangles", "shapes_of", "solid_rows"]
 
 _EVEN = (0.7548776662466927, 0.5698402909980532)  # whose multiples lie evenly in a square (Roberts, 2018)
 _EXACT = 2.0**24  # pixels beyond which a rectangle of the picture is cut
@@ -109,6 +109,30 @@ def mean_areas(rows: np.ndarray) -> np.ndarray:
     a, b, c = rows[:, HALF : HALF + 3].astype(np.float64).T
     r = rows[:, RADIUS].astype(np.float64)
     return 2.0 * (a * b + b * c + c * a) + np.pi * r * (a + b + c) + np.pi * r * r
+
+
+def pieces(rows: np.ndarray, side: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(rows, centres, mean areas, radii) of solids, the long ones cut into pieces along their axes, at most `side` long.
+
+    The first are the indices of the solids; the pieces of one have its mean area together. Centres are relative to the camera.
+    """
+    half = rows[:, HALF : HALF + 3].astype(np.float64)
+    outer = half + rows[:, RADIUS, None]
+    cut = (rows[:, BOUND, None] > 4.0 * side) & (half > 0.0)  # a ball is cut nowhere, a capsule along its axis
+    numbers = np.ceil(np.where(cut, 2.0 * outer / side, 1.0)).astype(np.int64)
+    counts = numbers.prod(axis=1)
+    row = np.repeat(np.arange(len(rows)), counts)
+    within = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
+    number = numbers[row]
+    place = np.stack(
+        [within // (number[:, 1] * number[:, 2]), within // number[:, 2] % number[:, 1], within % number[:, 2]], 1
+    )
+    along = outer[row] * ((2.0 * place + 1.0) / number - 1.0)
+    axes = rows[row, AXES : AXES + 9].astype(np.float64).reshape(-1, 3, 3)
+    centers = rows[row, CENTER : CENTER + 3] + (along[:, :, None] * axes).sum(axis=1)
+    whole = counts[row] == 1
+    radii = np.where(whole, rows[row, BOUND], np.sqrt(((outer[row] / number) ** 2).sum(axis=1)))
+    return row, centers, mean_areas(rows)[row] / counts[row], radii
 
 
 def pixel_rectangles(rows: np.ndarray, view, size) -> np.ndarray:

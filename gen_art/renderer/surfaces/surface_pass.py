@@ -31,10 +31,10 @@ from gen_art.renderer.surfaces.scene_numbers import (
 )
 from gen_art.renderer.surfaces.shadow_casters import NO_SKY, ShadowCasters, filled
 from gen_art.renderer.surfaces.sheet_rows import face_rectangles
-from gen_art.renderer.surfaces.sky_light import SkyLight
+from gen_art.renderer.surfaces.sky_light import RESOLUTION, SkyLight
 from gen_art.renderer.surfaces.sky_occlusion import sky_occluders
 from gen_art.renderer.surfaces.solid_grid import SolidGrid
-from gen_art.renderer.surfaces.solid_rows import mean_areas, pixel_rectangles
+from gen_art.renderer.surfaces.solid_rows import pieces, pixel_rectangles
 from gen_art.renderer.surfaces.solids import BOUND, MATERIAL, NEVER
 from gen_art.renderer.surfaces.surface_detail import (
     CHECKER,
@@ -239,15 +239,24 @@ def _more_than_one(scene: Scene, solids: int) -> bool:
 def _hiding_sky(casters: ShadowCasters, table: np.ndarray, hidden_by) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(positions, areas, radii) of what hides the sky: solids, cloth, and the particles of liquids; `table` of materials."""
     rows, cloth = casters.rows, casters.sheets
-    positions, radii = rows[:, :3].astype(np.float64) + casters.view.position, rows[:, BOUND].astype(np.float64)
-    opaque = 1.0 - _THROUGH * table[rows[:, MATERIAL].astype(np.int64), TRANSMISSION]
-    areas = mean_areas(rows) * opaque
+    row, centers, areas, radii = pieces(rows, 2.0 * _cell_of(rows))
+    positions = centers + casters.view.position
+    areas = areas * (1.0 - _THROUGH * table[rows[row, MATERIAL].astype(np.int64), TRANSMISSION])
     if cloth.any:  # a triangle's shadow is half as large as the triangle, as the mean over all directions
         positions, areas = np.concatenate([positions, cloth.centers]), np.concatenate([areas, 0.5 * cloth.areas])
         radii = np.concatenate([radii, np.sqrt(cloth.areas / np.pi)])
     if hidden_by is not None:
         positions, areas, radii = (np.concatenate(pair) for pair in zip((positions, areas, radii), hidden_by))
     return positions, areas, radii
+
+
+def _cell_of(rows: np.ndarray) -> float:
+    """About the cell of a SkyLight among solids of these rows, m."""
+    if not len(rows):
+        return 1.0
+    bound = rows[:, BOUND, None]
+    extent = (rows[:, :3] + bound).max(axis=0) - (rows[:, :3] - bound).min(axis=0)
+    return float(extent.max()) / RESOLUTION
 
 
 def _in_bins(rectangles: np.ndarray, shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
