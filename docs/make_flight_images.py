@@ -43,9 +43,23 @@ def box(p, centre, half, r=0.0):
     return np.linalg.norm(np.maximum(q, 0), axis=1) + np.minimum(q.max(axis=1), 0) - r
 
 
+def smooth(x, xs, rs):
+    """The values at x of a smooth curve through (xs, rs), which rises and falls only where they do (Fritsch and Butland)."""
+    xs, rs = np.asarray(xs, float), np.asarray(rs, float)
+    step = np.diff(xs)
+    rise_here = np.diff(rs) / step
+    a, b = rise_here[:-1], rise_here[1:]
+    slope = np.where(a * b > 0, 2 * a * b / np.where(a + b == 0, 1, a + b), 0)
+    slope = np.concatenate([rise_here[:1], slope, rise_here[-1:]])
+    k = np.clip(np.searchsorted(xs, x) - 1, 0, len(step) - 1)
+    t = np.clip((x - xs[k]) / step[k], 0, 1)
+    ends = rs[k] * (1 + 2 * t) * (1 - t) ** 2 + rs[k + 1] * (3 - 2 * t) * t**2
+    return ends + step[k] * (slope[k] * t * (1 - t) ** 2 - slope[k + 1] * t**2 * (1 - t))
+
+
 def hull(p, xs, rs, y=0.0, squash=1.0):
     """A body round about the x axis, whose radii at xs are rs."""
-    r = np.interp(p[:, 0], xs, rs)
+    r = smooth(p[:, 0], xs, rs)
     beyond = np.maximum(np.maximum(xs[0] - p[:, 0], p[:, 0] - xs[-1]), 0)
     return (
         0.75
@@ -109,8 +123,8 @@ def solid(
     def distance(p):
         return np.min(np.stack(parts(p)), axis=0)
 
-    for _ in range(90):
-        d = distance(start[alive] - t[alive, None] * near)
+    for _ in range(160):
+        d = 0.8 * distance(start[alive] - t[alive, None] * near)
         t[alive] += d
         near_enough = d < fine
         hit[alive[near_enough]] = True
@@ -125,10 +139,10 @@ def solid(
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
     sun = unit(sun)
     shadow, s = np.ones(len(p)), np.full(len(p), 6 * fine)
-    for _ in range(28):
+    for _ in range(110):
         d = distance(p + normal * 3 * fine + s[:, None] * sun)
         shadow = np.minimum(shadow, np.clip(0.5 + 20 * d / s, 0, 1))
-        s = s + np.clip(d, 0.012 * reach, 0.2 * reach)
+        s = s + np.clip(0.7 * d, 0.0025 * reach, 0.2 * reach)
     open_sky = 1.0
     for h in (0.02, 0.06, 0.15):
         open_sky = open_sky - 0.5 * np.clip(h - distance(p + normal * h * reach) / reach, 0, h) / h * 0.55
@@ -579,53 +593,79 @@ def cumulus(name, seed, size=512, wide=1.0):
     write(name, sun_light + sky_light, alpha * edge, 80)
 
 
+def parcels(rng, depth=8):
+    """Rectangles (left, top, width, height) that tile the unit square, halved again and again at uneven places."""
+    done, open_ = [], [(0.0, 0.0, 1.0, 1.0, 0)]
+    while open_:
+        left, top, wide, high, level = open_.pop()
+        small = 0.06 + 0.045 * rng.random()
+        if level >= depth or (max(wide, high) < 2 * small and rng.random() < 0.75) or min(wide, high) < 0.03:
+            done.append((left, top, wide, high))
+            continue
+        at = rng.uniform(0.36, 0.64)
+        if wide > high * rng.uniform(0.7, 1.5):
+            open_ += [(left, top, wide * at, high, level + 1), (left + wide * at, top, wide * (1 - at), high, level + 1)]
+        else:
+            open_ += [(left, top, wide, high * at, level + 1), (left, top + high * at, wide, high * (1 - at), level + 1)]
+    return np.array(done)
+
+
 def fields(name="fields.webp", size=1024):
-    """A map of fields, meadows, hedges and woods, which repeats; ploughed furrows and lanes of tractors run along the fields."""
+    """A map of fields, meadows, hedges, woods and farms, which repeats; furrows and lanes of tractors run along the fields."""
     rng = np.random.default_rng(12)
     v, u = (np.mgrid[0:size, 0:size] + 0.5) / size
-    bend = 0.012 * noise(u * 8, v * 8, 1, 8), 0.012 * noise(u * 8, v * 8, 2, 8)
-    x, y = u + bend[0], v + bend[1]
-    cells = 12
-    seeds = np.stack(np.meshgrid(np.arange(cells), np.arange(cells)), -1).reshape(-1, 2) + rng.uniform(
-        0.08, 0.92, (cells * cells, 2)
-    )
-    seeds /= cells
-    first, second, which = np.full(x.shape, 9.0), np.full(x.shape, 9.0), np.zeros(x.shape, int)
-    angle = 0.35
-    for k, (sx, sy) in enumerate(seeds):
-        dx, dy = (x - sx + 0.5) % 1 - 0.5, (y - sy + 0.5) % 1 - 0.5
-        a, b = dx * np.cos(angle) + dy * np.sin(angle), dy * np.cos(angle) - dx * np.sin(angle)
-        d = np.maximum(np.abs(a) * 0.8, np.abs(b) * 1.15) + 0.25 * (np.abs(a) + np.abs(b))
-        closer = d < first
-        second = np.where(closer, first, np.minimum(second, d))
-        first, which = np.where(closer, d, first), np.where(closer, k, which)
+
+    def bent(seed):
+        return 0.07 * noise(u * 3, v * 3, seed, (3, 3)) + 0.024 * noise(u * 8, v * 8, seed + 2, (8, 8))
+
+    x, y = (u + bent(1)) % 1, (v + bent(2)) % 1
+    tiles = parcels(rng)
+    which, border, along_x = np.zeros(x.shape, int), np.ones(x.shape), np.zeros(x.shape, bool)
+    for k, (left, top, wide, high) in enumerate(tiles):
+        inside = (x >= left) & (x < left + wide) & (y >= top) & (y < top + high)
+        edge = np.minimum(np.minimum(x - left, left + wide - x), np.minimum(y - top, top + high - y))
+        which[inside], border[inside], along_x[inside] = k, edge[inside], wide > high
     kinds = np.float32(
         [
             (0.14, 0.22, 0.05),
-            (0.20, 0.28, 0.07),
-            (0.47, 0.38, 0.12),
-            (0.56, 0.46, 0.20),
-            (0.27, 0.19, 0.10),
-            (0.10, 0.17, 0.04),
-            (0.62, 0.55, 0.07),
-            (0.24, 0.31, 0.10),
+            (0.19, 0.26, 0.07),
+            (0.45, 0.37, 0.14),
+            (0.54, 0.46, 0.23),
+            (0.26, 0.19, 0.12),
+            (0.09, 0.15, 0.04),
+            (0.60, 0.53, 0.09),
+            (0.25, 0.31, 0.11),
         ]
     )
-    kind = rng.choice(len(kinds), cells * cells, p=[0.2, 0.2, 0.13, 0.12, 0.08, 0.1, 0.05, 0.12])
-    colour = kinds[kind[which]] * rng.uniform(0.85, 1.15, (cells * cells, 1))[which].astype(np.float32)
-    turn = rng.choice([0.35, 0.35 + np.pi / 2], cells * cells)[which]
-    along = u * np.cos(turn) + v * np.sin(turn)
-    rows = np.sin(along * 2 * np.pi * 170) * 0.07 + (np.abs((along * 42) % 1 - 0.5) < 0.05) * -0.16
+    kind = rng.choice(len(kinds), len(tiles), p=[0.24, 0.2, 0.12, 0.1, 0.08, 0.09, 0.03, 0.14])
+    colour = kinds[kind[which]] * rng.uniform(0.82, 1.15, (len(tiles), 1))[which].astype(np.float32)
+    across = np.where(along_x, y, x)
+    rows = np.sin(across * 2 * np.pi * 170) * 0.06 + (np.abs((across * 48) % 1 - 0.5) < 0.05) * -0.14
     colour = colour * (1 + rows * (kind[which] != 5))[..., None]
-    patch = sum(0.5**k * noise(u * 8 * 2**k, v * 8 * 2**k, 20 + k, 8 * 2**k) for k in range(6))
-    colour = colour * (1 + 0.35 * patch)[..., None]
-    grain = noise(u * 256, v * 256, 40, 256) + 0.7 * noise(u * 128, v * 128, 41, 128)
-    wood = (kind[which] == 5) & (second - first > 0.003)
-    hedge = (second - first < 0.0042 + 0.003 * grain) & (noise(u * 32, v * 32, 44, 32) > -0.25)
-    trees = np.float32((0.055, 0.095, 0.028))
-    colour = np.where((wood | hedge)[..., None], trees * (1 + 1.1 * grain)[..., None], colour)
-    lane = np.abs(((v + 0.03 * np.sin(2 * np.pi * u) + 0.02 * np.sin(4 * np.pi * u + 1)) % 1) - 0.52) < 0.0022
-    colour = np.where(lane[..., None], np.float32((0.55, 0.50, 0.40)), colour)
+    patch = sum(0.5**k * noise(u * 8 * 2**k, v * 8 * 2**k, 20 + k, (8 * 2**k, 8 * 2**k)) for k in range(6))
+    colour = colour * (1 + 0.3 * patch)[..., None]
+    grain = noise(u * 256, v * 256, 40, (256, 256)) + 0.7 * noise(u * 128, v * 128, 41, (128, 128))
+    clumps = noise(u * 48, v * 48, 44, (48, 48))
+    wood = (kind[which] == 5) & (border > 0.002 + 0.002 * grain)
+    hedge = (border < 0.0016 + 0.0016 * np.clip(clumps, 0, 1) + 0.0008 * grain) & (clumps > -0.2)
+    tree = (border < 0.006) & (noise(u * 90, v * 90, 45, (90, 90)) > 0.24)
+    high_green = wood | hedge | tree
+    shade = np.roll(np.roll(high_green, 2, 0), 3, 1) & ~high_green  # the sun stands in the upper left
+    colour = np.where(shade[..., None], colour * 0.55, colour)
+    green = np.float32((0.06, 0.10, 0.028))
+    colour = np.where(high_green[..., None], green * (1 + 0.9 * grain)[..., None], colour)
+    for road, bend in ((np.abs(y - tiles[0][1]), 0), (np.abs(x - tiles[len(tiles) // 2][0]), 1)):
+        colour = np.where((np.minimum(road, 1 - road) < 0.0017)[..., None], np.float32((0.50, 0.46, 0.38)), colour)
+    for _ in range(26):  # farms: a few roofs side by side
+        left, top, wide, high = tiles[rng.integers(len(tiles))]
+        for _ in range(rng.integers(2, 5)):
+            at = left + 0.012 + 0.014 * rng.random(), top + 0.012 + 0.014 * rng.random()
+            half = rng.uniform(0.0018, 0.0045), rng.uniform(0.0014, 0.0024)
+            roof = (np.abs(x - at[0]) < half[0]) & (np.abs(y - at[1]) < half[1])
+            dark = (np.abs(x - at[0] - 0.002) < half[0]) & (np.abs(y - at[1] - 0.002) < half[1])
+            tile_colour = np.float32((0.42, 0.16, 0.10) if rng.random() < 0.6 else (0.45, 0.44, 0.43))
+            colour = np.where((dark & ~roof)[..., None], colour * 0.45, colour)
+            colour = np.where(roof[..., None], tile_colour * np.where(y < at[1], 1.25, 0.75)[..., None], colour)
     pixels = np.clip(colour, 0, 1) ** (1 / 2.2)
     Image.fromarray((pixels * 255 + 0.5).astype(np.uint8)).save(FOLDER / name, quality=72, method=6)
 
@@ -743,9 +783,9 @@ def sea(name="sea_light.webp", size=768):
     write(name, light, np.ones_like(x), 90)
     flow = [np.linspace(0, 1, 512, endpoint=False)] * 2
     gu, gv = np.meshgrid(*flow)
-    w = 0.35 * noise(gu * 4, gv * 4, 8, 4)
-    ripples = np.sin(2 * np.pi * (gv * 14 + 2.2 * w + 0.4 * noise(gu * 8, gv * 8, 9, 8)))
-    grain = noise(gu * 64, gv * 64, 10, 64) + noise(gu * 128, gv * 128, 11, 128)
+    w = 0.35 * noise(gu * 4, gv * 4, 8, (4, 4))
+    ripples = np.sin(2 * np.pi * (gv * 14 + 2.2 * w + 0.4 * noise(gu * 8, gv * 8, 9, (8, 8))))
+    grain = noise(gu * 64, gv * 64, 10, (64, 64)) + noise(gu * 128, gv * 128, 11, (128, 128))
     height = 0.5 + 0.30 * ripples + 0.12 * grain + 0.5 * w
     Image.fromarray((np.clip(height, 0, 1) * 255).astype(np.uint8)).save(FOLDER / "sea_sand.webp", quality=75, method=6)
 
