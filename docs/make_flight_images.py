@@ -604,9 +604,15 @@ def parcels(rng, depth=8):
             continue
         at = rng.uniform(0.36, 0.64)
         if wide > high * rng.uniform(0.7, 1.5):
-            open_ += [(left, top, wide * at, high, level + 1), (left + wide * at, top, wide * (1 - at), high, level + 1)]
+            open_ += [
+                (left, top, wide * at, high, level + 1),
+                (left + wide * at, top, wide * (1 - at), high, level + 1),
+            ]
         else:
-            open_ += [(left, top, wide, high * at, level + 1), (left, top + high * at, wide, high * (1 - at), level + 1)]
+            open_ += [
+                (left, top, wide, high * at, level + 1),
+                (left, top + high * at, wide, high * (1 - at), level + 1),
+            ]
     return np.array(done)
 
 

@@ -22,7 +22,13 @@ def rods():
         at = fist + (0.036 * k - 0.05) * ALONG + np.array([0, 0, 0.03])
         yield at - length * ACROSS, at + 0.05 * ACROSS, 0.02, 0.023, SKIN
         yield at + 0.05 * ACROSS, at + 0.06 * ACROSS - np.array([0, 0, 0.05]), 0.023, 0.025, SKIN
-    yield fist - 0.05 * ALONG + 0.03 * ACROSS, fist + 0.06 * ALONG + 0.04 * ACROSS, 0.05, 0.058, SKIN  # the back of the hand
+    yield (
+        fist - 0.05 * ALONG + 0.03 * ACROSS,
+        fist + 0.06 * ALONG + 0.04 * ACROSS,
+        0.05,
+        0.058,
+        SKIN,
+    )  # the back of the hand
     yield fist - 0.075 * ALONG - 0.055 * ACROSS, fist - 0.06 * ALONG + 0.045 * ACROSS, 0.019, 0.026, SKIN  # the thumb
     wrist, elbow = fist + np.array([0.10, -0.05, -0.02]), fist + np.array([0.62, -0.42, -0.1])
     yield fist + 0.03 * ACROSS, wrist, 0.055, 0.046, SKIN

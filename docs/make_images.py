@@ -136,6 +136,20 @@ def table_top(side=1024, boards=4):
     return np.stack([0.34 * light, 0.235 * light**1.08, 0.165 * light**1.14], axis=2)
 
 
+def gingham(side=256, checks=2, threads=64):
+    """Checked cotton: stripes of red and white threads both ways, which repeat; at each crossing one thread lies above."""
+    y, x = (np.mgrid[0:side, 0:side] + 0.5) / side
+    across, down = (x * 2 * checks % 2 < 1).astype(float), (y * 2 * checks % 2 < 1).astype(float)
+    above = (np.floor(x * threads) + np.floor(y * threads)) % 2  # whether the thread that runs down lies above
+    twill = (np.floor(x * threads) + np.floor(y * threads)) % 4 < 2
+    red = np.where((above > 0) ^ (twill & (above > 0) & (across != down)), across, down)
+    round_ = 0.82 + 0.18 * np.abs(np.sin(np.pi * threads * np.where(above > 0, x, y)))
+    weave = round_ * (1 + 0.03 * bumps((side, side), 64, 8, 31) + 0.03 * bumps((side, side), 8, 64, 32))
+    return (
+        np.array([0.93, 0.90, 0.84]) + red[..., None] * (np.array([0.66, 0.05, 0.07]) - np.array([0.93, 0.90, 0.84]))
+    ) * weave[..., None]
+
+
 def bubble(side=96):
     """A bubble of air in water, lit from above: the sky in a bright rim, clear within, the lamp in its upper left."""
     y, x = 1 - (np.mgrid[0:side, 0:side] + 0.5)[0] / side * 2, (np.mgrid[0:side, 0:side] + 0.5)[1] / side * 2 - 1
@@ -196,5 +210,6 @@ if __name__ == "__main__":
     save(block_side(), "course/block_side.png")
     save(block_end(), "course/block_end.png")
     save(table_top(), "course/table_top.webp", quality=60)
+    save(gingham(), "course/gingham.webp", quality=70)
     save(bubble(), "course/bubble.webp", quality=80)
     save(flag(), "course/flag.png", 120)

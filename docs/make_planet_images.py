@@ -111,7 +111,9 @@ def draw(path, surface, sun, tilt, air, night, radius=1.0, below=0.0):
     towards = (
         np.stack([*np.moveaxis(normal[..., :2] / np.maximum(far, 1e-9)[..., None], -1, 0), 0 * far], axis=-1) @ sun
     )
-    glow = np.exp(-np.clip(far - 1, 0, None) / 0.012 * radius) * np.clip(towards + 0.25, 0, 1) * (far < RIM) * (1 - inside)
+    glow = (
+        np.exp(-np.clip(far - 1, 0, None) / 0.012 * radius) * np.clip(towards + 0.25, 0, 1) * (far < RIM) * (1 - inside)
+    )
     out = lit * inside[..., None] + glow[..., None] * np.array(air) * 0.9
     alpha = np.clip(inside + 0.8 * glow, 0, 1)
     out = out / np.maximum(alpha, 1e-6)[..., None]
