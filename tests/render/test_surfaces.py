@@ -532,3 +532,24 @@ def test_a_mirror_reflects_the_sun_once():
 def test_ground_false_leaves_out_the_preset_s():
     sim = ga.Simulation(preset(ground="white"))
     assert ga.render_frame(sim, SIZE)[..., 3].all() and not ga.render_frame(sim, SIZE, ground=False)[..., 3].any()
+
+
+@pytest.mark.parametrize("turn", [0, 90])
+def test_a_long_body_hides_the_sky_where_it_is(turn):
+    """A board over white ground in an even sky: along its middle the ground below is as dark as at its centre, and darker than far beside it.
+
+    The board is 8 m long and 1 m above the ground. Its upper side is as bright at its centre as towards its ends. Mutants: a body hides
+    the sky at its centre alone; pieces along the wrong axis.
+    """
+    board = body_system({"box": [8, 0.2, 1], "turn": [0, turn, 0]}, position=[0, 1, 0], static=True)
+    even = {"intensity": 0, "ambient": "white", "ambient_intensity": 0.5}
+    common = {"systems": board, "light": even, "size": (96, 96)}
+    below = picture(
+        ground=matte(), camera={"position": [0, 0.5, 0], "target": [0, 0, 0], "up": [0, 0, -1], "height": 12}, **common
+    )
+    above = picture(camera={"position": [0, 5, 0], "target": [0, 0, 0], "up": [0, 0, -1], "height": 12}, **common)
+    below, above = (np.rot90(p[..., 0]) if turn else p[..., 0] for p in (below, above))
+    row = below[48, 48 + np.array([-20, 0, 20])]
+    assert row.max() < 1.08 * row.min() and row.max() < 0.93 * below[8, 48]
+    top = above[48, 48 + np.array([-24, -12, 0, 12, 24])]
+    assert top.min() > 0.4 and top.max() < 1.05 * top.min()
