@@ -55,9 +55,9 @@ def test_new_starts_from_a_commented_preset_and_overwrites_nothing(gen_art, tmp_
     assert gen_art("new", tmp_path / "other", "--from", "piza").status == 2
     assert all(gen_art("new", name).status == 2 for name in ("", ".", "..", ".hidden"))
     assert gen_art("new", "mine/", "--from", "-").status == 2
-    (tmp_path / "ball.png").write_bytes(b"mine")
+    (tmp_path / "bubble.webp").write_bytes(b"mine")
     other = gen_art("new", tmp_path / "floating", "--from", "course/floating")
-    assert other.status == 5 and "ball.png exists already" in other.err and not (tmp_path / "floating.yaml").exists()
+    assert other.status == 5 and "bubble.webp exists already" in other.err and not (tmp_path / "floating.yaml").exists()
 
 
 def test_still_without_a_time_takes_the_gallery_s(gen_art, piece, tmp_path):
