@@ -93,6 +93,7 @@ class LookTables:
     ramps : (6, 4), rows as `_ramp` gives them
     curves : (6, 256), the ramps' values over their domains
     colours : (rows, 256, 4); row 0 is the black body, row 1 the albedo, row 2 the emission, and one row for each tag follows
+    tags, albedo_tags : those of the emission's colour, and those of the albedo, in the order of their rows
     """
 
     look: Look
@@ -100,6 +101,7 @@ class LookTables:
     curves: np.ndarray
     colours: np.ndarray
     tags: tuple[str, ...]
+    albedo_tags: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, look: Look, channels: dict[str, int], entries: tuple[LedgerEntry, ...] = ()) -> "LookTables":
@@ -118,8 +120,12 @@ class LookTables:
             curves[k] = _samples(ramp.curve)
         for k, spec in ((COLOR, color), (ALBEDO, look.albedo)):
             ramps[k] = _ramp(k, spec.by, *domain(spec), channels, entries)
-        tags = tuple(color.tags)
-        gradients: list[Gradient] = [look.albedo.gradient, color.gradient, *(color.tags[t] for t in tags)]
+        gradients: list[Gradient] = [
+            look.albedo.gradient,
+            color.gradient,
+            *color.tags.values(),
+            *look.albedo.tags.values(),
+        ]
         colours = np.ones((1 + len(gradients), TABLE, 4), np.float32)
         if emission and kelvin:
             temperatures = np.maximum(_samples(kelvin.curve), 100.0)
@@ -127,15 +133,18 @@ class LookTables:
             colours[0, :, :3] = blackbody(temperatures) * (relative**emission.planck)[:, None]
         for row, gradient in enumerate(gradients):
             colours[1 + row, :, :3] = gradient_table(gradient)
-        for k, first, last in ((ALBEDO, 1, 2), (COLOR, 2, len(colours))):
-            if (colours[first:last] == colours[first:last, :1]).all():
+        of_albedo = 3 + len(color.tags)
+        for k, rows in ((ALBEDO, np.r_[1, of_albedo : len(colours)]), (COLOR, np.r_[2:of_albedo])):
+            if (colours[rows] == colours[rows, :1]).all():
                 ramps[k, RAMP_SCALE] = 0.0
-        return cls(look, ramps, curves, colours, tags)
+        return cls(look, ramps, curves, colours, tuple(color.tags), tuple(look.albedo.tags))
 
     def rows(self, sources) -> np.ndarray:
-        """The row of `colours` with the emission's colour for each source (an object with a `tag`)."""
-        rows_by_tag = {tag: 3 + k for k, tag in enumerate(self.tags)}
-        return np.array([rows_by_tag.get(str(getattr(s, "tag", None)), 2) for s in sources] or [2], dtype=np.int32)
+        """(2 n,) the rows of `colours` with the colours of each source (an object with a `tag`): its emission's, its albedo's."""
+        tags = [str(getattr(source, "tag", None)) for source in sources] or [""]
+        emission = {tag: 3 + k for k, tag in enumerate(self.tags)}
+        albedo = {tag: 3 + len(self.tags) + k for k, tag in enumerate(self.albedo_tags)}
+        return np.array([(emission.get(tag, 2), albedo.get(tag, 1)) for tag in tags], np.int32).ravel()
 
 
 def kernel_numbers(

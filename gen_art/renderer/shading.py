@@ -346,7 +346,7 @@ def _shade(
                             change = colours[0, at + 1, c] - first
                             blackbody[c * LANES + j] = first + change * (t - ti.cast(at, ti.f32))
                 for j in range(LANES):
-                    t, row, factor = table_index[COLOR * LANES + j], tag_rows[source[i0 + j]], light[j] * area[j]
+                    t, row, factor = table_index[COLOR * LANES + j], tag_rows[2 * source[i0 + j]], light[j] * area[j]
                     at = ti.min(ti.cast(t, ti.i32), TABLE - 2)
                     f = t - ti.cast(at, ti.f32)
                     c, d, e = colours[row, at, 0], colours[row, at, 1], colours[row, at, 2]
@@ -357,11 +357,11 @@ def _shade(
                 for j in range(LANES):
                     t = table_index[ALBEDO * LANES + j]
                     at = ti.min(ti.cast(t, ti.i32), TABLE - 2)
-                    f, factor = t - ti.cast(at, ti.f32), coverage[j] * fog[j]
-                    c, d, e = colours[1, at, 0], colours[1, at, 1], colours[1, at, 2]
-                    c = (c + (colours[1, at + 1, 0] - c) * f) * factor
-                    d = (d + (colours[1, at + 1, 1] - d) * f) * factor
-                    e = (e + (colours[1, at + 1, 2] - e) * f) * factor
+                    row, f, factor = tag_rows[2 * source[i0 + j] + 1], t - ti.cast(at, ti.f32), coverage[j] * fog[j]
+                    c, d, e = colours[row, at, 0], colours[row, at, 1], colours[row, at, 2]
+                    c = (c + (colours[row, at + 1, 0] - c) * f) * factor
+                    d = (d + (colours[row, at + 1, 1] - d) * f) * factor
+                    e = (e + (colours[row, at + 1, 2] - e) * f) * factor
                     fog_light = coverage[j] * (1.0 - fog[j])
                     red[j] = red[j] * fog[j] + fog_light * ti.cast(Q[FOG_RED], ti.f32)
                     green[j] = green[j] * fog[j] + fog_light * ti.cast(Q[FOG_GREEN], ti.f32)

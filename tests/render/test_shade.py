@@ -85,14 +85,18 @@ def test_a_quantity_that_is_not_there_is_refused():
         light({"emission": {"intensity": {"by": "temprature"}}}, attributes={"temperature": 1.0})
 
 
-def test_tags_choose_the_colours():
-    look = Look(
-        draw="disc",
-        radius=2.0,
-        emission={"color": {"by": "age", "gradient": "lime", "hot": ["red", "white"], "cold": "blue"}},
-    )
+@pytest.mark.parametrize("where", ["emission", "albedo", "both"])
+def test_tags_choose_the_colours(where):
+    """Of what is emitted and of what is scattered, each by its own rows. Mutants: the albedo's row 1 for all; rows of the emission for both."""
+    color = {"by": "age", "gradient": "lime", "hot": ["red", "white"], "cold": "blue"}
+    dark = {"by": "age", "cold": "black", "hot": "black", "gradient": "black"}
+    look = {
+        "emission": {"draw": "disc", "radius": 2.0, "emission": {"color": color}},
+        "albedo": {"draw": "disc", "radius": 2.0, "blend": "alpha", "albedo": color, "emission": {"intensity": 0}},
+        "both": {"draw": "disc", "radius": 2.0, "blend": "alpha", "albedo": color, "emission": {"color": dark}},
+    }[where]
     for source, colour in enumerate(("red", "blue", "lime")):
-        got = light(look, source=source, tags=("hot", "cold", None))
+        got = light(Look(**look), source=source, tags=("hot", "cold", None))
         assert got / got.max() == pytest.approx(linear(colour) / linear(colour).max(), abs=1e-4)
 
 
