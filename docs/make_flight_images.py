@@ -704,12 +704,20 @@ def hanging():
     solid("jumper_hanging.webp", parts, paint, 1.5, view(25, -5), (-0.6, 0.8, 0.5), size=256)
 
 
-def gorge(name="gorge.webp", width=1024, rows=512):
+def billows(u, v, seed):
+    """Rounded heaps with sharp furrows between them, as the crowns of trees seen from afar: sums of |noise|, about -0.5 to 1."""
+    return sum(
+        w * (2.2 * np.abs(noise(f * u, f * v, seed + i)) - 0.4)
+        for i, (w, f) in enumerate(((0.6, 1), (0.4, 2.3), (0.25, 5.1)))
+    )
+
+
+def gorge(name="gorge.webp", width=2048, rows=1024):
     """A gorge with wooded walls, one spur behind the other in haze, and its mirror image for the river.
 
     Spurs come down from both sides; trees are crowns whose upper left is in the sun, rocks stand bare where it is steep.
     """
-    finer = 2
+    finer = 1
     w, h = width * finer, rows * finer
     x, y = np.meshgrid((np.arange(w) + 0.5) / w * 2 - 1, (h - np.arange(h) - 0.5) / w * 2)
     colour, cover = np.zeros((h, w, 3)), np.zeros((h, w))
@@ -732,18 +740,21 @@ def gorge(name="gorge.webp", width=1024, rows=512):
         size = 0.010 + 0.010 * (5 - far) / 5
         tufts = size * 0.8 * np.abs(noise(x / size * 0.5 + 90, 0 * x + k, 130 + k))
         inside = (y < crest + tufts) & (away > -0.02)
-        u, v = x / size + 80, (y - 0.8 * crest) / size + 40
-        crowns = noise(u, v, 140 + k) + 0.5 * noise(2.1 * u, 2.1 * v, 150 + k)
-        lit = crowns - (noise(u + 0.35, v - 0.4, 140 + k) + 0.5 * noise(2.1 * (u + 0.2), 2.1 * (v - 0.25), 150 + k))
+        u, v = 0.6 * x / size + 80, 0.7 * (y - 0.5 * crest) / size + 40
+        crowns = billows(u, v, 140 + k)
+        lit = crowns - billows(u + 0.12, v - 0.14, 140 + k)
         kind = fractal(x + k, y, 0.0, 6.0, 3, 0.5, 160 + k)[..., None]
         green = np.array([0.085, 0.150, 0.035]) * (1 + 0.9 * kind) + np.array([0.05, 0.03, 0.0]) * np.clip(
             kind * 2, 0, 1
         )
         sun = 0.75 if side < 0 else 0.42  # the sun stands on the left: the slopes on the right are lit
-        tree = green * np.clip(0.45 + sun + 1.1 * lit * sun + 0.5 * crowns, 0.1, 3)[..., None]
+        tree = green * np.clip(0.15 + sun + 2.2 * lit * sun + 0.75 * crowns, 0.04, 3)[..., None]
         strata = noise(x * 12 + 30, y * 90 + 20 + 4 * noise(x * 8 + 9, y * 8 + 9, 171), 170 + k) + noise(
             x * 120 + 60, y * 30 + 20, 172 + k
         )
+        strata = 0.5 * strata + 1.2 * fractal(
+            x * 1.5 + 5, y * 4 + k, 0.0, 14.0, 6, 0.65, 174 + k
+        )  # ledges and fissures
         stone = np.array([0.36, 0.33, 0.28]) * np.clip(0.35 + 0.7 * sun + 0.55 * strata, 0.12, 2)[..., None]
         bare = rise(
             0.10,
