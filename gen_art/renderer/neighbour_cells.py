@@ -15,7 +15,8 @@ FARTHEST = 2**19  # cells from the origin: three numbers of 21 bits make one of 
 class NeighbourCells:
     """Those particles that exist, in cubes whose side is the reach.
 
-    slots : (n,) the particles, in the order of their cells
+    slots : (n,) the particles, in the order of their cells, and in a cell in that of their keys, so that the first ones of
+        a crowded cell stay the same from frame to frame
     positions : (n, 3) float32 m, in that order, from the corner of all
     first : (cells + 1,) int32, the first particle of each cell
     runs : (cells, 18) int32, the first cell, and the one after the last, of the nine rows of neighbouring cells
@@ -27,12 +28,8 @@ class NeighbourCells:
     runs: np.ndarray
 
     @classmethod
-    def of(cls, system, time: float, reach: float, shuffled: bool = False) -> "NeighbourCells | None":
-        """The cells of a system at simulated time `time`; None if nothing exists.
-
-        shuffled : the particles of a cell are in an order of their own keys, so that the first ones of a crowded cell stay
-            the same from frame to frame; otherwise in the order of their ids
-        """
+    def of(cls, system, time: float, reach: float) -> "NeighbourCells | None":
+        """The cells of a system at simulated time `time`; None if nothing exists."""
         n = int(system.count)
         positions = np.asarray(system.floats[POSITION, :n], np.float64)
         birth, life = system.birth[:n], np.asarray(system.floats[LIFETIME, :n], np.float64)
@@ -41,8 +38,7 @@ class NeighbourCells:
         slots = np.flatnonzero(near & (birth <= time) & (birth + life > time))
         if not len(slots):
             return None
-        if shuffled:
-            slots = slots[np.argsort(system.key[0, slots] ^ system.key[1, slots], kind="stable")]
+        slots = slots[np.argsort(system.key[0, slots] ^ system.key[1, slots], kind="stable")]
         positions = positions[:, slots]
         corner = positions.min(axis=1)
         cells = np.floor((positions - corner[:, None]) / reach).astype(np.int64) + 1

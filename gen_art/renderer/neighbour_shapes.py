@@ -9,8 +9,6 @@ times N / (N - 1) because the mean is theirs, with N = (sum of w)^2 / (sum of w^
 The lengths of the ellipsoid are the roots of the eigenvalues. None is less than the greatest divided by `most`, and together
 they keep the volume.
 
-Of a crowded cell SAMPLES particles, the first by their keys, stand for all.
-
 Source: Yu and Turk, Reconstructing Surfaces of Particle-Based Fluids Using Anisotropic Kernels, ACM Trans. Graph. 32 (2013), with
 their weighted covariance and bound of lengths; James and Stein, Estimation with Quadratic Loss (1961).
 
@@ -21,24 +19,14 @@ import numpy as np
 
 from gen_art.backend.runtime import kernel, ti
 from gen_art.maths.elementary import exp, log
-from gen_art.renderer.neighbour_cells import NeighbourCells
+from gen_art.renderer.neighbour_sums import CHANCE, DIAGONAL, OTHERS, SQUARES, TOTAL, NeighbourSums
 
 __all__ = ["neighbour_shapes"]
 
-SAMPLES = 16  # of a cell
 SWEEPS = 6  # of Jacobi's method: it converges to float32 in four
 ROWS = ((0, 3, 4), (3, 1, 5), (4, 5, 2))  # of a symmetric matrix xx, yy, zz, xy, xz, yz
 
-F1, F2, I1, I2 = (ti.types.ndarray(d, n) for d, n in ((ti.f32, 1), (ti.f32, 2), (ti.i32, 1), (ti.i32, 2)))
-
-
-@ti.func
-def _neighbour(X: ti.template(), first: ti.template(), cell, k, i, per_reach):
-    """Where the k-th sample of a cell lies from particle i, in reaches, and its weight."""
-    j = first[cell] + k
-    d = ti.Vector([X[j, 0] - X[i, 0], X[j, 1] - X[i, 1], X[j, 2] - X[i, 2]]) * per_reach
-    s = ti.max(1.0 - d.dot(d), 0.0)
-    return d, s * s * s
+F2 = ti.types.ndarray(ti.f32, 2)
 
 
 @ti.func
@@ -71,75 +59,42 @@ def _ellipsoid(a, most):
 
 
 @ti.kernel
-def _shapes(X: F2, first: I1, runs: I2, per_reach: ti.f32, most: ti.f32, result: F2):
-    """The shape of each sorted particle: xx, yy, zz, xy, xz, yz of the squared lengths, whose product is 1.
-
-    X, first, runs : positions, first and runs of NeighbourCells
-    """
-    ti.loop_config(block_dim=1)
-    for block in range((runs.shape[0] + 63) // 64):
-        for cell in range(block * 64, ti.min((block + 1) * 64, runs.shape[0])):
-            for i in range(first[cell], first[cell + 1]):
-                total, squares, mean = 0.0, 0.0, ti.Vector([0.0, 0.0, 0.0])
-                for r in range(9):
-                    for other in range(runs[cell, 2 * r], runs[cell, 2 * r + 1]):
-                        number = first[other + 1] - first[other]
-                        taken = ti.min(number, SAMPLES)
-                        each = ti.cast(number, ti.f32) / ti.cast(taken, ti.f32)
-                        for k in range(taken):
-                            d, w = _neighbour(X, first, other, k, i, per_reach)
-                            w *= each
-                            total, squares, mean = total + w, squares + w * w, mean + d * w
-                for c in ti.static(range(6)):
-                    result[i, c] = 1.0 if c < 3 else 0.0
-                if total * total > squares * 1.000001:  # more than one
-                    mean /= total
-                    chance, diagonal, other_parts = 0.0, ti.Vector([0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0])
-                    for r in range(9):
-                        for other in range(runs[cell, 2 * r], runs[cell, 2 * r + 1]):
-                            number = first[other + 1] - first[other]
-                            taken = ti.min(number, SAMPLES)
-                            each = ti.cast(number, ti.f32) / ti.cast(taken, ti.f32)
-                            for k in range(taken):
-                                d, w = _neighbour(X, first, other, k, i, per_reach)
-                                w *= each
-                                e = d - mean
-                                square = e.dot(e)
-                                diagonal += e * e * w
-                                other_parts += ti.Vector([e[0] * e[1], e[0] * e[2], e[1] * e[2]]) * w
-                                chance += w * w * (square * square)
-                    even = (diagonal[0] + diagonal[1] + diagonal[2]) / 3.0
-                    if even > 0.0:  # of places that are no longer all the same
-                        diagonal, other_parts = diagonal / even - 1.0, other_parts / even
-                        found = diagonal.dot(diagonal) + 2.0 * other_parts.dot(other_parts)
-                        # squares N / (N - 1) with N of the sums
-                        chance *= 2.0 / 3.0 * total * total / (total * total - squares) / (even * even)
-                        part = ti.max(1.0 - chance / ti.max(found, 1e-20), 0.0)
-                        if part > 0.0:
-                            diagonal, other_parts = diagonal * part + 1.0, other_parts * part
-                            x, y, z = other_parts[0], other_parts[1], other_parts[2]
-                            shape = _ellipsoid(
-                                ti.Matrix([[diagonal[0], x, y], [x, diagonal[1], z], [y, z, diagonal[2]]]), most
-                            )
-                            for p, q in ti.static(((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))):
-                                result[i, ROWS[p][q]] = shape[p, q]
+def _shapes(sums: F2, most: ti.f32, result: F2):
+    """The shape of each particle: xx, yy, zz, xy, xz, yz of the squared lengths, whose product is 1, from NeighbourSums."""
+    for i in range(sums.shape[0]):
+        for c in ti.static(range(6)):
+            result[i, c] = 1.0 if c < 3 else 0.0
+        total, squares = sums[i, TOTAL], sums[i, SQUARES]
+        if total * total > squares * 1.000001:  # more than one
+            diagonal = ti.Vector([sums[i, DIAGONAL], sums[i, DIAGONAL + 1], sums[i, DIAGONAL + 2]])
+            others = ti.Vector([sums[i, OTHERS], sums[i, OTHERS + 1], sums[i, OTHERS + 2]])
+            even = (diagonal[0] + diagonal[1] + diagonal[2]) / 3.0
+            if even > 0.0:  # of places that are no longer all the same
+                diagonal, others = diagonal / even - 1.0, others / even
+                found = diagonal.dot(diagonal) + 2.0 * others.dot(others)
+                # squares N / (N - 1) with N of the sums
+                chance = 2.0 / 3.0 * sums[i, CHANCE] * total * total / (total * total - squares) / (even * even)
+                part = ti.max(1.0 - chance / ti.max(found, 1e-20), 0.0)
+                if part > 0.0:
+                    diagonal, others = diagonal * part + 1.0, others * part
+                    x, y, z = others[0], others[1], others[2]
+                    shape = _ellipsoid(ti.Matrix([[diagonal[0], x, y], [x, diagonal[1], z], [y, z, diagonal[2]]]), most)
+                    for p, q in ti.static(((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))):
+                        result[i, ROWS[p][q]] = shape[p, q]
 
 
 _shapes_kernel = kernel(_shapes)
 
 
-def neighbour_shapes(system, time: float, reach: float, most: float) -> np.ndarray:
+def neighbour_shapes(neighbours: NeighbourSums, most: float) -> np.ndarray:
     """(n, 6) float32: xx, yy, zz, xy, xz, yz of the ellipsoid of each of a system's particles, 1, 1, 1, 0, 0, 0 for a ball.
 
     It is R diag(a^2, b^2, c^2) R^T with a b c = 1 and no ratio of lengths above `most`. One that does not exist has a ball.
-
-    reach : m, how far neighbours are looked for
     """
-    result = np.zeros((max(int(system.count), 1), 6), np.float32)
+    result = np.zeros((neighbours.count, 6), np.float32)
     result[:, :3] = 1.0
-    cells = NeighbourCells.of(system, time, reach, shuffled=True)
-    if cells is not None:
-        found = np.empty((len(cells.slots), 6), np.float32)
-        _shapes_kernel(cells.positions, cells.first, cells.runs, 1.0 / reach, most, found)
-        result[cells.slots] = found
+    if len(neighbours.slots):
+        found = np.empty((len(neighbours.slots), 6), np.float32)
+        _shapes_kernel(neighbours.sums, most, found)
+        result[neighbours.slots] = found
     return result

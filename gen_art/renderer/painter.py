@@ -33,6 +33,7 @@ from gen_art.renderer.liquid.liquid_pass import LiquidPass
 from gen_art.renderer.liquid.liquid_system import LiquidSystem, hiding_particles
 from gen_art.renderer.look_tables import SHUTTER, SIZE_MODE, SIZE_VALUE, TIME, LookTables, kernel_numbers
 from gen_art.renderer.neighbour_shapes import neighbour_shapes
+from gen_art.renderer.neighbour_sums import NeighbourSums
 from gen_art.renderer.path_history import MOMENTS, PathHistory
 from gen_art.renderer.ribbons import RibbonHistory, cut_by_plane
 from gen_art.renderer.shading import ProjectedParticles, shade
@@ -395,7 +396,8 @@ class Painter:
                 if look.draw == "cloth":
                     q[SIZE_MODE], q[SIZE_VALUE] = 1, 1.0
                 acceleration = self._acceleration(name, system, sim.time)
-                distances = NO_SPACING if look.spread is None else spacing(system, sim.time, look.spread.reach)
+                neighbours = _neighbours(look, system, sim.time)
+                distances = NO_SPACING if look.spread is None else spacing(neighbours[look.spread.reach])
                 seen_at = bent.images(system, look, 0, sim.time, shutter)
                 shade(projected, system, tables, q, acceleration, seen_at, distances=distances)
                 if bent is not NO_LENS and light is None:
@@ -408,7 +410,7 @@ class Painter:
                     pieces = self._bend(name, system, q, acceleration, mirror)
                     curved |= {} if pieces is None else {name: pieces}
                 if look.stretch is not None:
-                    stretched[name] = _ellipses(look.stretch, projected, system, sim.time, q)
+                    stretched[name] = _ellipses(look.stretch, projected, system, neighbours, q)
                 drawn[name] = system, projected.used
                 columns = projected.lit[: projected.count]
                 velocities = system.floats[VELOCITY, : projected.count]
@@ -628,10 +630,20 @@ class Painter:
         sprites.add(projected, kind, framebuffer, streak_ends(look.tail, look.taper), min_footprint)
 
 
-def _ellipses(stretch: Stretch, projected: ProjectedParticles, system, time: float, q: np.ndarray) -> np.ndarray:
+def _neighbours(look: Look, system, time: float) -> dict[float, NeighbourSums]:
+    """The sums over neighbours that a look needs, by their reach."""
+    of_stretch = None if look.stretch is None else look.stretch.reach
+    of_spread = None if look.spread is None else look.spread.reach
+    reaches = {reach for reach in (of_stretch, of_spread) if reach is not None}
+    return {reach: NeighbourSums.of(system, time, reach, moments=reach == of_stretch) for reach in reaches}
+
+
+def _ellipses(
+    stretch: Stretch, projected: ProjectedParticles, system, neighbours: dict[float, NeighbourSums], q
+) -> np.ndarray:
     """The ellipses of a system's discs."""
     if stretch.reach is not None:
-        return ellipses_of_shapes(projected, q, neighbour_shapes(system, time, stretch.reach, stretch.most))
+        return ellipses_of_shapes(projected, q, neighbour_shapes(neighbours[stretch.reach], stretch.most))
     assert stretch.time is not None
     return ellipses_of_motion(projected, system, q, stretch.time, stretch.most)
 

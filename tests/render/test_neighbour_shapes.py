@@ -6,6 +6,7 @@ import pytest
 from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.neighbour_shapes import neighbour_shapes
+from gen_art.renderer.neighbour_sums import NeighbourSums
 from gen_art.renderer.painter import Painter
 from gen_art.renderer.sprite import AREA, KERNEL_VARIANCE
 from tests.render.particles import scene, state
@@ -16,7 +17,7 @@ BALL = [1, 1, 1, 0, 0, 0]
 
 
 def matrices(positions, reach, most=4.0, **more) -> np.ndarray:
-    s = np.asarray(neighbour_shapes(state(positions, **more), 1.0, reach, most), np.float64)
+    s = np.asarray(neighbour_shapes(NeighbourSums.of(state(positions, **more), 1.0, reach), most), np.float64)
     return s[:, [[0, 3, 4], [3, 1, 5], [4, 5, 2]]]
 
 
@@ -179,12 +180,12 @@ def test_few_particles_are_balls():
     """One, two at any distance, three at the corners of a triangle, all at one place; none, the dead, and no numbers."""
     for places in ([[1, 2, 3]], [[0, 0, 0], [0.4, 0.1, 0]], [[0, 0, 0], [0, 0.99, 0]], np.zeros((40, 3)),
                    [[0, 0, 0], [0.5, 0, 0], [0.25, 0.433, 0]]):  # fmt: skip
-        found = neighbour_shapes(state(places), 1.0, 1.0, 4.0)
+        found = neighbour_shapes(NeighbourSums.of(state(places), 1.0, 1.0), 4.0)
         assert found == pytest.approx(np.broadcast_to(BALL, found.shape), abs=2e-6)
-    assert neighbour_shapes(state(np.zeros((0, 3))), 1.0, 1.0, 4.0).tolist() == [BALL]
+    assert neighbour_shapes(NeighbourSums.of(state(np.zeros((0, 3))), 1.0, 1.0), 4.0).tolist() == [BALL]
     line = np.arange(12)[:, None] * [0.1, 0, 0] * np.ones(3)
     line[9], line[10] = np.nan, 1e30
-    found = neighbour_shapes(state(line, birth=[5.0] * 9 + [0.0] * 3), 1.0, 1.0, 4.0)
+    found = neighbour_shapes(NeighbourSums.of(state(line, birth=[5.0] * 9 + [0.0] * 3), 1.0, 1.0), 4.0)
     assert found == pytest.approx(np.broadcast_to(BALL, found.shape), abs=2e-6)
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
+from gen_art.renderer.neighbour_sums import NeighbourSums
 from gen_art.renderer.painter import Painter
 from gen_art.renderer.spacing import KERNEL_INTEGRAL, spacing
 from gen_art.renderer.sprite import AREA, KERNEL_VARIANCE
@@ -27,28 +28,29 @@ def paint(look: dict, position, *, size=SIZE, camera=PIXELS):
 
 @pytest.mark.parametrize("reach", [0.05, 0.2, 3.0])
 def test_the_distance_is_that_of_a_direct_sum(reach):
-    """Up to 8 particles a cell all count. Mutants: a cell's row left out; the fourth power of 1 - r^2; no cube root."""
+    """Up to 16 particles a cell all count. Mutants: a cell's row left out; the fourth power of 1 - r^2; no cube root."""
     positions = np.random.default_rng(4).uniform(-1, 1, (300, 3)) if reach < 1 else np.eye(3)
-    found = spacing(state(positions), 1.0, reach)
+    found = spacing(NeighbourSums.of(state(positions), 1.0, reach, moments=False))
     assert found == pytest.approx(direct(positions, reach), rel=1e-5)
 
 
 def test_it_is_the_distance_in_a_lattice_and_the_reach_where_there_is_none():
-    """A cubic lattice of distance 0.1, of which 8 of 27 or more in a cell count. The kernel's sum over a lattice errs by 2%."""
+    """A cubic lattice of distance 0.1, of which 16 of 27 or more in a cell count. The kernel's sum over a lattice errs by 2%."""
     lattice = np.stack(np.meshgrid(*[np.arange(18) * 0.1] * 3, indexing="ij"), axis=3).reshape(-1, 3)
     inner = (np.abs(lattice - 0.85) < 0.5).all(axis=1)
-    found = spacing(state(lattice), 1.0, 0.31)[inner]
+    found = spacing(NeighbourSums.of(state(lattice), 1.0, 0.31, moments=False))[inner]
     assert np.median(found) == pytest.approx(0.1, rel=0.06)
-    assert spacing(state([[0, 0, 0], [9, 9, 9]]), 1.0, 2.0) == pytest.approx(2 * KERNEL_INTEGRAL ** (1 / 3), rel=1e-6)
+    found = spacing(NeighbourSums.of(state([[0, 0, 0], [9, 9, 9]]), 1.0, 2.0, moments=False))
+    assert found == pytest.approx(2 * KERNEL_INTEGRAL ** (1 / 3), rel=1e-6)
 
 
 def test_only_particles_that_exist_count():
     """Not the dead, the unborn, or places that are no numbers."""
     positions = np.array([[0, 0, 0], [0.1, 0, 0], [np.nan, 0, 0], [1e30, 0, 0], [0, 0.1, 0]])
     particles = state(positions, life=[9, 9, 9, 9, 0.5], birth=[0, 5, 0, 0, 0])
-    found = spacing(particles, 1.0, 1.0)
+    found = spacing(NeighbourSums.of(particles, 1.0, 1.0, moments=False))
     assert found == pytest.approx([KERNEL_INTEGRAL ** (1 / 3), 0, 0, 0, 0], rel=1e-6)
-    assert not spacing(state(np.zeros((0, 3))), 1.0, 1.0).any()
+    assert not spacing(NeighbourSums.of(state(np.zeros((0, 3))), 1.0, 1.0)).any()
 
 
 @pytest.mark.parametrize("radius", [0.3, 2.0, 9.0])
