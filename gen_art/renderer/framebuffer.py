@@ -18,7 +18,7 @@ from gen_art.renderer.tiled_splat import CHUNKS, kind_bits
 __all__ = ["FrameBuffer", "splat"]
 
 # Where sprites hide each other, the order of drawing is cut into slices; in each slice the coarse framebuffers are drawn first.
-SLICES = 12
+SLICES = 8
 DISCS, PICTURES = frozenset({DISC, COVERED_DISC}), frozenset({PICTURE})
 OF_LEVELS = frozenset({DISC, ELLIPSE})  # the kinds that are drawn into coarse framebuffers where they are large
 PARALLEL_CLEAR = 2**24  # bytes of a framebuffer from which waking threads to clear it pays

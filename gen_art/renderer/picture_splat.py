@@ -77,10 +77,12 @@ def _draw_pictures(
                     u, v = (1.0 + p * a - q * b) * texel, (1.0 + p * b + q * a) * texel
                     if ti.min(u, v) > -0.5 and ti.max(u, v) < P[i, LEVEL_SIDE] + 0.5:
                         place = (row * stride + column) & INDEX_MASK
-                        shown, before, share = light * _texel(T, start, side, u, v), framebuffer[place], 1.0
-                        if thickness > 0.0 and row < surfaces.shape[0] and column < surfaces.shape[1]:
-                            share = visible_share(surfaces, row, column, depths[i], thickness)
-                        framebuffer[place] = before + (shown - before * _four(ti.min(shown[3], 1.0))) * _four(share)
+                        shown = light * _texel(T, start, side, u, v)
+                        if ti.max(ti.max(shown[0], shown[1]), ti.max(shown[2], shown[3])) > 0.0:
+                            before, share = framebuffer[place], 1.0
+                            if thickness > 0.0 and row < surfaces.shape[0] and column < surfaces.shape[1]:
+                                share = visible_share(surfaces, row, column, depths[i], thickness)
+                            framebuffer[place] = before + (shown - before * _four(ti.min(shown[3], 1.0))) * _four(share)
 
 
 draw_pictures = kernel(_draw_pictures, vectors=True)

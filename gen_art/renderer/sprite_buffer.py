@@ -73,7 +73,7 @@ class Sprites:
 
     def add_images(self, projected, picture, framebuffer) -> None:
         """Append a system's particles as images; `picture` is the look's entry."""
-        image, _ = texels(picture.image.place)
+        image, _, parts = texels(picture.image.place)
         if picture.image.place not in self._chains:
             self._chains[picture.image.place] = len(self.texels)
             before, self.texels = self.texels, aligned((len(self.texels) + len(image), 4), np.float32)
@@ -85,7 +85,7 @@ class Sprites:
         lo, hi = math.radians(picture.spin.lo), math.radians(picture.spin.hi)
         if n:
             write_image_sprites(
-                projected.channels, n, self.texels, first, side, first + len(image) - 1,
+                projected.channels, n, self.texels, first, side, first + len(image) - 1, *parts,
                 0.0 if random_angle else math.radians(picture.turn),
                 math.tau if random_angle else 0.0, lo, hi - lo, self.rows, self.headers, self.depths, base, framebuffer.width,
                 framebuffer.height, *self._hiding,

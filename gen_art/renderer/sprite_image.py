@@ -55,8 +55,10 @@ H2 = ti.types.ndarray(ti.i16, 2)
 
 
 @lru_cache(16)
-def texels(place) -> tuple[np.ndarray, float]:
-    """The mipmap chain of an image file, (n, 4) float32 from the largest level to one texel, and its mean coverage.
+def texels(place) -> tuple[np.ndarray, float, tuple[float, float]]:
+    """Of an image file: its mipmap chain, its mean coverage, and its width and height as parts of the square.
+
+    The chain is (n, 4) float32, from the largest level to one texel.
 
     Raises UsageError for a file that cannot be read, or that is transparent everywhere.
     """
@@ -86,7 +88,8 @@ def texels(place) -> tuple[np.ndarray, float]:
     while len(chain[-1]) > 1:
         half_side = len(chain[-1]) // 2
         chain.append(chain[-1].reshape(half_side, 2, half_side, 2, 4).mean(axis=(1, 3)))
-    return np.concatenate([c.reshape(-1, 4) for c in chain]).astype(np.float32), mean_coverage
+    parts = width / len(square), height / len(square)
+    return np.concatenate([c.reshape(-1, 4) for c in chain]).astype(np.float32), mean_coverage, parts
 
 
 @ti.func
@@ -106,7 +109,7 @@ def read_texel(T: ti.template(), start, side, u, v, c):
 
 @ti.kernel
 def _write_image_sprites(
-    C: F2, n: ti.i32, T: F2, first: ti.i32, largest: ti.i32, only: ti.i32, angle0: ti.f32, angle_range: ti.f32, spin0: ti.f32,
+    C: F2, n: ti.i32, T: F2, first: ti.i32, largest: ti.i32, only: ti.i32, wide: ti.f32, high: ti.f32, angle0: ti.f32, angle_range: ti.f32, spin0: ti.f32,
     spin_range: ti.f32, P: F2, headers: H2, depths: F1, base: ti.i32, width: ti.i32, frame_height: ti.i32, surface_bins: F3,
     surface_tiles: F3,
     pixel: ti.f32, parallel: ti.i32,
@@ -115,6 +118,7 @@ def _write_image_sprites(
 
     C : (11, n) channels of the particles; AGE and RANDOM stand in the channels DX and DY
     T : (m, 4) texels; the chain begins at row `first` with a level of `largest` x `largest` and ends at row `only`, their mean
+    wide, high : width and height of the image as parts of the square
     surface_bins, surface_tiles, pixel, parallel : of SurfaceDepths
     angle0, angle_range : radians, a particle's angle at birth is angle0 + angle_range * its random number
     spin0, spin_range : radians/s, the same for its rate of rotation
@@ -144,16 +148,18 @@ def _write_image_sprites(
                 start, side = first, largest
                 while side > 1 and ti.cast(side, ti.f32) >= 4.0 * half_side:
                     start, side = start + side * side, side // 2
-                extent = half_side * (abs(a) + abs(b)) * (1.0 + 1.0 / ti.cast(side, ti.f32))
                 texel = ti.cast(side, ti.f32) * 0.5
+                # filters carry light up to 2.5 texels past the image's border, and half a texel past the square's
+                u, v = ti.min(wide + 2.5 / texel, 1.0 + 0.5 / texel), ti.min(high + 2.5 / texel, 1.0 + 0.5 / texel)
+                across, down = half_side * (abs(a) * u + abs(b) * v), half_side * (abs(b) * u + abs(a) * v)
                 # of its coverage: of a large image the integral, of a small one the sum over its pixels
                 total = T[only, 3] * 4.0 * half_side * half_side
                 if half_side < LARGE:
                     total = 0.0
-                    for k in range(ti.cast(ti.floor(y - extent), ti.i32), ti.cast(ti.floor(y + extent), ti.i32) + 1):
+                    for k in range(ti.cast(ti.floor(y - down), ti.i32), ti.cast(ti.floor(y + down), ti.i32) + 1):
                         q = (ti.cast(k, ti.f32) + 0.5 - y) / half_side
                         for m in range(
-                            ti.cast(ti.floor(x - extent), ti.i32), ti.cast(ti.floor(x + extent), ti.i32) + 1
+                            ti.cast(ti.floor(x - across), ti.i32), ti.cast(ti.floor(x + across), ti.i32) + 1
                         ):
                             p = (ti.cast(m, ti.f32) + 0.5 - x) / half_side
                             total += read_texel(
@@ -165,8 +171,8 @@ def _write_image_sprites(
                 P[i, FIRST_TEXEL], P[i, LEVEL_SIDE] = ti.cast(start, ti.f32), ti.cast(side, ti.f32)
                 P[i, NORM] = 1.0 / ti.max(total, 1e-30)
                 w, h = ti.cast(width, ti.f32), ti.cast(frame_height, ti.f32)
-                left, right = ti.floor(ti.max(x - extent, 0.0)), ti.floor(ti.min(x + extent, w - 0.5))
-                top, bottom = ti.floor(ti.max(y - extent, 0.0)), ti.floor(ti.min(y + extent, h - 0.5))
+                left, right = ti.floor(ti.max(x - across, 0.0)), ti.floor(ti.min(x + across, w - 0.5))
+                top, bottom = ti.floor(ti.max(y - down, 0.0)), ti.floor(ti.min(y + down, h - 0.5))
                 if right >= left and bottom >= top and total > 0.0:
                     headers[i, LEFT], headers[i, RIGHT] = ti.cast(left, ti.i16), ti.cast(right, ti.i16)
                     headers[i, TOP], headers[i, BOTTOM] = ti.cast(top, ti.i16), ti.cast(bottom, ti.i16)

@@ -182,7 +182,10 @@ def mirrored_light(T: ti.template(), levels: ti.template(), G: ti.template(), x,
         while side >= 2.0 and level < LEVELS - 1:
             side *= 0.5
             level += 1
-        coarser = ti.min(ti.max(side - 1.0, 0.0), 1.0)
+        # most places read the nearer of two levels alone: between 5/4 and 3/2 of a texel's side one blends into the other
+        coarser = ti.min(ti.max(4.0 * side - 5.0, 0.0), 1.0)
+        if coarser >= 1.0 and level < LEVELS - 1:
+            level, coarser = level + 1, 0.0
         for k in range(POINTS):
             u, v = x + line * G[k, 0] * cosine, y + line * G[k, 0] * sine
             light = _texel(T, levels, level, u, v)

@@ -89,7 +89,7 @@ def surface_light(
     share, lit, passed = 0.0, nl > 0.0, ti.Vector([1.0, 1.0, 1.0])
     if ti.static(scene.with_sheets):
         lit = nl > 0.0 or through.max() > 0.0
-    if lit:
+    if lit and N[LAMP_COLOUR] + N[LAMP_COLOUR + 1] + N[LAMP_COLOUR + 2] > 0.0:
         hiding, own_solid = casters, -1
         if nl > N[LAMP_TANGENT]:  # a convex solid does not hide what shines on its outside
             hiding[0], own_solid = without_itself(entries, hiding[0], who), who - surfaces
@@ -120,7 +120,7 @@ def surface_light(
             c = mean_reflected(c, nv, ior, 0.5 * detail[2])
     h = (to_lamp + view).normalized()
     vh, lobe = ti.max(h.dot(view), 0.0), 0.0
-    if nl > 0.0:  # the lamp's disc widens the highlight
+    if nl > 0.0 and share > 0.0:  # the lamp's disc widens the highlight
         alpha = ti.max(rough * rough, 0.5 * N[LAMP_TANGENT] + 1e-3)
         lobe = microfacets(nl, nv, ti.max(n.dot(h), 0.0), alpha) * nl * _FOUR_PI
     towards = n * (2.0 * n.dot(view)) - view
