@@ -1,4 +1,4 @@
-"""Draw the images of presets/course/wet_street: setts, plaster, cut stone, a café's windows and sign.
+"""Draw the images of presets/course/wet_street and rain: setts, plaster, cut stone, granite, a café's windows and sign.
 
     .venv/bin/python docs/make_street_images.py
 
@@ -125,6 +125,15 @@ def plaster(rng, side=256):
     return np.concatenate([colours, alpha[..., None]], axis=2), np.clip(height, 0, 1)
 
 
+def granite(rng, side=384):
+    """Polished granite: pale and rosy feldspar, grey quartz and black mica, as crystals a few texels wide; they repeat."""
+    pale, rosy, mica = (noise(rng, side, waves, 2, 0.7) for waves in (34, 28, 46))
+    colours = np.broadcast_to(np.array([118.0, 116, 116]), (side, side, 3)).copy()
+    for part, colour in ((pale - 0.3, (196, 190, 182)), (rosy - 1.0, (172, 138, 122)), (mica - 0.85, (30, 30, 34))):
+        colours += (np.array(colour) - colours) * np.clip(part * 4, 0, 1)[..., None]
+    return colours * (1 + 0.05 * noise(rng, side, 5, 3)[..., None])
+
+
 def glass(rng, side=512):
     """The light of a café through condensed glass of 2.95 m x 2.95 m: blurred lamps and shapes; drops have run down it."""
     y, x = np.mgrid[0:side, 0:side] / side
@@ -197,6 +206,7 @@ def main():
     grey_or_colour(255 * heights).save(FOLDER / "street_ashlar_relief.webp", quality=75, method=6)
     glass(np.random.default_rng(3)).save(FOLDER / "street_glass.webp", quality=80, method=6)
     save(sign(), "street_sign", 32)
+    grey_or_colour(granite(np.random.default_rng(2))).save(FOLDER / "granite.webp", quality=80, method=6)
 
 
 if __name__ == "__main__":

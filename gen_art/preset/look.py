@@ -343,6 +343,9 @@ class Look(Model):
         "with `draw: body`, the radius to which edges of boxes are rounded; the bodies themselves keep sharp ones",
         unit="m",
     )
+    strands: Literal[0, 2, 3, 4] = about(
+        0, "with `draw: thread`, the strands of which ropes are laid; 0 for smooth rods"
+    )
     translucency: Fraction = about(
         0.0, "with `draw: cloth`, the part of the scattered light that leaves on the other side: 0.3 is thin cotton"
     )
@@ -439,6 +442,8 @@ class Look(Model):
         for name, wanted in of_bodies.items():
             if wanted and self.draw != "body":
                 raise UsageError(f"`{name}` needs draw: body")
+        if self.strands and self.draw != "thread":
+            raise UsageError("`strands` needs draw: thread")
         if self.draw == "cloth":
             fields = type(self).model_fields
             sizes = ("length", "pixels", "radius", "size", "tail", "taper", "width")

@@ -36,7 +36,7 @@ from gen_art.renderer.neighbour_shapes import neighbour_shapes
 from gen_art.renderer.neighbour_sums import NeighbourSums
 from gen_art.renderer.path_history import MOMENTS, PathHistory
 from gen_art.renderer.ribbons import RibbonHistory, cut_by_plane
-from gen_art.renderer.shading import ProjectedParticles, shade
+from gen_art.renderer.shading import LIT_RADIUS, ProjectedParticles, shade
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.sky_background import draw_sky
 from gen_art.renderer.smoke_lighting import add_scattered_light, lamp_axes, smoke_key
@@ -51,6 +51,7 @@ from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
 from gen_art.renderer.surfaces.sheet_rows import SheetSystem, places_on_sheet, sheet_of
 from gen_art.renderer.surfaces.solid_rows import SolidSystem, shapes_of
+from gen_art.renderer.surfaces.strands import laid
 from gen_art.renderer.surfaces.surface_layers import SurfaceLayers
 from gen_art.renderer.surfaces.surface_pass import SurfacePass
 
@@ -423,6 +424,8 @@ class Painter:
                     sheets.append(SheetSystem(look, projected.used, columns, positions, faces, velocities, places))
                 elif solid:
                     shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
+                    if look.strands and shapes is not None:
+                        shapes = laid(shapes, columns[shapes.particle, LIT_RADIUS], look.strands)
                     glows = name in self.scene.glow
                     solids.append(
                         SolidSystem(look.finish, projected.used, columns, velocities, shapes, glows, look.edge)

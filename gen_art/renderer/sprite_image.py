@@ -109,10 +109,10 @@ def read_texel(T: ti.template(), start, side, u, v, c):
 
 @ti.kernel
 def _write_image_sprites(
-    C: F2, n: ti.i32, T: F2, first: ti.i32, largest: ti.i32, only: ti.i32, wide: ti.f32, high: ti.f32, angle0: ti.f32, angle_range: ti.f32, spin0: ti.f32,
-    spin_range: ti.f32, P: F2, headers: H2, depths: F1, base: ti.i32, width: ti.i32, frame_height: ti.i32, surface_bins: F3,
-    surface_tiles: F3,
-    pixel: ti.f32, parallel: ti.i32,
+    C: F2, n: ti.i32, T: F2, first: ti.i32, largest: ti.i32, only: ti.i32, wide: ti.f32, high: ti.f32,
+    angle0: ti.f32, angle_range: ti.f32, spin0: ti.f32, spin_range: ti.f32,
+    P: F2, headers: H2, depths: F1, base: ti.i32, width: ti.i32, frame_height: ti.i32,
+    surface_bins: F3, surface_tiles: F3, pixel: ti.f32, parallel: ti.i32,
 ):  # fmt: skip
     """Fill sprite rows base.. from n projected particles whose look is an image.
 
