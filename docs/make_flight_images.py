@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from make_lake_images import fractal, mirrored, noise, rise
+from make_lake_images import fractal, noise, rise
 from PIL import Image
 
 FOLDER = Path(__file__).resolve().parent.parent / "presets" / "course"
@@ -507,7 +507,7 @@ def submarine():
 
     def paint(p, which, normal):
         albedo = np.empty(p.shape, np.float32)
-        albedo[:] = (0.82, 0.56, 0.06)
+        albedo[:] = (0.92, 0.56, 0.03)
         low = (which == 0) & (p[:, 1] < -0.22)
         albedo[low] = (0.42, 0.05, 0.03)
         albedo[(which == 0) & (np.abs(p[:, 1] + 0.22) < 0.035)] = 0.85
@@ -523,7 +523,7 @@ def submarine():
             albedo[(which == 0) & (np.abs(p[:, 0] - x) < 0.10) & (np.abs(p[:, 1] + 0.42) < 0.028)] = 0.03
         seam = (np.abs((p[:, 0] + 0.3) % 0.9 - 0.45) < 0.011) & (which == 0)
         albedo[seam] *= 0.65
-        rust = 0.5 * fractal(p[:, 0] * 0.6, p[:, 1] * 2.0, 0.0, 2.0, 4, 0.6, 5)
+        rust = 0.12 * fractal(p[:, 0] * 0.6, p[:, 1] * 2.0, 0.0, 2.0, 4, 0.6, 5)
         albedo *= np.clip(1 + rust, 0.6, 1.25)[:, None]
         return albedo, np.full(len(p), 0.35)
 
@@ -536,9 +536,9 @@ def submarine():
         (0.12, 1.0, 0.38),
         size=1024,
         centre=(-0.15, 0.2, 0),
-        sky=(0.22, 0.62, 0.72),
+        sky=(0.42, 0.60, 0.62),
         below=(0.02, 0.10, 0.14),
-        warm=(0.75, 1.20, 1.15),
+        warm=(1.15, 1.15, 0.95),
     )
 
 
@@ -704,74 +704,6 @@ def hanging():
     solid("jumper_hanging.webp", parts, paint, 1.5, view(25, -5), (-0.6, 0.8, 0.5), size=256)
 
 
-def billows(u, v, seed):
-    """Rounded heaps with sharp furrows between them, as the crowns of trees seen from afar: sums of |noise|, about -0.5 to 1."""
-    return sum(
-        w * (2.2 * np.abs(noise(f * u, f * v, seed + i)) - 0.4)
-        for i, (w, f) in enumerate(((0.6, 1), (0.4, 2.3), (0.25, 5.1)))
-    )
-
-
-def gorge(name="gorge.webp", width=2048, rows=1024):
-    """A gorge with wooded walls, one spur behind the other in haze, and its mirror image for the river.
-
-    Spurs come down from both sides; trees are crowns whose upper left is in the sun, rocks stand bare where it is steep.
-    """
-    finer = 1
-    w, h = width * finer, rows * finer
-    x, y = np.meshgrid((np.arange(w) + 0.5) / w * 2 - 1, (h - np.arange(h) - 0.5) / w * 2)
-    colour, cover = np.zeros((h, w, 3)), np.zeros((h, w))
-    haze = np.array([0.50, 0.62, 0.72])
-    spurs = [
-        (0.02, 0.30, 1, 5),
-        (0.10, 0.34, -1, 4),
-        (-0.10, 0.46, 1, 3),
-        (0.20, 0.50, -1, 2),
-        (-0.30, 0.66, 1, 1),
-        (0.36, 0.70, -1, 0),
-    ]
-    for k, (foot, top, side, far) in enumerate(spurs):
-        away = side * (foot - x)  # from the foot of the spur up its slope
-        form = np.clip(away + 0.03 * fractal(x + 3 * k, 0 * x + k, 0.0, 5.0, 4, 0.5, 100 + k), 0, None)
-        steep = (
-            2.4 * np.minimum(form, 0.09) + 1.0 * np.clip(form - 0.09, 0, 0.22) + 0.25 * np.clip(form - 0.31, 0, None)
-        )
-        crest = steep * top / 0.5 * (1 + 0.35 * fractal(x + 5 * k, 0 * x, 0.0, 5.0, 6, 0.5, 120 + k))
-        size = 0.010 + 0.010 * (5 - far) / 5
-        tufts = size * 0.8 * np.abs(noise(x / size * 0.5 + 90, 0 * x + k, 130 + k))
-        inside = (y < crest + tufts) & (away > -0.02)
-        u, v = 0.6 * x / size + 80, 0.7 * (y - 0.5 * crest) / size + 40
-        crowns = billows(u, v, 140 + k)
-        lit = crowns - billows(u + 0.12, v - 0.14, 140 + k)
-        kind = fractal(x + k, y, 0.0, 6.0, 3, 0.5, 160 + k)[..., None]
-        green = np.array([0.085, 0.150, 0.035]) * (1 + 0.9 * kind) + np.array([0.05, 0.03, 0.0]) * np.clip(
-            kind * 2, 0, 1
-        )
-        sun = 0.75 if side < 0 else 0.42  # the sun stands on the left: the slopes on the right are lit
-        tree = green * np.clip(0.15 + sun + 2.2 * lit * sun + 0.75 * crowns, 0.04, 3)[..., None]
-        strata = noise(x * 12 + 30, y * 90 + 20 + 4 * noise(x * 8 + 9, y * 8 + 9, 171), 170 + k) + noise(
-            x * 120 + 60, y * 30 + 20, 172 + k
-        )
-        strata = 0.5 * strata + 1.2 * fractal(
-            x * 1.5 + 5, y * 4 + k, 0.0, 14.0, 6, 0.65, 174 + k
-        )  # ledges and fissures
-        stone = np.array([0.36, 0.33, 0.28]) * np.clip(0.35 + 0.7 * sun + 0.55 * strata, 0.12, 2)[..., None]
-        bare = rise(
-            0.10,
-            0.22,
-            fractal(x * 1.4 + 11 * k, y * 0.8, 0.0, 5.0, 5, 0.55, 180 + k) - 0.02 + 0.10 * rise(0.06, 0.0, y),
-        )[..., None]
-        ground = tree * (1 - bare) + stone * bare
-        depth = 1 - np.exp(-0.17 * far)
-        mist = np.clip(depth + 0.04 * far * np.exp(-y / 0.06), 0, 0.92)[..., None]
-        ground = ground * (1 - mist) + haze * mist
-        colour, cover = np.where(inside[..., None], ground, colour), np.where(inside, 1.0, cover)
-    blocks = (rows, finer, width, finer)
-    alpha = cover.reshape(blocks).mean(axis=(1, 3))
-    mean = (colour * cover[..., None]).reshape(*blocks, 3).mean(axis=(1, 3)) / np.maximum(alpha, 1e-6)[..., None]
-    mirrored((np.clip(mean / 1.0, 0, 1)) ** (1 / 2.2), alpha, name, 62)
-
-
 def sea(name="sea_light.webp", size=768):
     """Water from below: bright towards the surface, with shafts of sunlight that fan out; far rocks in the haze."""
     v, u = (np.mgrid[0:size, 0:size] + 0.5) / size
@@ -805,6 +737,29 @@ def sea(name="sea_light.webp", size=768):
     grain = noise(gu * 64, gv * 64, 10, (64, 64)) + noise(gu * 128, gv * 128, 11, (128, 128))
     height = 0.5 + 0.30 * ripples + 0.12 * grain + 0.5 * w
     Image.fromarray((np.clip(height, 0, 1) * 255).astype(np.uint8)).save(FOLDER / "sea_sand.webp", quality=75, method=6)
+    bend = [0.30 * noise(gu * 4, gv * 4, k, (4, 4)) for k in (12, 13)]
+    net = np.zeros_like(gu)  # where the waves above gather the light
+    for k, cells in ((14, 5), (15, 7)):
+        cu, cv = (gu + 0.35 * bend[0] / cells * 4) * cells, (gv + 0.35 * bend[1] / cells * 4) * cells
+        net = net + np.exp(-np.abs(noise(cu, cv, k, (cells, cells))) / 0.07)
+    sand = np.float32((0.46, 0.44, 0.30)) * (0.62 + 0.75 * np.clip(net, 0, 1.6) ** 1.2 + 0.05 * grain)[..., None]
+    sand = np.clip(sand, 0, 1) ** (1 / 2.2)
+    Image.fromarray((sand * 255).astype(np.uint8)).save(FOLDER / "sea_floor.webp", quality=70, method=6)
+
+
+def waterline(name="waterline.webp", size=1024):
+    """Where a pane stands half in water: the water's edge, which is not straight, and the tint of all below it."""
+    v, u = (np.mgrid[0:size, 0:size] + 0.5) / size
+    edge = np.zeros_like(u[0])
+    for k, part in ((1.3, 6), (2.9, 3.5), (5.3, 2.2), (11, 1.0), (19, 0.5)):
+        edge = edge + part * np.sin(2 * np.pi * k * u[0] + 2.4 * k)
+    y = size / 2 - v * size - edge  # texels above the edge
+    below = rise(-1.0, 1.0, -y)
+    tint = below * (0.30 + 0.50 * np.exp(np.minimum(y, 0) / 9) + 0.18 * np.exp(np.minimum(y, 0) / 60))
+    shine = np.exp(-(((y + 0.5) / 1.3) ** 2)) * (0.55 + 0.45 * np.sin(2 * np.pi * 3.7 * u + 1))
+    dark = np.exp(-(((y + 4.5) / 3.0) ** 2)) * 0.5
+    light = np.float32((0.02, 0.36, 0.46)) * (1 - dark[..., None]) + shine[..., None] * np.float32((0.8, 0.95, 1.0))
+    write(name, light, np.clip(np.maximum(tint, 0.9 * shine), 0, 1), 90)
 
 
 def clouds():
@@ -814,7 +769,7 @@ def clouds():
 
 ALL = {
     f.__name__: f
-    for f in (jet, sailplane, canopies, hot_air, transport, submarine, hanging, gorge, sea, clouds, fields)
+    for f in (jet, sailplane, canopies, hot_air, transport, submarine, hanging, sea, waterline, clouds, fields)
 }
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Draw the image of presets/course/hand: a fist with a sparkler, lit by its tip, which is in the middle of the image.
+"""Draw the image of presets/course/hand: a sparkler, lit by its burning tip, which is in the middle of the image.
 
 .venv/bin/python docs/make_hand_image.py
 """
@@ -10,29 +10,14 @@ from PIL import Image
 
 PLACE = Path(__file__).resolve().parent.parent / "presets" / "course" / "hand.webp"
 SIDE, FINER = 512, 3
-SKIN, SLEEVE, WIRE = (0.86, 0.58, 0.44), (0.13, 0.15, 0.24), (0.30, 0.30, 0.32)
-ALONG, ACROSS = np.array([0.66, -0.75, 0.0]), np.array([0.75, 0.66, 0.0])  # the wire, and the fingers around it
+COAT, WIRE = (0.34, 0.30, 0.28), (0.42, 0.42, 0.45)
+ALONG = np.array([0.66, -0.75, 0.0])
 
 
 def rods():
     """(start, end, radius at both, colour) of round rods; x to the right, y upwards, z towards the viewer, tip at 0."""
-    fist = 0.50 * ALONG
-    yield np.zeros(3), 0.68 * ALONG, 0.006, 0.006, WIRE
-    for k, length in enumerate((0.055, 0.064, 0.066, 0.058)):
-        at = fist + (0.036 * k - 0.05) * ALONG + np.array([0, 0, 0.03])
-        yield at - length * ACROSS, at + 0.05 * ACROSS, 0.02, 0.023, SKIN
-        yield at + 0.05 * ACROSS, at + 0.06 * ACROSS - np.array([0, 0, 0.05]), 0.023, 0.025, SKIN
-    yield (
-        fist - 0.05 * ALONG + 0.03 * ACROSS,
-        fist + 0.06 * ALONG + 0.04 * ACROSS,
-        0.05,
-        0.058,
-        SKIN,
-    )  # the back of the hand
-    yield fist - 0.075 * ALONG - 0.055 * ACROSS, fist - 0.06 * ALONG + 0.045 * ACROSS, 0.019, 0.026, SKIN  # the thumb
-    wrist, elbow = fist + np.array([0.10, -0.05, -0.02]), fist + np.array([0.62, -0.42, -0.1])
-    yield fist + 0.03 * ACROSS, wrist, 0.055, 0.046, SKIN
-    yield wrist + 0.2 * (elbow - wrist) * 0.6, elbow, 0.066, 0.09, SLEEVE
+    yield np.zeros(3), 0.46 * ALONG, 0.013, 0.015, COAT
+    yield 0.46 * ALONG, 0.72 * ALONG, 0.007, 0.007, WIRE
 
 
 def main():
@@ -57,7 +42,7 @@ def main():
     facing = np.clip((normal * to_tip).sum(axis=2) / distance, 0, 1)
     warm = np.array([1.0, 0.82, 0.55]) * (0.22 * facing / (0.05 + distance**2))[..., None]
     cool = np.array([0.10, 0.13, 0.22]) * (0.55 + 0.45 * normal[..., 1:2])
-    cover = (height > -9) * np.clip((0.98 - np.hypot(x, y)) / 0.35, 0, 1)  # the arm goes into the dark
+    cover = (height > -9) * np.clip((0.98 - np.hypot(x, y)) / 0.35, 0, 1)  # its end goes into the dark
     rgba = np.concatenate([np.clip(paint * (warm + cool), 0, 1) ** (1 / 2.2), cover[..., None]], axis=2)
     rgba[..., :3] *= cover[..., None]
     mean = rgba.reshape(SIDE, FINER, SIDE, FINER, 4).mean(axis=(1, 3))

@@ -141,8 +141,7 @@ def gingham(side=256, checks=2, threads=64):
     y, x = (np.mgrid[0:side, 0:side] + 0.5) / side
     across, down = (x * 2 * checks % 2 < 1).astype(float), (y * 2 * checks % 2 < 1).astype(float)
     above = (np.floor(x * threads) + np.floor(y * threads)) % 2  # whether the thread that runs down lies above
-    twill = (np.floor(x * threads) + np.floor(y * threads)) % 4 < 2
-    red = np.where((above > 0) ^ (twill & (above > 0) & (across != down)), across, down)
+    red = np.where(above > 0, across, down)
     round_ = 0.82 + 0.18 * np.abs(np.sin(np.pi * threads * np.where(above > 0, x, y)))
     weave = round_ * (1 + 0.03 * bumps((side, side), 64, 8, 31) + 0.03 * bumps((side, side), 8, 64, 32))
     return (

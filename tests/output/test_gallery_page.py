@@ -5,7 +5,9 @@ import shutil
 
 import numpy as np
 import pytest
+from PIL import Image
 
+from gen_art.output.gallery import contact_sheet
 from gen_art.output.gallery import page as gallery
 from gen_art.output.gallery.page import families, page
 from gen_art.output.stills import write_still
@@ -206,3 +208,26 @@ def test_an_address_opens_a_piece_with_its_yaml_and_its_command(opened, name):
     tab.wait_for_function("/Copied|Selected/.test(document.querySelector('[data-copy=command]').textContent)")
     tab.locator("[data-close]").click()
     assert tab.locator("dialog").is_hidden() and "#" not in tab.url
+
+
+def test_the_contact_sheet_shows_each_of_its_pieces_in_its_place(tmp_path):
+    """Mutants: rows and columns exchanged; the first piece in every place."""
+    shades = {}
+    for k, name in enumerate(contact_sheet.PIECES):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        assert contact_sheet.write_contact_sheet(tmp_path) is None, "while a still is missing"
+        shades[name] = 20 * k
+        write_still(tmp_path / f"{name}.webp", np.full((90, 160, 3), shades[name], np.uint8), {})
+    (width, height), gap = contact_sheet.TILE, contact_sheet.GAP
+    with Image.open(contact_sheet.write_contact_sheet(tmp_path)) as picture:
+        sheet = np.asarray(picture.convert("L")).astype(float)
+    for k, name in enumerate(contact_sheet.PIECES):
+        row, column = divmod(k, contact_sheet.COLUMNS)
+        seen = sheet[row * (height + gap) + height // 2, column * (width + gap) + width // 2]
+        assert seen == pytest.approx(shades[name], abs=4)  # WebP with loss
+
+
+def test_the_committed_contact_sheet_shows_shipped_pieces():
+    assert len(contact_sheet.PIECES) == len(set(contact_sheet.PIECES)) == 12 and set(contact_sheet.PIECES) <= set(NAMES)
+    assert (SHIPPED / "contact_sheet.webp").is_file()
+    assert "gallery/contact_sheet.webp" in (SHIPPED.parent / "README.md").read_text(encoding="utf-8")
