@@ -290,11 +290,11 @@ def canopies():
         size=192,
     )
     palettes = {
-        "a": ((0.72, 0.04, 0.05), (0.88, 0.86, 0.80)),
-        "b": ((0.02, 0.12, 0.42), (0.92, 0.60, 0.06)),
-        "c": ((0.85, 0.26, 0.02), (0.03, 0.25, 0.26)),
-    }
-    for letter, (one, two) in palettes.items():
+        "a": ((0.72, 0.04, 0.05), (0.88, 0.86, 0.80), (0.04, 0.16, 0.55)),
+        "b": ((0.02, 0.12, 0.42), (0.92, 0.60, 0.06), (0.75, 0.10, 0.05)),
+        "c": ((0.85, 0.26, 0.02), (0.03, 0.25, 0.26), (0.90, 0.62, 0.05)),
+    }  # of the gores, and of the jumper's suit
+    for letter, (one, two, suit) in palettes.items():
         for wide, high, name in ((4.4, 3.0, "canopy"), (1.25, 2.6, "reefed")):
             if name == "reefed" and letter != "a":
                 continue
@@ -328,9 +328,9 @@ def canopies():
                 out.append(np.min(np.stack(cords), axis=0))
                 return out + person(p)
 
-            def paint(p, which, normal, one=one, two=two, wide=wide):
+            def paint(p, which, normal, one=one, two=two, suit=suit, wide=wide):
                 a, g = scallop(p)
-                albedo, gloss = dress((0.10, 0.14, 0.12))(p, which, normal, 2)
+                albedo, gloss = dress(suit)(p, which, normal, 2)
                 gore = np.floor((a / (2 * np.pi)) * legs).astype(int) % 2
                 cloth = np.where(gore[:, None] == 0, np.float32(one), np.float32(two))
                 height = (p[:, 1] - 6.2) / 3.0
@@ -518,7 +518,7 @@ def submarine():
         for x in (-0.7, 0.15, 1.0, 1.85):  # portholes
             r = length(p[:, 0] - x, p[:, 1] - 0.2)
             albedo[(which == 0) & (r < 0.17)] = 0.10
-            albedo[(which == 0) & (r < 0.125)] = (2.6, 1.9, 0.9)
+            albedo[(which == 0) & (r < 0.125)] = (2.6, 0.8, 0.16)
         for x in np.arange(-1.8, 3.0, 0.36):  # slots of the tanks
             albedo[(which == 0) & (np.abs(p[:, 0] - x) < 0.10) & (np.abs(p[:, 1] + 0.42) < 0.028)] = 0.03
         seam = (np.abs((p[:, 0] + 0.3) % 0.9 - 0.45) < 0.011) & (which == 0)
@@ -677,16 +677,24 @@ def fields(name="fields.webp", size=1024):
 
 
 def hanging():
-    """A jumper who hangs by the ankles, arms out, as one sees him from the side of his chest."""
+    """Three jumpers who hang by the ankles, each in a pose and colours of its own, seen from the side of the chest."""
+    for letter, shirt, trousers, helmet, arms in (
+        ("a", (0.88, 0.62, 0.04), (0.05, 0.09, 0.22), (0.75, 0.08, 0.05), ((-0.85, -1.2), (-0.85, -1.2))),
+        ("b", (0.75, 0.10, 0.08), (0.10, 0.10, 0.11), (0.85, 0.85, 0.82), ((-1.0, -1.45), (-0.55, -0.35))),
+        ("c", (0.06, 0.45, 0.55), (0.30, 0.26, 0.20), (0.90, 0.55, 0.05), ((-0.6, -0.55), (-0.6, -0.55))),
+    ):
+        jumper(f"jumper_{letter}.webp", shirt, trousers, helmet, arms)
+
+
+def jumper(name, shirt, trousers, helmet, arms):
+    """arms : (height of the elbow, height of the hand) on the left and on the right, in metres below the ankles' side"""
 
     def parts(p):
         out = [ball(p, (0, -0.95, 0), (0.14, 0.17, 0.15)), box(p, (0, -0.42, 0), (0.2, 0.33, 0.14), 0.12)]
-        for side in (-1, 1):
+        for side, (elbow, hand) in zip((-1, 1), arms, strict=True):
             out += [
-                rod(p, (0.2 * side, -0.64, 0), (0.55 * side, -0.85, 0.05), 0.07),
-                rod(p, (0.55 * side, -0.85, 0.05), (0.68 * side, -1.2, 0.15), 0.055),
-            ]
-            out += [
+                rod(p, (0.2 * side, -0.64, 0), (0.5 * side, elbow, 0.05), 0.07),
+                rod(p, (0.5 * side, elbow, 0.05), (0.72 * side, hand, 0.15), 0.055),
                 rod(p, (0.1 * side, -0.1, 0), (0.11 * side, 0.38, 0.1), 0.1, 0.08),
                 rod(p, (0.11 * side, 0.38, 0.1), (0.05 * side, 0.85, 0), 0.075, 0.055),
             ]
@@ -694,14 +702,14 @@ def hanging():
 
     def paint(p, which, normal):
         albedo = np.full(p.shape, 0.05, np.float32)
-        albedo[which == 0] = (0.75, 0.08, 0.05)
-        albedo[(which == 1) | (which == 2) | (which == 6)] = (0.88, 0.62, 0.04)
+        albedo[which == 0] = helmet
+        albedo[(which == 1) | (which == 2) | (which == 6)] = shirt
         albedo[(which == 3) | (which == 7)] = (0.62, 0.40, 0.28)
-        albedo[(which == 4) | (which == 5) | (which == 8) | (which == 9)] = (0.05, 0.09, 0.22)
+        albedo[(which == 4) | (which == 5) | (which == 8) | (which == 9)] = trousers
         albedo[which >= 10] = (0.7, 0.2, 0.04)
         return albedo, np.full(len(p), 0.25)
 
-    solid("jumper_hanging.webp", parts, paint, 1.5, view(25, -5), (-0.6, 0.8, 0.5), size=256)
+    solid(name, parts, paint, 1.5, view(25, -5), (-0.6, 0.8, 0.5), size=256)
 
 
 def sea(name="sea_light.webp", size=768):

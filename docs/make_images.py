@@ -136,17 +136,38 @@ def table_top(side=1024, boards=4):
     return np.stack([0.34 * light, 0.235 * light**1.08, 0.165 * light**1.14], axis=2)
 
 
-def gingham(side=256, checks=2, threads=64):
-    """Checked cotton: stripes of red and white threads both ways, which repeat; at each crossing one thread lies above."""
+def gingham(side=768, stripes=22, threads=256):
+    """A whole checked cloth: stripes of red and white threads both ways, the mixed colour where they cross, and a sewn
+    hem along its edges, with a row of stitches.
+    """
     y, x = (np.mgrid[0:side, 0:side] + 0.5) / side
-    across, down = (x * 2 * checks % 2 < 1).astype(float), (y * 2 * checks % 2 < 1).astype(float)
+    across, down = (0.5 - 0.5 * np.clip(np.cos(np.pi * stripes * v) * 9, -1, 1) for v in (x, y))  # soft by a thread
     above = (np.floor(x * threads) + np.floor(y * threads)) % 2  # whether the thread that runs down lies above
-    red = np.where(above > 0, across, down)
-    round_ = 0.82 + 0.18 * np.abs(np.sin(np.pi * threads * np.where(above > 0, x, y)))
-    weave = round_ * (1 + 0.03 * bumps((side, side), 64, 8, 31) + 0.03 * bumps((side, side), 8, 64, 32))
-    return (
-        np.array([0.93, 0.90, 0.84]) + red[..., None] * (np.array([0.66, 0.05, 0.07]) - np.array([0.93, 0.90, 0.84]))
-    ) * weave[..., None]
+    red = 0.5 * (across + down) + 0.025 * np.where(above > 0, 1, -1) * (across - down)
+    weave = 1 + 0.03 * bumps((side, side), threads, 12, 31) + 0.03 * bumps((side, side), 12, threads, 32)
+    hem = np.minimum(np.minimum(x, 1 - x), np.minimum(y, 1 - y))
+    red = np.where(hem < 0.013, 1, red)
+    stitches = (np.abs(hem - 0.0095) < 0.0012) & (
+        np.floor(np.where(np.minimum(x, 1 - x) < np.minimum(y, 1 - y), y, x) * 160) % 2 > 0
+    )
+    weave *= np.where(np.abs(hem - 0.0140) < 0.0010, 0.78, 1)
+    white, pink, full = (
+        np.array(c)[:, None, None] for c in ((0.93, 0.90, 0.84), (0.86, 0.44, 0.42), (0.66, 0.05, 0.07))
+    )
+    colour = np.where(red < 0.5, white + 2 * red * (pink - white), pink + (2 * red - 1) * (full - pink))
+    return np.moveaxis(np.where(stitches, white, colour) * weave, 0, 2)
+
+
+def cork(side=256):
+    """Cork: pale grains of many sizes between dark pores, which repeat."""
+    grain = (
+        0.5 * bumps((side, side), 14, 14, 51)
+        + 0.35 * bumps((side, side), 30, 30, 52)
+        + 0.25 * bumps((side, side), 64, 64, 53)
+    )
+    pores = np.clip(bumps((side, side), 40, 40, 54) - 1.1, 0, 1) * 0.7
+    tone = np.clip(0.72 + 0.12 * grain - pores, 0.1, 1.2)
+    return np.array([0.80, 0.55, 0.32]) * tone[..., None]
 
 
 def bubble(side=96):
@@ -210,5 +231,6 @@ if __name__ == "__main__":
     save(block_end(), "course/block_end.png")
     save(table_top(), "course/table_top.webp", quality=60)
     save(gingham(), "course/gingham.webp", quality=70)
+    save(cork(), "course/cork.webp", quality=75)
     save(bubble(), "course/bubble.webp", quality=80)
     save(flag(), "course/flag.png", 120)

@@ -433,8 +433,9 @@ class Look(Model):
             raise UsageError("what goes through a liquid stands in `liquid`: leave out `transmission`")
         if (self.shapes or self.is_liquid) and (self.trail is not None or self.light is not None):
             raise UsageError(f"draw: {self.draw} has no {'trail' if self.trail else 'light of its own'}: leave it out")
-        if self.finish.image is not None and self.draw not in ("body", "cloth"):
-            raise UsageError("`finish.image` needs draw: body or draw: cloth")
+        ball = self.draw == "sphere" and self.blend == "opaque"
+        if self.finish.image is not None and not ball and self.draw not in ("body", "cloth"):
+            raise UsageError("`finish.image` needs draw: body, draw: cloth, or draw: sphere with blend: opaque")
         of_bodies = {"edge": self.edge > 0.0}
         if self.finish.image is not None:
             of_bodies["finish.image.shifted"] = self.finish.image.shifted

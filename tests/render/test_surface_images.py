@@ -48,6 +48,16 @@ def test_an_image_turns_with_its_body(in_folder):
     assert corners(got, 32, 32, 64) == [CORNERS[k] for k in (1, 3, 0, 2)]
 
 
+@pytest.mark.parametrize("camera", [FROM_ABOVE, FROM_BEFORE])
+def test_an_image_lies_on_a_ball_along_the_axes(in_folder, camera):
+    """Its middle lies where the axis leaves the ball. Mutants: no axes of a ball; the image refused."""
+    image_file(in_folder)
+    look = {"draw": "sphere", "blend": "opaque", "radius": 1.0, "albedo": "black", **painted()}
+    ball = {"ball": {"emitters": {"one": {"count": 1, "shape": {"point": [0, 0, 0]}}}, "look": look}}
+    got = picture(systems=ball, light=EVEN, camera=camera, size=(128, 128))
+    assert corners(got, 48, 48, 32) == CORNERS
+
+
 def test_each_body_shows_another_part_where_the_image_is_shifted(in_folder):
     """Two bodies side by side. Mutant: one shift for all."""
     image_file(in_folder)

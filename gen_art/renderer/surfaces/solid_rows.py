@@ -78,6 +78,7 @@ def solid_rows(systems: list[SolidSystem], first_material: int, view) -> np.ndar
         rows[:, RADIUS] = columns[:, LIT_RADIUS]
         if shapes is None:
             rows[:, CENTER : CENTER + 3] = columns[:, LIT_POSITION].astype(np.float64) - view.position
+            rows[:, AXES : AXES + 9] = np.eye(3, dtype=np.float32).ravel()  # of its image: a ball does not turn
         else:
             rows[:, CENTER : CENTER + 3] = shapes.center[here] - view.position
             rows[:, HALF : HALF + 3], rows[:, AXES : AXES + 9] = shapes.half[here], shapes.axes[here].reshape(-1, 9)
