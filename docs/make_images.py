@@ -170,6 +170,14 @@ def cork(side=256):
     return np.array([0.80, 0.55, 0.32]) * tone[..., None]
 
 
+def ice(side=256):
+    """Ice: white and a little blue, with bright cracks and clouds of air, which repeat."""
+    cracks = sum(w * np.exp(-np.abs(bumps((side, side), n, n, 60 + n)) / 0.06) for w, n in ((0.5, 5), (0.35, 9)))
+    cloud = 0.5 * bumps((side, side), 7, 7, 71) + 0.3 * bumps((side, side), 15, 15, 72)
+    tone = np.clip(0.34 + 0.14 * cloud + cracks, 0, 1)[..., None]
+    return np.array([0.42, 0.66, 0.78]) * (1 - tone) + np.array([0.93, 0.98, 1.0]) * tone
+
+
 def bubble(side=96):
     """A bubble of air in water, lit from above: the sky in a bright rim, clear within, the lamp in its upper left."""
     y, x = 1 - (np.mgrid[0:side, 0:side] + 0.5)[0] / side * 2, (np.mgrid[0:side, 0:side] + 0.5)[1] / side * 2 - 1
@@ -232,5 +240,6 @@ if __name__ == "__main__":
     save(table_top(), "course/table_top.webp", quality=60)
     save(gingham(), "course/gingham.webp", quality=70)
     save(cork(), "course/cork.webp", quality=75)
+    save(ice(), "course/ice.webp", quality=75)
     save(bubble(), "course/bubble.webp", quality=80)
     save(flag(), "course/flag.png", 120)

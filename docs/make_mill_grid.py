@@ -1,4 +1,4 @@
-"""Write the grid of distances of presets/course/mill.yaml, an overshot wheel of buckets, and print the boxes of which it is drawn.
+"""Write the grid of distances of presets/course/mill.yaml, an overshot wheel, and print the boxes of which it is drawn.
 
 .venv/bin/python docs/make_mill_grid.py
 

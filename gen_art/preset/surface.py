@@ -47,9 +47,8 @@ class SurfaceImage(Model):
     """An image on a surface, repeated. Its colours take the place of the albedo; where it is transparent, the albedo shows.
 
     It lies along the two axes of the collider that the surface faces least; on a floor its upper side points to -z. On a body it
-    lies along the body's axes with its middle on the middle of each side, on a ball along x, y and z, on cloth with its upper left
-    corner on row 0, column 0.
-    A file's name sets the `file`.
+    lies along the body's axes with its middle on the middle of each side, on a ball along x, y and z, and on cloth with its upper
+    left corner on row 0, column 0. A file's name sets the `file`.
     """
 
     file: Annotated[PresetFile, ImageFile] = about(..., "image in the preset's folder or below")
