@@ -69,19 +69,6 @@ def ocean(own):
     return mix(colour, [0.92, 0.93, 0.95], 0.92 * cloud), (1 - land) * (1 - cloud)
 
 
-def bands(own):
-    """The belts of a giant of gas."""
-    drift = 0.05 * fractal(own * np.array([1, 3, 1]), 31, 2, 5)
-    y = own[..., 1] + drift + 0.012 * fractal(own * np.array([1, 4, 1]), 34, 9, 4)
-    belt = np.interp(
-        y, [-1, -0.7, -0.52, -0.4, -0.26, -0.1, 0.06, 0.12, 0.3, 0.44, 0.6, 0.75, 1],
-        [0.2, 0.35, 0.8, 0.5, 0.1, 0.75, 0.95, 0.6, 0.12, 0.55, 0.85, 0.4, 0.2],
-    )  # fmt: skip
-    belt = np.clip(belt + 0.1 * fractal(own * np.array([1, 6, 1]), 37, 5, 5), 0, 1)
-    colour = mix(np.array([0.30, 0.13, 0.06]) + 0 * own, [0.62, 0.36, 0.2], rise(0.0, 0.5, belt))
-    return mix(colour, [0.88, 0.77, 0.6], rise(0.45, 1.0, belt)), 0 * belt
-
-
 def seas(own):
     """Seas and clouds from a low orbit: (colours, how much each place shines like water)."""
     own = own[..., [0, 2, 1]] * np.array([3, 3, 0.2])  # no ice
@@ -125,5 +112,4 @@ def draw(path, surface, sun, tilt, air, night, radius=1.0, below=0.0):
 if __name__ == "__main__":
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent.parent / "presets" / "course"
     draw(folder / "planet_ocean.webp", ocean, (-0.75, 0.45, 0.5), 20, (0.25, 0.5, 1.0), 0.004)
-    draw(folder / "planet_bands.webp", bands, (-0.85, 0.25, 0.45), 14, (0.9, 0.7, 0.45), 0.003)
     draw(folder / "planet_limb.webp", seas, (-0.3, 0.75, 0.6), 12, (0.25, 0.5, 1.0), 0.004, 5.0, 5.1)
