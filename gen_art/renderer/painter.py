@@ -51,7 +51,7 @@ from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
 from gen_art.renderer.surfaces.sheet_rows import SheetSystem, places_on_sheet, sheet_of
 from gen_art.renderer.surfaces.solid_rows import SolidSystem, shapes_of
-from gen_art.renderer.surfaces.strands import laid
+from gen_art.renderer.surfaces.strands import lay_strands
 from gen_art.renderer.surfaces.surface_layers import SurfaceLayers
 from gen_art.renderer.surfaces.surface_pass import SurfacePass
 
@@ -425,7 +425,7 @@ class Painter:
                 elif solid:
                     shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
                     if look.strands and shapes is not None:
-                        shapes = laid(shapes, columns[shapes.particle, LIT_RADIUS], look.strands)
+                        shapes = lay_strands(shapes, columns[shapes.particle, LIT_RADIUS], look.strands)
                     glows = name in self.scene.glow
                     solids.append(
                         SolidSystem(look.finish, projected.used, columns, velocities, shapes, glows, look.edge)

@@ -172,13 +172,16 @@ def solid_facet(B: ti.template(), i, x):
 
 @ti.func
 def solid_normal(B: ti.template(), i, x):
-    """The unit normal at a point of the surface, relative to the camera."""
+    """The unit normal at a point of the surface, relative to the camera.
+
+    A point that lies deeper than a rounded box's radius, by round-off where the radius is small, has the nearest face's normal.
+    """
     r = x - row_vector(B, i, CENTER)
     n, half = r, row_vector(B, i, HALF)
     if half.max() > 0.0:
         local = along_axes(B, i, r)
         q, m = abs(local) - half, local * 0.0
-        if B[i, RADIUS] > 0.0:
+        if B[i, RADIUS] > 0.0 and q.max() > 0.0:
             for k in ti.static(range(3)):
                 m[k] = ti.select(local[k] < 0.0, -1.0, 1.0) * ti.max(q[k], 0.0)
         else:

@@ -13,12 +13,12 @@ import numpy as np
 from gen_art.interactions.base import Shapes
 from gen_art.interactions.links import capsules_along
 
-__all__ = ["laid"]
+__all__ = ["lay_strands"]
 
 LAY = 3.5  # diameters of a rope in which a strand goes once round it
 
 
-def laid(rods: Shapes, radius: np.ndarray, number: int) -> Shapes:
+def lay_strands(rods: Shapes, radius: np.ndarray, number: int) -> Shapes:
     """The rods of `draw: thread` as ropes of `number` strands.
 
     rods : capsules; where one begins at the end of the one before it, both are of the same rope
