@@ -97,3 +97,17 @@ def numba_step(S, laws: dict, now: float, h: float) -> None:
         S, np.array(laws["gravity"], F), F(laws["linear"]), F(laws["quadratic"]), amounts.astype(F), finenesses.astype(F),
         offsets.astype(F), blends.astype(F), scales.astype(F), epochs.astype(U), F(h),
     )  # fmt: skip
+
+
+@numba.njit(parallel=True, fastmath=True)
+def numba_pairs(x, m, softening2, out):
+    """The sums of m d / s^3 over all pairs, s^2 = d^2 + softening2, for x (3, n) and out (3, n)."""
+    n = x.shape[1]
+    for i in numba.prange(n):
+        ax, ay, az = F(0), F(0), F(0)
+        for j in range(n):
+            dx, dy, dz = x[0, j] - x[0, i], x[1, j] - x[1, i], x[2, j] - x[2, i]
+            s2 = dx * dx + dy * dy + dz * dz + softening2
+            w = m[j] / (s2 * np.sqrt(s2))
+            ax, ay, az = ax + w * dx, ay + w * dy, az + w * dz
+        out[0, i], out[1, i], out[2, i] = ax, ay, az

@@ -1,8 +1,8 @@
 """Sums of a central force law over all pairs: the base of mutual gravity, Coulomb's law and the power laws.
 
-The targets are the lanes and the sources the inner run-time loop, so that it vectorises. The law is chosen when the kernel is
-generated: "square" for the inverse square, which needs no logarithm, "power" for other exponents, "log" for the potential of
-exponent -1. Inverse squares of many particles may be summed by a tree instead.
+Whole exponents are summed by whole vectors (pair_sums.py). Others, and the potential of exponent -1, need logarithms, which
+Taichi cannot take of whole vectors: in their kernels the targets are lanes, and the sources the inner run-time loop.
+Inverse squares of many particles may be summed by a tree instead.
 
 The one-letter names in kernels are in docs/glossary.md.
 """
@@ -17,6 +17,7 @@ from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.interactions.base import ForceRequest, Interaction
+from gen_art.interactions.pair_sums import field_sums, potential_sums
 from gen_art.maths.elementary import log, power
 from gen_art.particles.rows import MASS, POSITION
 
@@ -82,13 +83,17 @@ class DirectSum(Interaction):
         amounts = request.sources.floats[request.sources.channels[self.amount], : request.m]
         if self.by_tree(request.n * request.m):
             sources = None if self.source_system is None else request.source_rows[:3, : request.m]
-            out[:, : request.n] = k * self._tree(request.rows[:3, : request.n], sources, amounts, request.precision)[:3]
+            out[:, : request.n] = k * self._tree(request.rows[:3, : request.n], sources, amounts, request.precision)
             self._to_accelerations(request, out)
             return
         sources = np.ascontiguousarray(np.concatenate([request.source_rows[:3, : request.m], amounts[None]]))
-        numbers = np.array([k, softening**2, n], out.dtype)
-        kernel = _acceleration_kernel("square" if n == -2 else "power", request.precision)
-        kernel(request.rows, sources, out, request.n, numbers)
+        if float(n).is_integer():
+            out[:, : request.n] = k * field_sums(
+                request.rows[:3, : request.n], sources, int(n), softening, request.precision
+            )
+        else:
+            numbers = np.array([k, softening**2, n], out.dtype)
+            _acceleration_kernel(request.precision)(request.rows, sources, out, request.n, numbers)
         self._to_accelerations(request, out)
 
     def _tree(self, targets, sources, amounts, precision, valued=False):
@@ -119,15 +124,18 @@ class DirectSum(Interaction):
             a, b = state.floats[state.channels[self.amount], list(pair)]
             return -math.inf if k * a * b > 0 else math.inf
         if self.by_tree(count * count):
-            field = self._tree(state.floats[POSITION, slots], None, amounts, precision, valued=True)[3]
+            field = self._tree(state.floats[POSITION, slots], None, amounts, precision, valued=True)
             return float(-0.5 * k * np.sum(amounts.astype(np.float64) * field))
-        positions = np.zeros((3, -(-count // _LANES) * _LANES), dtype)
-        positions[:, :count] = state.floats[POSITION, slots]
-        sources = np.ascontiguousarray(np.concatenate([positions[:, :count], amounts[None]]))
-        potential = np.zeros(positions.shape[1], dtype)
-        numbers = np.array([k, softening**2, n], dtype)
-        law = "square" if n == -2 else "log" if n == -1 else "power"
-        _potential_kernel(law, precision)(positions, sources, potential, count, numbers)
+        positions = state.floats[POSITION, slots]
+        sources = np.ascontiguousarray(np.concatenate([positions, amounts[None]]))
+        if float(n).is_integer() and n != -1:
+            potential = potential_sums(positions, sources, int(n), softening, precision) / (n + 1)
+        else:
+            targets = np.zeros((3, -(-count // _LANES) * _LANES), dtype)
+            targets[:, :count] = positions
+            potential = np.zeros(targets.shape[1], dtype)
+            numbers = np.array([k, softening**2, n], dtype)
+            _potential_kernel(n == -1, precision)(targets, sources, potential, count, numbers)
         c = amounts.astype(np.float64)
         self_potential = 0.0 if softening == 0 else -c / softening if n == -2 else c * _phi(softening, n)
         return float(0.5 * k * np.sum(c * (potential[:count].astype(np.float64) - self_potential)))
@@ -139,19 +147,9 @@ def _phi(s: float, n: float) -> float:
 
 
 @cache
-def _acceleration_kernel(law: str, precision: str):
+def _acceleration_kernel(precision: str):
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
-
-    @ti.func
-    def strength(r2, n):
-        """s^(n - 1), from r2 = s^2; 0 at s = 0, where there is no direction."""
-        f = r2 * 0.0
-        if ti.static(law == "square"):
-            f = ti.select(r2 > 0.0, 1.0 / (r2 * ti.sqrt(r2)), 0.0)
-        else:
-            f = power(r2, 0.5 * (n - 1.0))
-        return f
 
     @ti.kernel
     def accelerate(T: matrix, M: matrix, out: matrix, n: ti.i32, q: vector):
@@ -172,7 +170,7 @@ def _acceleration_kernel(law: str, precision: str):
                             xj, yj, zj, mj = M[0, j], M[1, j], M[2, j], M[3, j]
                             for k in range(_LANES):
                                 dx, dy, dz = xj - X[k], yj - Y[k], zj - Z[k]
-                                w = mj * strength(dx * dx + dy * dy + dz * dz + e2, exponent)
+                                w = mj * power(dx * dx + dy * dy + dz * dz + e2, 0.5 * (exponent - 1.0))
                                 P[k] += w * dx
                                 Q[k] += w * dy
                                 R[k] += w * dz
@@ -187,7 +185,7 @@ def _acceleration_kernel(law: str, precision: str):
 
 
 @cache
-def _potential_kernel(law: str, precision: str):
+def _potential_kernel(logarithm: bool, precision: str):
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
 
@@ -195,9 +193,7 @@ def _potential_kernel(law: str, precision: str):
     def phi(r2, n):
         """The potential of a unit source, from r2 = s^2; 0 at s = 0, a particle's own position without softening."""
         f = r2 * 0.0
-        if ti.static(law == "square"):
-            f = -1.0 / ti.sqrt(r2)
-        elif ti.static(law == "log"):
+        if ti.static(logarithm):
             f = 0.5 * log(ti.select(r2 > 0.0, r2, 1.0))
         else:
             f = power(r2, 0.5 * (n + 1.0)) / (n + 1.0)

@@ -3,13 +3,14 @@
 import os
 import subprocess
 import sys
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import gen_art as ga
 from gen_art.backend import runtime
+from gen_art.backend.runtime import ti
+from gen_art.interactions import expansions
 from gen_art.interactions import tree_sum as tree
 from gen_art.interactions.octree import build_octree
 
@@ -24,18 +25,18 @@ def plummer(n, seed=0):
 
 
 def exact(x, sources, amounts, soft, of):
-    """(4, len(of)): gradient and value of the sum of amounts / s at the targets `of`, none acting on itself."""
-    out = np.zeros((4, len(of)))
+    """(3, len(of)): gradient of the sum of amounts / s at the targets `of`, none acting on itself."""
+    out = np.zeros((3, len(of)))
     for k, i in enumerate(of):
         d = sources - x[:, i : i + 1]
         r2 = (d * d).sum(0)
         g = np.where(r2 > 0, (r2 + soft**2 + (r2 == 0)) ** -0.5, 0.0)
-        out[:3, k], out[3, k] = (amounts * g**3 * d).sum(1), (amounts * g).sum()
+        out[:, k] = (amounts * g**3 * d).sum(1)
     return out
 
 
 def errors(found, right):
-    e = np.linalg.norm(found[:3] - right[:3], axis=0) / np.linalg.norm(right[:3], axis=0)
+    e = np.linalg.norm(found - right, axis=0) / np.linalg.norm(right, axis=0)
     return np.sqrt((e**2).mean()), np.quantile(e, 0.99)
 
 
@@ -53,7 +54,7 @@ def test_forces_and_momentum(n, precision):
     found = tree.sum_by_tree(x, None, m, 0.01, 0.36, precision)
     rms, worst = errors(found[:, of], exact(x.astype(float), x.astype(float), m.astype(float), 0.01, of))
     assert rms <= 3e-3 and worst <= 1.5e-2
-    force = m * found[:3].astype(np.float64)
+    force = m * found.astype(np.float64)
     assert np.abs(force.sum(1)).max() <= 1e-6 * np.abs(force).sum()
 
 
@@ -70,16 +71,69 @@ def test_errors_fall_with_theta_and_every_order_counts(monkeypatch):
     )
     right = exact(crowd, rod, np.ones(300), 0.01, np.arange(50))
     whole = errors(tree.sum_by_tree(crowd, rod, np.ones(300), 0.01, 0.5, "f64"), right)[0]
-    kernels = tree.tree_kernels("f64")
+    gather = tree.moments_kernel("f64")
 
     def without_quadrupoles(P, begin, end, M):
-        kernels.gather(P, begin, end, M)
+        gather(P, begin, end, M)
         M[:, 8:] = 0
 
-    monkeypatch.setattr(
-        tree, "tree_kernels", lambda precision: SimpleNamespace(**{**vars(kernels), "gather": without_quadrupoles})
-    )
+    monkeypatch.setattr(tree, "moments_kernel", lambda precision: without_quadrupoles)
     assert errors(tree.sum_by_tree(crowd, rod, np.ones(300), 0.01, 0.5, "f64"), right)[0] > 5 * whole  # the mutant
+
+
+def test_what_one_cell_does_to_another_comes_back_even_between_cells_of_one_size():
+    """On a lattice many cells have the same radius, and either could be opened first."""
+    x = np.stack(np.meshgrid(*[np.arange(24.0)] * 3)).reshape(3, -1)
+    charges = np.random.default_rng(1).choice([-1.0, 1.0], 24**3)
+    force = charges * tree.sum_by_tree(x, None, charges, 0.1, 0.8, "f64")
+    assert np.abs(force.sum(1)).max() <= 24**3 * np.finfo(float).eps * np.abs(force).sum()
+
+
+def test_short_lists_are_made_longer(monkeypatch):
+    x, m = plummer(3000), np.full(3000, 1 / 3000)
+    right = tree.sum_by_tree(x, None, m, 0.01, 0.3, "f64")
+    launches, walk = [], tree.walk_kernel
+
+    def counted(*of):
+        return lambda *arguments: (launches.append(1), walk(*of)(*arguments))
+
+    monkeypatch.setattr(tree, "walk_kernel", counted)
+    monkeypatch.setattr(tree, "_SHORT", 40)
+    assert np.array_equal(tree.sum_by_tree(x, None, m, 0.01, 0.3, "f64"), right)
+    assert len(launches) > 1
+
+
+def test_the_gradient_is_that_of_the_value():
+    x, m = plummer(2000), np.full(2000, 1 / 2000)
+    probe, h = plummer(50, 9), 1e-5
+    found = tree.sum_by_tree(probe, x, m, 0.3, 0.3, "f64")
+    for axis in range(3):
+        step = np.zeros((3, 1))
+        step[axis] = h
+        up, down = (tree.sum_by_tree(probe + s * step, x, m, 0.3, 0.3, "f64", valued=True) for s in (1, -1))
+        assert np.abs((up - down) / (2 * h) - found[axis]).max() <= 1e-2 * np.abs(found).max()
+
+
+def test_a_shifted_expansion_is_the_same_polynomial():
+    doubles = ti.types.ndarray(ti.f64, 1)
+
+    @ti.kernel
+    def shift(C: doubles, way: doubles, out: doubles):
+        for _ in range(1):
+            old = [C[k] for k in ti.static(range(expansions.COEFFICIENTS))]
+            new = [ti.f64(0.0) for _ in ti.static(range(expansions.COEFFICIENTS))]
+            expansions.add_shifted(new, old, [way[k] for k in ti.static(range(3))], ti.f64(1.0))
+            for k in ti.static(range(expansions.COEFFICIENTS)):
+                out[k] = new[k]
+
+    r = np.random.default_rng(8)
+    old, shifted, there, both = r.normal(size=expansions.COEFFICIENTS), *np.zeros((3, expansions.COEFFICIENTS))
+    way, further = r.normal(size=(2, 3))
+    kernel = runtime.kernel(shift, "f64")
+    kernel(old, way, shifted)
+    kernel(shifted, further, there)
+    kernel(old, way + further, both)
+    assert np.abs(there - both).max() <= 1e-13 * np.abs(both).max()
 
 
 @pytest.mark.parametrize("law,k", [("self_gravity", 1.0), ("coulomb", 1.0)])
@@ -138,7 +192,7 @@ def test_every_particle_has_one_leaf_even_where_many_share_a_place():
     r = np.random.default_rng(7)
     x = np.concatenate([r.normal(size=(3, 500)), np.zeros((3, 200)), np.full((3, 3), 1e6)], axis=1)
     made = build_octree(x)
-    leaves = made.leaves
+    leaves = np.flatnonzero(made.links[:, 1] == 0)
     covered = np.sort(np.concatenate([np.arange(made.begin[c], made.end[c]) for c in leaves]))
     assert np.array_equal(covered, np.arange(703)) and np.array_equal(np.sort(made.order), np.arange(703))
     found = tree.sum_by_tree(x, None, np.ones(703), 0.1, 0.36, "f64")

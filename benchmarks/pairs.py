@@ -1,0 +1,105 @@
+"""How fast is gravity between all pairs, directly beside a numba loop, and by the tree beside pytreegrav?"""
+
+import numpy as np
+from _bench import Bench, alternate
+
+from gen_art.backend import runtime
+from gen_art.interactions.pair_sums import field_sums
+from gen_art.interactions.tree_sum import sum_by_tree
+
+bench = Bench("pairs", __doc__)
+F = np.float32
+SOFTENING, THETA = 0.01, 0.7
+direct_sizes, tree_sizes = ([512], [2_000]) if bench.quick else ([1024, 16_384], [100_000, 1_000_000])
+rounds = 1 if bench.quick else 7
+bench.settings = {"direct": direct_sizes, "tree": tree_sizes, "softening": SOFTENING, "theta": THETA, "rounds": rounds}
+runtime.init()
+
+
+def plummer(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (3, n), in scale radii, and masses of a Plummer sphere of mass 1."""
+    r = np.random.default_rng(0)
+    radius = (r.uniform(0, 0.999, n) ** (-2 / 3) - 1) ** -0.5
+    way = r.normal(size=(3, n))
+    return (way / np.linalg.norm(way, axis=0) * radius).astype(F), np.full(n, 1 / n, F)
+
+
+def exact(x: np.ndarray, m: np.ndarray, of: np.ndarray) -> np.ndarray:
+    """(3, len(of)), in float64."""
+    x, m = x.astype(np.float64), m.astype(np.float64)
+    out = np.zeros((3, len(of)))
+    for k, i in enumerate(of):
+        d = x - x[:, i : i + 1]
+        out[:, k] = (m * d / ((d * d).sum(0) + SOFTENING**2) ** 1.5).sum(1)
+    return out
+
+
+def errors(found: np.ndarray, right: np.ndarray) -> dict[str, float]:
+    e = np.linalg.norm(found - right, axis=0) / np.linalg.norm(right, axis=0)
+    rms, (median, most) = np.sqrt((e * e).mean()), np.quantile(e, (0.5, 0.99))
+    return {"rms": float(rms), "median": float(median), "99%": float(most), "largest": float(e.max())}
+
+
+try:
+    from _numba import numba_pairs
+except ImportError:
+    numba_pairs = None
+    print("  numba is not installed and is left out")
+try:
+    import pytreegrav
+except ImportError:
+    pytreegrav = None
+    print("  pytreegrav is not installed and is left out")
+
+rows = [("all pairs", "gen_art, G pairs/s", "numba, G pairs/s", "ratio", "differ by")]
+for n in direct_sizes:
+    x, m = plummer(n)
+    sources, theirs = np.ascontiguousarray(np.concatenate([x, m[None]])), np.zeros((3, n), F)
+    things = {"gen_art": lambda x=x, s=sources: field_sums(x, s, -2, SOFTENING, "f32")}
+    apart = 0.0
+    if numba_pairs:
+        things["numba"] = lambda x=x, m=m, out=theirs: numba_pairs(x, m, F(SOFTENING**2), out)
+        things["numba"]()
+        apart = float(np.abs(things["gen_art"]() - theirs).max() / np.abs(theirs).max())
+        assert apart < 1e-4, f"numba sums something else: {apart:.1e} apart"
+    taken = alternate(rounds, **things)
+    rate = {name: n * n / seconds / 1e9 for name, seconds in taken.items()}
+    bench.figures[f"direct, {n}"] = {"giga_pairs_a_second": rate, "differ_by": apart}
+    if numba_pairs:
+        ratio = rate["gen_art"] / rate["numba"]
+        rows.append((f"{n:,}", f"{rate['gen_art']:.2f}", f"{rate['numba']:.2f}", f"{ratio:.2f}", f"{apart:.0e}"))
+        if n == direct_sizes[-1]:
+            bench.require("direct sums, of numba's speed", ratio, at_least=0.8)
+bench.table(rows)
+
+rows = [("tree", "bodies/s", "rms error", "median", "99%", "largest", "sum of forces")]
+for n in tree_sizes:
+    x, m = plummer(n)
+    of = np.random.default_rng(1).choice(n, min(n, 1000), replace=False)
+    right = exact(x, m, of)
+    found = sum_by_tree(x, None, m, SOFTENING, THETA, "f32")
+    force = m * found.astype(np.float64)
+    own = errors(found[:, of], right)
+    momentum = float(np.abs(force.sum(1)).max() / np.abs(force).sum())
+    things = {"gen_art": lambda x=x, m=m: sum_by_tree(x, None, m, SOFTENING, THETA, "f32")}
+    result = {"gen_art": own, "sum_of_forces": momentum}
+    if pytreegrav:
+        place, mass, width = x.T.astype(np.float64).copy(), m.astype(np.float64), np.full(n, 2.8 * SOFTENING)
+
+        def peer(place=place, mass=mass, width=width):
+            return pytreegrav.Accel(place, mass, softening=width, theta=THETA, parallel=True, method="tree")
+
+        result["pytreegrav"] = errors(peer()[of].T, right)
+        things["pytreegrav"] = peer
+    taken = alternate(min(rounds, 3), **things)
+    result["seconds"] = taken
+    bench.figures[f"tree, {n}"] = result
+    for name, seconds in taken.items():
+        e, total = result[name], f"{momentum:.0e}" if name == "gen_art" else ""
+        rows.append((f"{name}, {n:,}", f"{n / seconds / 1e6:.2f} M", *(f"{v:.1e}" for v in e.values()), total))
+    bench.require(f"sum of the tree's forces of {n}, of the sum of their magnitudes", momentum, at_most=1e-6)
+    if pytreegrav and n == tree_sizes[-1]:
+        bench.require("tree, times as fast as pytreegrav", taken["pytreegrav"] / taken["gen_art"], at_least=10)
+        bench.require("tree, rms error over pytreegrav's", own["rms"] / result["pytreegrav"]["rms"], at_most=1)
+bench.table(rows)
+bench.finish()
