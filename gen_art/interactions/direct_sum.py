@@ -17,13 +17,12 @@ from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.interactions.base import ForceRequest, Interaction
-from gen_art.interactions.pair_sums import field_sums, potential_sums
+from gen_art.interactions.pair_sums import LANES, field_kernel, potential_kernel
 from gen_art.maths.elementary import log, power
 from gen_art.particles.rows import MASS, POSITION
 
 __all__ = ["DirectSum"]
 
-_LANES = 16
 _BLOCK = 256  # targets per task
 _TREE_PAIRS = 30_000**2  # `auto` uses the tree for more pairs
 _CHUNK = 256  # sources in a partial sum: keeps float32 sums over many thousands accurate
@@ -87,13 +86,10 @@ class DirectSum(Interaction):
             self._to_accelerations(request, out)
             return
         sources = np.ascontiguousarray(np.concatenate([request.source_rows[:3, : request.m], amounts[None]]))
-        if float(n).is_integer():
-            out[:, : request.n] = k * field_sums(
-                request.rows[:3, : request.n], sources, int(n), softening, request.precision
-            )
-        else:
-            numbers = np.array([k, softening**2, n], out.dtype)
-            _acceleration_kernel(request.precision)(request.rows, sources, out, request.n, numbers)
+        whole = float(n).is_integer()
+        numbers = np.array([k, softening**2, n], out.dtype)
+        kernel = field_kernel(int(n), request.precision) if whole else _acceleration_kernel(request.precision)
+        kernel(request.rows, sources, out, request.n, numbers)
         self._to_accelerations(request, out)
 
     def _tree(self, targets, sources, amounts, precision, valued=False):
@@ -128,12 +124,13 @@ class DirectSum(Interaction):
             return float(-0.5 * k * np.sum(amounts.astype(np.float64) * field))
         positions = state.floats[POSITION, slots]
         sources = np.ascontiguousarray(np.concatenate([positions, amounts[None]]))
+        targets = np.zeros((3, -(-count // LANES) * LANES), dtype)
+        targets[:, :count] = positions
+        potential = np.zeros(targets.shape[1], dtype)
         if float(n).is_integer() and n != -1:
-            potential = potential_sums(positions, sources, int(n), softening, precision) / (n + 1)
+            numbers = np.array([1 / (n + 1), softening**2], dtype)
+            potential_kernel(int(n), precision)(targets, sources, potential, count, numbers)
         else:
-            targets = np.zeros((3, -(-count // _LANES) * _LANES), dtype)
-            targets[:, :count] = positions
-            potential = np.zeros(targets.shape[1], dtype)
             numbers = np.array([k, softening**2, n], dtype)
             _potential_kernel(n == -1, precision)(targets, sources, potential, count, numbers)
         c = amounts.astype(np.float64)
@@ -157,28 +154,28 @@ def _acceleration_kernel(precision: str):
         m = M.shape[1]
         ti.loop_config(block_dim=1)
         for b in range((n + _BLOCK - 1) // _BLOCK):
-            for s in range(_BLOCK // _LANES):
-                i = b * _BLOCK + s * _LANES
+            for s in range(_BLOCK // LANES):
+                i = b * _BLOCK + s * LANES
                 if i < n:
-                    X, Y, Z = ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES)
-                    A, B, C = ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES)
-                    for k in range(_LANES):
+                    X, Y, Z = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
+                    A, B, C = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
+                    for k in range(LANES):
                         X[k], Y[k], Z[k] = T[0, i + k], T[1, i + k], T[2, i + k]
                     for c in range((m + _CHUNK - 1) // _CHUNK):
-                        P, Q, R = ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES), ti.Vector([0.0] * _LANES)
+                        P, Q, R = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
                         for j in range(c * _CHUNK, ti.min((c + 1) * _CHUNK, m)):
                             xj, yj, zj, mj = M[0, j], M[1, j], M[2, j], M[3, j]
-                            for k in range(_LANES):
+                            for k in range(LANES):
                                 dx, dy, dz = xj - X[k], yj - Y[k], zj - Z[k]
                                 w = mj * power(dx * dx + dy * dy + dz * dz + e2, 0.5 * (exponent - 1.0))
                                 P[k] += w * dx
                                 Q[k] += w * dy
                                 R[k] += w * dz
-                        for k in range(_LANES):
+                        for k in range(LANES):
                             A[k] += P[k]
                             B[k] += Q[k]
                             C[k] += R[k]
-                    for k in range(_LANES):
+                    for k in range(LANES):
                         out[0, i + k], out[1, i + k], out[2, i + k] = k0 * A[k], k0 * B[k], k0 * C[k]
 
     return runtime.kernel(accelerate, precision)
@@ -205,20 +202,20 @@ def _potential_kernel(logarithm: bool, precision: str):
         m = M.shape[1]
         ti.loop_config(block_dim=1)
         for b in range((n + _BLOCK - 1) // _BLOCK):
-            for s in range(_BLOCK // _LANES):
-                i = b * _BLOCK + s * _LANES
+            for s in range(_BLOCK // LANES):
+                i = b * _BLOCK + s * LANES
                 if i < n:
-                    A = ti.Vector([0.0] * _LANES)
+                    A = ti.Vector([0.0] * LANES)
                     for c in range((m + _CHUNK - 1) // _CHUNK):
-                        P = ti.Vector([0.0] * _LANES)
+                        P = ti.Vector([0.0] * LANES)
                         for j in range(c * _CHUNK, ti.min((c + 1) * _CHUNK, m)):
                             xj, yj, zj, mj = M[0, j], M[1, j], M[2, j], M[3, j]
-                            for k in range(_LANES):
+                            for k in range(LANES):
                                 dx, dy, dz = xj - T[0, i + k], yj - T[1, i + k], zj - T[2, i + k]
                                 P[k] += mj * phi(dx * dx + dy * dy + dz * dz + e2, exponent)
-                        for k in range(_LANES):
+                        for k in range(LANES):
                             A[k] += P[k]
-                    for k in range(_LANES):
+                    for k in range(LANES):
                         out[i + k] = A[k]
 
     return runtime.kernel(potential, precision)

@@ -9,16 +9,14 @@ The one-letter names in kernels are in docs/glossary.md.
 
 from functools import cache
 
-import numpy as np
-
 from gen_art.backend import runtime
 from gen_art.backend.runtime import real, ti
 
-__all__ = ["LANES", "field_sums", "half_powers", "pack", "potential_sums", "spread"]
+__all__ = ["LANES", "field_kernel", "half_powers", "load", "potential_kernel", "spread"]
 
 LANES = 16
 CHUNK = 256  # sources in a partial sum: keeps float32 sums over many thousands accurate
-_TASK = 4  # pairs of vectors of targets
+_TASK = 8  # vectors of targets
 
 
 @ti.func
@@ -50,112 +48,93 @@ def half_powers(k: int):
     return weight
 
 
-def pack(positions: np.ndarray) -> np.ndarray:
-    """(3, n) m, as the kernels read targets: (tiles, 3, LANES), an even number of tiles, filled with zeros."""
-    n = positions.shape[1]
-    tiles = 2 * -(-n // (2 * LANES))
-    full, rest = divmod(n, LANES)
-    packed = runtime.aligned((tiles, 3, LANES), positions.dtype)
-    packed[:full] = positions[:, : full * LANES].reshape(3, full, LANES).transpose(1, 0, 2)
-    if rest:
-        packed[full, :, :rest] = positions[:, full * LANES :]
-    return packed
-
-
-def field_sums(targets: np.ndarray, sources: np.ndarray, n: int, softening: float, precision: str) -> np.ndarray:
-    """(3, targets): the sums of c s^(n-1) d.
-
-    targets : (3, targets) m
-    sources : (4, sources), their positions, m, and amounts
-    """
-    packed = pack(targets)
-    out = runtime.aligned(packed.shape, packed.dtype)
-    _field_kernel(n, precision)(packed, sources, out, np.array([softening**2], packed.dtype))
-    return out.transpose(1, 0, 2).reshape(3, -1)[:, : targets.shape[1]]
-
-
-def potential_sums(targets: np.ndarray, sources: np.ndarray, n: int, softening: float, precision: str) -> np.ndarray:
-    """(targets,): the sums of c s^(n+1). The arguments are those of `field_sums`."""
-    packed = pack(targets)
-    out = runtime.aligned((len(packed), LANES), packed.dtype)
-    _potential_kernel(n, precision)(packed, sources, out, np.array([softening**2], packed.dtype))
-    return out.reshape(-1)[: targets.shape[1]]
+@ti.func
+def load(T: ti.template(), row, i):
+    """Sixteen numbers of a row from column i on."""
+    return ti.Vector([T[row, i + lane] for lane in ti.static(range(LANES))])
 
 
 @cache
-def _field_kernel(n: int, precision: str):
+def field_kernel(n: int, precision: str):
+    """The kernel (T, M, out, count, q) that writes q[0] times the sums of c s^(n-1) d into the first three rows of `out`.
+
+    T, out : (3 or more, capacity), the capacity a multiple of LANES and at least the number of targets, `count`
+    M : (4, sources), their positions, m, and amounts
+    q : factor, softening^2
+    """
     float_type = runtime.DTYPES[precision]
-    vectors = ti.types.ndarray(ti.types.vector(LANES, float_type), 2)
+    matrix, vector = ti.types.ndarray(float_type, 2), ti.types.ndarray(float_type, 1)
     weight = half_powers(n - 1)
 
     @ti.kernel
-    def field(T: vectors, M: ti.types.ndarray(float_type, 2), out: vectors, q: ti.types.ndarray(float_type, 1)):
-        m, pairs = M.shape[1], T.shape[0] // 2
+    def field(T: matrix, M: matrix, out: matrix, count: ti.i32, q: vector):
+        m, tiles = M.shape[1], (count + LANES - 1) // LANES
         ti.loop_config(block_dim=1)
-        for b in range((pairs + _TASK - 1) // _TASK):
-            for t in range(b * _TASK, ti.min((b + 1) * _TASK, pairs)):
-                # two vectors of targets, (X, Y, Z) and (U, V, W), hide each other's wait for square roots and divisions
-                i = 2 * t
-                e2 = spread(q[0])
-                X, Y, Z, U, V, W = T[i, 0], T[i, 1], T[i, 2], T[i + 1, 0], T[i + 1, 1], T[i + 1, 2]
-                A, B, C = spread(0.0), spread(0.0), spread(0.0)
-                D, E, F = spread(0.0), spread(0.0), spread(0.0)
-                for chunk in range((m + CHUNK - 1) // CHUNK):
-                    a, b1, c = spread(0.0), spread(0.0), spread(0.0)
-                    d, e, f = spread(0.0), spread(0.0), spread(0.0)
-                    for j in range(chunk * CHUNK, ti.min((chunk + 1) * CHUNK, m)):
-                        x, y, z, amount = spread(M[0, j]), spread(M[1, j]), spread(M[2, j]), spread(M[3, j])
-                        dx, dy, dz = x - X, y - Y, z - Z
-                        w = weight(amount, dx * dx + dy * dy + dz * dz + e2)
-                        a += w * dx
-                        b1 += w * dy
-                        c += w * dz
-                        du, dv, dw = x - U, y - V, z - W
-                        v = weight(amount, du * du + dv * dv + dw * dw + e2)
-                        d += v * du
-                        e += v * dv
-                        f += v * dw
-                    A += a
-                    B += b1
-                    C += c
-                    D += d
-                    E += e
-                    F += f
-                out[i, 0], out[i, 1], out[i, 2] = A, B, C
-                out[i + 1, 0], out[i + 1, 1], out[i + 1, 2] = D, E, F
+        for b in range((tiles + _TASK - 1) // _TASK):
+            for t in range(_TASK // 2):
+                # two vectors of targets, X, Y, Z and U, V, W, share the loads of sources; the last one alone counts twice
+                i = (b * _TASK + 2 * t) * LANES
+                if i < count:
+                    j2 = ti.min(i + LANES, (tiles - 1) * LANES)
+                    e2 = spread(q[1])
+                    X, Y, Z = load(T, 0, i), load(T, 1, i), load(T, 2, i)
+                    U, V, W = load(T, 0, j2), load(T, 1, j2), load(T, 2, j2)
+                    A, B, C = spread(0.0), spread(0.0), spread(0.0)
+                    D, E, F = spread(0.0), spread(0.0), spread(0.0)
+                    for chunk in range((m + CHUNK - 1) // CHUNK):
+                        a, b1, c = spread(0.0), spread(0.0), spread(0.0)
+                        d, e, f = spread(0.0), spread(0.0), spread(0.0)
+                        for j in range(chunk * CHUNK, ti.min((chunk + 1) * CHUNK, m)):
+                            x, y, z, amount = spread(M[0, j]), spread(M[1, j]), spread(M[2, j]), spread(M[3, j])
+                            dx, dy, dz = x - X, y - Y, z - Z
+                            w = weight(amount, dx * dx + dy * dy + dz * dz + e2)
+                            a += w * dx
+                            b1 += w * dy
+                            c += w * dz
+                            du, dv, dw = x - U, y - V, z - W
+                            v = weight(amount, du * du + dv * dv + dw * dw + e2)
+                            d += v * du
+                            e += v * dv
+                            f += v * dw
+                        A += a
+                        B += b1
+                        C += c
+                        D += d
+                        E += e
+                        F += f
+                    k = spread(q[0])
+                    for at, sums in ti.static(((i, (A, B, C)), (j2, (D, E, F)))):
+                        for row in ti.static(range(3)):
+                            result = k * sums[row]
+                            for lane in ti.static(range(LANES)):
+                                out[row, at + lane] = result[lane]
 
     return runtime.kernel(field, precision, vectors=True)
 
 
 @cache
-def _potential_kernel(n: int, precision: str):
+def potential_kernel(n: int, precision: str):
+    """The kernel (T, M, out, count, q) that writes q[0] times the sums of c s^(n+1) into out, (capacity,); see `field_kernel`."""
     float_type = runtime.DTYPES[precision]
-    vectors = ti.types.ndarray(ti.types.vector(LANES, float_type), 2)
+    matrix, vector = ti.types.ndarray(float_type, 2), ti.types.ndarray(float_type, 1)
     weight = half_powers(n + 1)
 
     @ti.kernel
-    def potential(
-        T: vectors, M: ti.types.ndarray(float_type, 2), out: ti.types.ndarray(ti.types.vector(LANES, float_type), 1),
-        q: ti.types.ndarray(float_type, 1),
-    ):  # fmt: skip
-        m, pairs = M.shape[1], T.shape[0] // 2
+    def potential(T: matrix, M: matrix, out: vector, count: ti.i32, q: vector):
+        m, tiles = M.shape[1], (count + LANES - 1) // LANES
         ti.loop_config(block_dim=1)
-        for b in range((pairs + _TASK - 1) // _TASK):
-            for t in range(b * _TASK, ti.min((b + 1) * _TASK, pairs)):
-                i = 2 * t
-                e2 = spread(q[0])
-                X, Y, Z, U, V, W = T[i, 0], T[i, 1], T[i, 2], T[i + 1, 0], T[i + 1, 1], T[i + 1, 2]
-                A, B = spread(0.0), spread(0.0)
+        for b in range((tiles + _TASK - 1) // _TASK):
+            for t in range(b * _TASK, ti.min((b + 1) * _TASK, tiles)):
+                i, e2 = t * LANES, spread(q[1])
+                X, Y, Z, A = load(T, 0, i), load(T, 1, i), load(T, 2, i), spread(0.0)
                 for chunk in range((m + CHUNK - 1) // CHUNK):
-                    a, b1 = spread(0.0), spread(0.0)
+                    a = spread(0.0)
                     for j in range(chunk * CHUNK, ti.min((chunk + 1) * CHUNK, m)):
-                        x, y, z, amount = spread(M[0, j]), spread(M[1, j]), spread(M[2, j]), spread(M[3, j])
-                        dx, dy, dz = x - X, y - Y, z - Z
-                        a += weight(amount, dx * dx + dy * dy + dz * dz + e2)
-                        du, dv, dw = x - U, y - V, z - W
-                        b1 += weight(amount, du * du + dv * dv + dw * dw + e2)
+                        dx, dy, dz = spread(M[0, j]) - X, spread(M[1, j]) - Y, spread(M[2, j]) - Z
+                        a += weight(spread(M[3, j]), dx * dx + dy * dy + dz * dz + e2)
                     A += a
-                    B += b1
-                out[i], out[i + 1] = A, B
+                A = spread(q[0]) * A
+                for lane in ti.static(range(LANES)):
+                    out[i + lane] = A[lane]
 
     return runtime.kernel(potential, precision, vectors=True)

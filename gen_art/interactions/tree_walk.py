@@ -22,7 +22,7 @@ from gen_art.interactions.expansions import (
     add_far_field,
     add_shifted,
 )  # fmt: skip
-from gen_art.interactions.pair_sums import LANES, half_powers, spread
+from gen_art.interactions.pair_sums import LANES, half_powers, load, spread
 
 __all__ = ["LEVEL_COLUMNS", "walk_kernel"]
 
@@ -166,7 +166,7 @@ def walk_kernel(valued: bool, precision: str):
         """Write the sums of the particles of leaf a: its expansion, and the particles of the cells lists[task, first:last]."""
         for tile in range((end[a] - begin[a] + LANES - 1) // LANES):
             i = begin[a] + tile * LANES
-            X = [ti.Vector([P[k, i + lane] for lane in ti.static(range(LANES))]) for k in ti.static(range(3))]
+            X = [load(P, k, i) for k in ti.static(range(3))]
             d = [X[k] - spread(M[a, CENTRE + k]) for k in ti.static(range(3))]
             old = [spread(C[task, level, k]) for k in ti.static(range(COEFFICIENTS))]
             new = [spread(0.0) for _ in ti.static(range(COEFFICIENTS))]
