@@ -1,5 +1,8 @@
 """Joints between rigid bodies: pendulums against their equations of motion, bounds, motors, contacts, ledger, bits, refusals."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -562,3 +565,21 @@ def test_refusals():
         )
     with pytest.raises(ga.UsageError, match="joints must be a mapping"):
         jointed([ga.body(ROD, points=20)], [1])
+
+
+def test_a_preset_with_joints_is_checked_before_taichi_runs():
+    script = """
+import gen_art as ga
+from gen_art.backend import runtime
+from gen_art.output.check import check_preset
+from gen_art.preset.load import load_preset
+
+body = {"shape": {"box": [1, 1, 1]}, "points": 20}
+rigid = {"joints": {"glue": {"weld": ["one", "two"], "at": [0.5, 0, 0]}}}
+emitters = {"one": {"body": {**body, "position": [0, 0, 0]}}, "two": {"body": {**body, "position": [1, 0, 0]}}}
+system = {"interactions": {"rigid": rigid}, "integrator": "leapfrog", "emitters": emitters, "look": {"draw": "body"}}
+check_preset(load_preset({"version": 1, "clock": {"duration": 1, "fps": 10, "step": 0.01}, "systems": {"pair": system}}))
+assert runtime.threads() == 0
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

@@ -36,7 +36,7 @@ class JointSet:
     entries : by joint, the impulse of the world on the bodies, N s, and the motor's work, J, in the last solve
     """
 
-    def __init__(self, joints: list[Joint], world, name: str):
+    def __init__(self, joints: list[Joint], world):
         self.joints, self.world = joints, world
         bodies = len(world.members)
         self.pairs = {(j.first, j.second) for j in joints if j.second >= 0}
@@ -66,7 +66,6 @@ class JointSet:
         self._K, self._F, self._P = np.zeros((m, m)), np.zeros((m, m)), np.zeros(m, np.int32)
         self._Y, self._S = np.zeros((n + 1, max(m, 1))), np.zeros((n + 1, n + 1))
         self.forces = np.zeros(m)
-        self._check_start(name)
 
     # -- the rows
 
@@ -136,7 +135,8 @@ class JointSet:
         if len(x):
             solve(self._K, self._F, self._P, self._Y, self._S, r, low, high, x, self._held)
 
-    def _check_start(self, name: str) -> None:
+    def check_start(self, name: str) -> None:
+        """Raise UsageError for joints of system `name` that contradict each other, or do not fit, where the bodies are."""
         self._prepare()
         diagonal, needed = self._F.diagonal()[: self._held], self._K.diagonal()[: self._held]
         for k in range(self._held):

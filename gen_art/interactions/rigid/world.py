@@ -56,11 +56,13 @@ class World:
         self._update_derived()
         self.joints: JointSet | None = None
         if values["joints"]:
-            self.joints = JointSet(joints_of(values["joints"], members), self, system.name)
+            self.joints = JointSet(joints_of(values["joints"], members), self)
         self.contacts = ContactSet(self, colliders, values, dt)
         self.displacement: np.ndarray | None = None
         self.collider_impulses: dict[str, tuple[np.ndarray, float]] = {}
         if system.state.count:
+            if self.joints is not None:
+                self.joints.check_start(system.name)
             self.contacts.detect(0.0)
             self.contacts.refuse_overlaps(system.name)
             self._write_particles(system.state, True)
