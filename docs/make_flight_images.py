@@ -173,7 +173,7 @@ def write(name, light, alpha, quality=88):
 
 
 def jet():
-    """A trainer with swept wings, red above and white below, seen from its front, from the side and a little from below."""
+    """A trainer with swept wings, red above and blue below, in a steep turn, seen from inside the turn and from ahead."""
 
     def parts(p):
         q = p.copy()
@@ -206,9 +206,9 @@ def jet():
         albedo[(which == 6) | ((which == 0) & (p[:, 0] < -5.35))] = 0.05
         seams = (np.abs(p[:, 0] % 1.1 - 0.55) < 0.018) & (which == 0)
         albedo[seams] *= 0.6
-        return albedo, np.where(which == 1, 1.0, 0.7)
+        return albedo, np.where(which == 1, 1.0, 0.4)
 
-    solid("display_jet.webp", parts, paint, 6.4, view(28, -20, 3), (-0.35, 0.75, 0.55))
+    solid("display_jet.webp", parts, paint, 6.4, view(51, 23, -60), (0.30, 0.88, -0.37))
 
 
 def sailplane():
@@ -261,12 +261,16 @@ def canopies():
                 ]
             else:
                 out += [
-                    rod(p, f + (0.2 * side, 1.45, 0), f + (0.32 * side, 1.82, 0.05), 0.075),
-                    rod(p, f + (0.32 * side, 1.82, 0.05), f + (0.2 * side, 2.15, 0), 0.06),
+                    rod(p, f + (0.24 * side, 1.45, 0), f + (0.46 * side, 1.66, 0.1), 0.085, 0.065),
+                    rod(p, f + (0.46 * side, 1.66, 0.1), f + (0.24 * side, 2.02, 0.03), 0.062, 0.055),
                 ]
                 out += [
-                    rod(p, f + (0.1 * side, 0.9, 0), f + (0.13 * side, 0.45, 0.14), 0.105),
-                    rod(p, f + (0.13 * side, 0.45, 0.14), f + (0.13 * side, 0.02, 0.0), 0.08),
+                    rod(p, f + (0.12 * side, 0.9, 0), f + (0.19 * side, 0.5, 0.2), 0.125, 0.095),
+                    rod(p, f + (0.19 * side, 0.5, 0.2), f + (0.17 * side, 0.1, 0.02), 0.09, 0.07),
+                ]
+                out += [
+                    rod(p, f + (0.17 * side, 0.06, 0.0), f + (0.19 * side, 0.0, 0.2), 0.085, 0.075),  # a boot
+                    rod(p, f + (0.17 * side, 1.4, 0.0), f + (0.2 * side, 2.3, 0), 0.03),  # a strap of the harness
                 ]
         return out
 
@@ -275,7 +279,20 @@ def canopies():
             albedo = np.empty(p.shape, np.float32)
             albedo[:] = colour
             albedo[which == first] = (0.8, 0.8, 0.78)
+            albedo[(which == first) & (p[:, 2] > 0.07) & (np.abs(p[:, 1] - 1.65) < 0.06)] = (
+                0.03,
+                0.03,
+                0.04,
+            )  # goggles
             albedo[which == first + 2] = (0.05, 0.06, 0.08)
+            if first:  # the harness, boots and gloves
+                body, thigh = which == first + 1, (which == first + 5) | (which == first + 11)
+                albedo[body & (np.abs(np.abs(p[:, 0]) - 0.14) < 0.03)] = 0.03
+                albedo[body & (np.abs(p[:, 1] - 1.28) < 0.03)] = 0.03
+                albedo[thigh & (np.abs(p[:, 1] - 0.78) < 0.035)] = 0.03
+                for side in (0, 6):
+                    albedo[(which == first + 7 + side) | (which == first + 8 + side)] = 0.03
+                    albedo[(which == first + 4 + side) & (p[:, 1] > 1.95)] = 0.04
             return albedo, np.full(len(p), 0.25)
 
         return paint
@@ -320,7 +337,7 @@ def canopies():
                     cords.append(
                         rod(
                             p,
-                            (0.18 * np.sign(np.cos(b)), 2.0, 0),
+                            (0.2 * np.sign(np.cos(b)), 2.3, 0),
                             (wide * 1.0 * np.cos(b), low + 0.08, wide * 1.0 * np.sin(b)),
                             0.022,
                         )
@@ -678,38 +695,79 @@ def fields(name="fields.webp", size=1024):
 
 def hanging():
     """Three jumpers who hang by the ankles, each in a pose and colours of its own, seen from the side of the chest."""
-    for letter, shirt, trousers, helmet, arms in (
-        ("a", (0.88, 0.62, 0.04), (0.05, 0.09, 0.22), (0.75, 0.08, 0.05), ((-0.85, -1.2), (-0.85, -1.2))),
-        ("b", (0.75, 0.10, 0.08), (0.10, 0.10, 0.11), (0.85, 0.85, 0.82), ((-1.0, -1.45), (-0.55, -0.35))),
-        ("c", (0.06, 0.45, 0.55), (0.30, 0.26, 0.20), (0.90, 0.55, 0.05), ((-0.6, -0.55), (-0.6, -0.55))),
-    ):
-        jumper(f"jumper_{letter}.webp", shirt, trousers, helmet, arms)
+    for letter, shirt, trousers, shoes, hair, arms, knees in (
+        ("a", (0.85, 0.45, 0.03), (0.04, 0.07, 0.19), (0.70, 0.70, 0.68), (0.06, 0.035, 0.02),
+         (((0.44, -0.72, 0.02), (0.68, -0.86, 0.08)), ((0.44, -0.70, 0.02), (0.69, -0.80, 0.08))), (0.10, 0.10)),
+        ("b", (0.72, 0.07, 0.05), (0.07, 0.07, 0.08), (0.10, 0.30, 0.60), (0.30, 0.16, 0.05),
+         (((0.34, -0.86, 0.08), (0.40, -1.12, 0.16)), ((0.42, -0.60, 0.06), (0.66, -0.70, 0.14))), (0.13, 0.07)),
+        ("c", (0.04, 0.36, 0.46), (0.26, 0.21, 0.14), (0.55, 0.08, 0.06), (0.015, 0.012, 0.012),
+         (((0.27, -0.88, 0.06), (0.22, -1.16, 0.12)), ((0.28, -0.88, 0.06), (0.25, -1.15, 0.14))), (0.09, 0.12)),
+    ):  # fmt: skip
+        jumper(f"jumper_{letter}.webp", shirt, trousers, shoes, hair, arms, knees)
 
 
-def jumper(name, shirt, trousers, helmet, arms):
-    """arms : (height of the elbow, height of the hand) on the left and on the right, in metres below the ankles' side"""
+def jumper(name, shirt, trousers, shoes, hair, arms, knees):
+    """arms : the elbow and the hand on the left and on the right, m; the hips are at 0, the ankles 0.8 m higher, in the middle"""
+
+    def joined(a, b, k):
+        h = np.maximum(k - np.abs(a - b), 0) / k
+        return np.minimum(a, b) - h * h * k / 4
 
     def parts(p):
-        out = [ball(p, (0, -0.95, 0), (0.14, 0.17, 0.15)), box(p, (0, -0.42, 0), (0.2, 0.33, 0.14), 0.12)]
-        for side, (elbow, hand) in zip((-1, 1), arms, strict=True):
+        flat = p * np.float32([1, 1, 1.45])  # the trunk is wider than it is deep
+        trunk = rod(flat, (0, -0.1, 0), (0, -0.3, 0), 0.122, 0.152)
+        trunk = 0.7 * joined(trunk, rod(flat, (-0.1, -0.44, 0), (0.1, -0.44, 0), 0.125), 0.1)
+        head = joined(
+            ball(p, (0, -0.76, 0.02), (0.085, 0.12, 0.105)), rod(p, (0, -0.5, 0), (0, -0.7, 0.01), 0.055), 0.03
+        )
+        cap = np.maximum(
+            ball(p, (0, -0.785, -0.005), (0.105, 0.135, 0.12)), (p[:, 2] - 0.035) - 0.9 * (-0.76 - p[:, 1])
+        )
+        out = [trunk, head, cap, 0.7 * rod(flat, (-0.05, -0.03, 0), (0.05, -0.03, 0), 0.132)]
+        for side, (elbow, hand), knee in zip((-1, 1), arms, knees, strict=True):
+            ex, ey, ez = elbow
+            hx, hy, hz = hand
+            away = unit(np.float32(hand) - np.float32(elbow)) * np.float32([side, 1, 1])
+            end = np.float32([hx * side, hy, hz])
             out += [
-                rod(p, (0.2 * side, -0.64, 0), (0.5 * side, elbow, 0.05), 0.07),
-                rod(p, (0.5 * side, elbow, 0.05), (0.72 * side, hand, 0.15), 0.055),
-                rod(p, (0.1 * side, -0.1, 0), (0.11 * side, 0.38, 0.1), 0.1, 0.08),
-                rod(p, (0.11 * side, 0.38, 0.1), (0.05 * side, 0.85, 0), 0.075, 0.055),
+                joined(
+                    rod(p, (0.19 * side, -0.46, 0), (ex * side, ey, ez), 0.062, 0.045),
+                    ball(p, (0.18 * side, -0.45, 0), (0.075, 0.075, 0.075)),
+                    0.04,
+                ),
+                rod(p, (ex * side, ey, ez), end, 0.043, 0.03),
+                joined(
+                    ball(p, end + 0.04 * away, (0.035, 0.04, 0.03)),
+                    rod(p, end + 0.03 * away, end + 0.12 * away, 0.026, 0.015),
+                    0.03,
+                ),
+                rod(p, (0.085 * side, 0.02, 0), (knee * side, 0.42, 0.07), 0.096, 0.066),
+                joined(
+                    rod(p, (knee * side, 0.42, 0.07), (0.055 * side, 0.8, 0), 0.06, 0.042),
+                    ball(p, (0.08 * side, 0.56, 0.01), (0.055, 0.14, 0.06)),
+                    0.05,
+                ),
+                joined(
+                    rod(p, (0.055 * side, 0.86, -0.02), (0.06 * side, 0.9, 0.13), 0.05, 0.04),
+                    rod(p, (0.055 * side, 0.8, 0), (0.055 * side, 0.87, 0), 0.05),
+                    0.03,
+                ),
             ]
-        return [*out, rod(p, (0, 0.85, 0), (0, 1.45, 0), 0.06), rod(p, (-0.1, 0.78, 0), (0.1, 0.78, 0), 0.1)]
+        return [*out, rod(p, (0, 0.8, 0), (0, 0.95, 0), 0.03), rod(p, (-0.06, 0.76, 0), (0.06, 0.76, 0), 0.07)]
 
     def paint(p, which, normal):
         albedo = np.full(p.shape, 0.05, np.float32)
-        albedo[which == 0] = helmet
-        albedo[(which == 1) | (which == 2) | (which == 6)] = shirt
-        albedo[(which == 3) | (which == 7)] = (0.62, 0.40, 0.28)
-        albedo[(which == 4) | (which == 5) | (which == 8) | (which == 9)] = trousers
-        albedo[which >= 10] = (0.7, 0.2, 0.04)
-        return albedo, np.full(len(p), 0.25)
+        for colour, those in (
+            (shirt, (0, 4, 10)), ((0.62, 0.38, 0.26), (1, 5, 6, 11, 12)), (hair, (2,)), (trousers, (3, 7, 8, 13, 14)),
+            (shoes, (9, 15)), ((0.85, 0.72, 0.30), (16,)), ((0.05, 0.05, 0.06), (17,)),
+        ):  # fmt: skip
+            albedo[np.isin(which, those)] = colour
+        strap = (which == 0) & (np.abs(np.abs(p[:, 0]) - 0.09) < 0.022) & (p[:, 1] > -0.5)
+        belt = (which == 3) & (np.abs(p[:, 1] + 0.06) < 0.03)
+        albedo[strap | belt] = (0.03, 0.03, 0.035)
+        return albedo, np.where(np.isin(which, (2, 9, 15)), 0.4, 0.15).astype(np.float32)
 
-    solid(name, parts, paint, 1.5, view(25, -5), (-0.6, 0.8, 0.5), size=256)
+    solid(name, parts, paint, 2.05, view(25, -5), (-0.6, 0.8, 0.5), size=512, centre=(0, 0.85, 0))
 
 
 def sea(name="sea_light.webp", size=768):
@@ -755,18 +813,22 @@ def sea(name="sea_light.webp", size=768):
     Image.fromarray((sand * 255).astype(np.uint8)).save(FOLDER / "sea_floor.webp", quality=70, method=6)
 
 
-def waterline(name="waterline.webp", size=1024):
-    """Where a pane stands half in water: the water's edge, which is not straight, and the tint of all below it."""
+def waterline(name="waterline.webp", size=1024, deep=0.65):
+    """Where a pane stands half in water: the water's edge, which is not straight, and the tint below it.
+
+    deep : how far down the tint goes, in halves of the image
+    """
     v, u = (np.mgrid[0:size, 0:size] + 0.5) / size
     edge = np.zeros_like(u[0])
     for k, part in ((1.3, 6), (2.9, 3.5), (5.3, 2.2), (11, 1.0), (19, 0.5)):
         edge = edge + part * np.sin(2 * np.pi * k * u[0] + 2.4 * k)
     y = size / 2 - v * size - edge  # texels above the edge
     below = rise(-1.0, 1.0, -y)
-    tint = below * (0.30 + 0.50 * np.exp(np.minimum(y, 0) / 9) + 0.18 * np.exp(np.minimum(y, 0) / 60))
+    tint = below * (0.25 + 0.40 * np.exp(np.minimum(y, 0) / 9) + 0.14 * np.exp(np.minimum(y, 0) / 60))
     shine = np.exp(-(((y + 0.5) / 1.3) ** 2)) * (0.55 + 0.45 * np.sin(2 * np.pi * 3.7 * u + 1))
     dark = np.exp(-(((y + 4.5) / 3.0) ** 2)) * 0.5
-    light = np.float32((0.02, 0.36, 0.46)) * (1 - dark[..., None]) + shine[..., None] * np.float32((0.8, 0.95, 1.0))
+    tint = tint * rise(-1.0, 1.0, deep * size / 2 + size / 2 - v * size)
+    light = np.float32((0.12, 0.50, 0.62)) * (1 - dark[..., None]) + shine[..., None] * np.float32((0.8, 0.95, 1.0))
     write(name, light, np.clip(np.maximum(tint, 0.9 * shine), 0, 1), 90)
 
 

@@ -6,7 +6,7 @@ Each is small, repeats where it has to, and comes out the same every time (NumPy
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
 
 PRESETS = Path(__file__).resolve().parent.parent / "presets"
 
@@ -172,10 +172,45 @@ def cork(side=256):
 
 def ice(side=256):
     """Ice: white and a little blue, with bright cracks and clouds of air, which repeat."""
-    cracks = sum(w * np.exp(-np.abs(bumps((side, side), n, n, 60 + n)) / 0.06) for w, n in ((0.5, 5), (0.35, 9)))
-    cloud = 0.5 * bumps((side, side), 7, 7, 71) + 0.3 * bumps((side, side), 15, 15, 72)
-    tone = np.clip(0.34 + 0.14 * cloud + cracks, 0, 1)[..., None]
-    return np.array([0.42, 0.66, 0.78]) * (1 - tone) + np.array([0.93, 0.98, 1.0]) * tone
+    folds = (
+        0.8 * bumps((side, side), 6, 6, 65)
+        + 0.5 * bumps((side, side), 17, 17, 66)
+        + 0.3 * bumps((side, side), 40, 40, 67)
+    )
+    cracks = sum(w * np.exp(-np.abs(folds - at) / 0.05) for w, at in ((0.35, -0.5), (0.25, 0.7)))
+    cloud = (
+        0.5 * bumps((side, side), 5, 5, 71)
+        + 0.35 * bumps((side, side), 13, 13, 72)
+        + 0.3 * bumps((side, side), 45, 45, 73)
+    )
+    tone = np.clip(0.55 + 0.28 * cloud + cracks, 0, 1)[..., None]
+    return np.array([0.62, 0.78, 0.86]) * (1 - tone) + np.array([0.97, 0.99, 1.0]) * tone
+
+
+def brushed_steel(columns=512, rows=256):
+    """Brushed steel: fine bright and dark lines along x, a few scratches, which repeat."""
+    lines = bumps((rows, columns), rows, 4, 81) + 0.4 * bumps((rows, columns), rows // 3, 3, 82)
+    scratch = np.clip(bumps((rows, columns), rows, 18, 84) - 2.4, 0, 1)
+    tone = np.clip(0.88 + 0.05 * lines + 0.2 * scratch, 0, 1)
+    return np.array([0.97, 0.99, 1.0]) * tone[..., None]
+
+
+def toy_block(side=192, border=0.14):
+    """One side of a toy block: a frame of pale wood around a red panel with a letter m, for its mass."""
+    font = ImageFont.truetype(str(PRESETS.parent / "gen_art/fonts/DejaVuSansCondensed-subset.ttf"), int(0.62 * side))
+    letter = Image.new("L", (side, side))
+    ImageDraw.Draw(letter).text((side / 2, 0.69 * side), "m", 255, font, anchor="ms")
+    letter = np.asarray(letter, float) / 255
+    y, x = (np.mgrid[0:side, 0:side] + 0.5) / side
+    inside = np.minimum(np.minimum(x, 1 - x), np.minimum(y, 1 - y)) - border
+    worn = 0.006 * bumps((side, side), 24, 24, 91)
+    panel = np.clip((inside + worn) * side / 2, 0, 1)
+    groove = 1 - 0.45 * np.exp(-((inside / 0.012) ** 2))
+    fibre = bumps((side, side), side // 2, 3, 92) + 0.7 * bumps((side, side), side // 6, 2, 93)
+    wood = np.array([0.86, 0.68, 0.44]) * (1 + 0.055 * fibre)[..., None]
+    red = np.array([0.74, 0.13, 0.08]) * (1 + 0.05 * fibre)[..., None]
+    paint = np.clip(panel - letter, 0, 1)[..., None]
+    return (wood * (1 - paint) + red * paint) * groove[..., None]
 
 
 def bubble(side=96):
@@ -241,5 +276,7 @@ if __name__ == "__main__":
     save(gingham(), "course/gingham.webp", quality=70)
     save(cork(), "course/cork.webp", quality=75)
     save(ice(), "course/ice.webp", quality=75)
+    save(brushed_steel(), "course/brushed_steel.webp", quality=70)
+    save(toy_block(), "course/toy_block.webp", quality=80)
     save(bubble(), "course/bubble.webp", quality=80)
     save(flag(), "course/flag.png", 120)

@@ -111,7 +111,7 @@ def test_the_flight_simulator_finds_the_phugoid_and_flies_a_file(capsys, monkeyp
     runpy.run_path(script, run_name="__main__")
     measured, theory = (float(x) for x in re.findall(r"(\d+\.\d+) s", capsys.readouterr().out))
     assert measured == pytest.approx(theory, rel=0.01)
-    monkeypatch.setattr(sys, "argv", [script, str(ROOT / "presets" / "course" / "display.csv")])
+    monkeypatch.setattr(sys, "argv", [script, str(EXAMPLES / "flight_inputs.csv")])
     runpy.run_path(script, run_name="__main__")
     assert len(capsys.readouterr().out.splitlines()) == 12
 

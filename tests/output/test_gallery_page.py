@@ -13,6 +13,7 @@ from gen_art.output.gallery.page import families, page
 from gen_art.output.stills import write_still
 from gen_art.output.video import film_writer
 from gen_art.preset.shipped import course_names, preset_names, presets_folder
+from tests.output.delta_e import lab
 
 NAMES = [name for family in families() for name in family.pieces]
 SHIPPED = presets_folder().parent / "gallery"
@@ -39,6 +40,31 @@ def test_the_committed_files_are_light():
     files = [path for path in SHIPPED.rglob("*") if path.is_file()]
     assert sum(path.stat().st_size for path in files) < 25e6
     assert not [path for path in files if path.stat().st_size > {".webp": 600e3, ".mp4": 1e6}.get(path.suffix, 1e6)]
+
+
+def colours(still) -> np.ndarray:
+    """How much of a picture is of each colour: a histogram in CIELAB, 12 by 12 by 12 apart, smoothed; black says nothing."""
+    with Image.open(still) as image:
+        small = np.asarray(image.convert("RGB").resize((160, 90), Image.Resampling.BOX)) / 255
+    colour = lab(small).reshape(-1, 3)
+    edges = [np.linspace(0, 100, 9), *[np.linspace(-100, 100, 17)] * 2]
+    amounts, _ = np.histogramdd(colour[colour[:, 0] > 15], bins=edges)
+    for axis in range(3):
+        amounts = amounts / 2 + (np.roll(amounts, 1, axis) + np.roll(amounts, -1, axis)) / 4
+    return amounts / amounts.sum()
+
+
+def test_no_two_neighbours_share_a_palette():
+    """At most 6 tenths of two neighbours are of the same colours; of pieces that look alike it is 9 tenths."""
+    stills = {name: colours(SHIPPED / f"{name}.webp") for name in NAMES}
+    alike = [
+        (a, b)
+        for family in families()
+        for a, b in zip(family.pieces, family.pieces[1:])
+        if np.minimum(stills[a], stills[b]).sum() > 0.6
+    ]
+    assert not alike
+    assert np.minimum(stills["course/chain"], stills["course/crossed_fields"]).sum() > 0.6  # two pieces on paper
 
 
 def test_only_pieces_with_a_still_and_a_loop_are_shown(tmp_path):
