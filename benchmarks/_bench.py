@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))  # the checkout, whether or not it is installed
 
-_PACKAGES = ("taichi", "numpy", "numba", "datashader")
+_PACKAGES = ("taichi", "numpy", "numba", "pytreegrav", "datashader")
 
 
 class Bench:

@@ -104,4 +104,16 @@ for n in tree_sizes:
         bench.require("tree, times as fast as pytreegrav", taken["pytreegrav"] / taken["gen_art"], at_least=10)
         bench.require("tree, rms error over pytreegrav's", own["rms"] / result["pytreegrav"]["rms"], at_most=1)
 bench.table(rows)
+
+n = tree_sizes[0]
+x, m = plummer(n)
+of = np.random.default_rng(1).choice(n, min(n, 1000), replace=False)
+right = exact(x, m, of)
+rows = [(f"theta, {n:,}", "bodies/s", "rms error", "median", "99%", "largest")]
+for theta in (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0):
+    e = errors(sum_by_tree(x, None, m, SOFTENING, theta, "f32")[:, of], right)
+    seconds = alternate(min(rounds, 3), tree=lambda t=theta: sum_by_tree(x, None, m, SOFTENING, t, "f32"))["tree"]
+    bench.figures.setdefault("theta", {})[theta] = {**e, "seconds": seconds}
+    rows.append((theta, f"{n / seconds / 1e6:.2f} M", *(f"{v:.1e}" for v in e.values())))
+bench.table(rows)
 bench.finish()
