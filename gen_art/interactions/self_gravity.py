@@ -16,7 +16,7 @@ class SelfGravity(DirectSum):
     G : constant of gravitation in the preset's units, 6.6743e-11 m^3/kg/s^2 when left out
     softening : m, >= 0
     method : "direct", all pairs; "tree", distant cells as a whole: forces to about 3 parts in a thousand, momentum to round-off;
-        "auto", the tree beyond 30,000 particles
+        "auto", the tree beyond 20,000 particles
     theta : of the tree, 0.05 to 1: largest size of two cells, seen from each other, that act as a whole; smaller is more exact
     order : 3, of the tree's expansions
     sources : the name of another system, whose field then acts without reaction (recorded in the ledger)
