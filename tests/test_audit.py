@@ -106,7 +106,8 @@ def test_thinning_scales_rates_counts_and_what_events_feed():
     few, changes = thinned(full, 9.0, 200)
     from gen_art.preset.estimate import estimate
 
-    assert max(estimate(few, "f64", 9.0).peak.values()) < 300
+    peak = estimate(few, "f64", 9.0).peak
+    assert max(n for name, n in peak.items() if name != "jetty") < 300  # the points of rigid bodies stay
     path = "systems.stars.emitters.peony.count"
     assert changes[path][0] == 340 and changes[path][1] % 2 == 0  # balanced pairs stay pairs
     assert few.seed == full.seed and few.name == full.name
