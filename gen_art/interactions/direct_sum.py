@@ -17,7 +17,7 @@ from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.interactions.base import ForceRequest, Interaction
-from gen_art.interactions.pair_sums import LANES, field_kernel, potential_kernel
+from gen_art.interactions.pair_sums import CHUNK, LANES, field_kernel, potential_kernel
 from gen_art.maths.elementary import log, power
 from gen_art.particles.rows import MASS, POSITION
 
@@ -25,7 +25,6 @@ __all__ = ["DirectSum"]
 
 _BLOCK = 256  # targets per task
 _TREE_PAIRS = 20_000**2  # `auto` uses the tree for more pairs
-_CHUNK = 256  # sources in a partial sum: keeps float32 sums over many thousands accurate
 
 
 class DirectSum(Interaction):
@@ -96,7 +95,7 @@ class DirectSum(Interaction):
         from gen_art.interactions.tree_sum import sum_by_tree
 
         softening, theta = self.values["softening"], self.values["theta"]
-        return sum_by_tree(np.ascontiguousarray(targets), sources, amounts, softening, theta, precision, valued)
+        return sum_by_tree(targets, sources, amounts, softening, theta, precision, valued)
 
     def _to_accelerations(self, request: ForceRequest, out: np.ndarray) -> None:
         """Multiply the field in `out` by charge over mass, where it does not act on mass."""
@@ -161,9 +160,9 @@ def _acceleration_kernel(precision: str):
                     A, B, C = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
                     for k in range(LANES):
                         X[k], Y[k], Z[k] = T[0, i + k], T[1, i + k], T[2, i + k]
-                    for c in range((m + _CHUNK - 1) // _CHUNK):
+                    for c in range((m + CHUNK - 1) // CHUNK):
                         P, Q, R = ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES), ti.Vector([0.0] * LANES)
-                        for j in range(c * _CHUNK, ti.min((c + 1) * _CHUNK, m)):
+                        for j in range(c * CHUNK, ti.min((c + 1) * CHUNK, m)):
                             xj, yj, zj, mj = M[0, j], M[1, j], M[2, j], M[3, j]
                             for k in range(LANES):
                                 dx, dy, dz = xj - X[k], yj - Y[k], zj - Z[k]
@@ -206,9 +205,9 @@ def _potential_kernel(logarithm: bool, precision: str):
                 i = b * _BLOCK + s * LANES
                 if i < n:
                     A = ti.Vector([0.0] * LANES)
-                    for c in range((m + _CHUNK - 1) // _CHUNK):
+                    for c in range((m + CHUNK - 1) // CHUNK):
                         P = ti.Vector([0.0] * LANES)
-                        for j in range(c * _CHUNK, ti.min((c + 1) * _CHUNK, m)):
+                        for j in range(c * CHUNK, ti.min((c + 1) * CHUNK, m)):
                             xj, yj, zj, mj = M[0, j], M[1, j], M[2, j], M[3, j]
                             for k in range(LANES):
                                 dx, dy, dz = xj - T[0, i + k], yj - T[1, i + k], zj - T[2, i + k]

@@ -79,7 +79,8 @@ def _typical_level(keys: np.ndarray) -> int:
     together = keys[:-LEAF] ^ keys[LEAF:]  # 0 in the bits of the levels down to which LEAF particles share a cell
     if not len(together):
         return 0
-    return int(_LEVELS - np.median(np.ceil(np.log2(together[:: max(1, len(together) // 4096)] + 1.0) / 3)))
+    _, bits = np.frexp(together[:: max(1, len(together) // 4096)].astype(np.float64))
+    return int(_LEVELS - np.median((bits + 2) // 3))
 
 
 def _morton(positions: np.ndarray) -> np.ndarray:

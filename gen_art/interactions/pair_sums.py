@@ -12,7 +12,7 @@ from functools import cache
 from gen_art.backend import runtime
 from gen_art.backend.runtime import real, ti
 
-__all__ = ["LANES", "field_kernel", "half_powers", "load", "potential_kernel", "spread"]
+__all__ = ["CHUNK", "LANES", "field_kernel", "half_powers", "load", "potential_kernel", "spread"]
 
 LANES = 16
 CHUNK = 256  # sources in a partial sum: keeps float32 sums over many thousands accurate
@@ -70,26 +70,26 @@ def field_kernel(n: int, precision: str):
     def field(T: matrix, M: matrix, out: matrix, count: ti.i32, q: vector):
         m, tiles = M.shape[1], (count + LANES - 1) // LANES
         ti.loop_config(block_dim=1)
-        for b in range((tiles + _TASK - 1) // _TASK):
+        for task in range((tiles + _TASK - 1) // _TASK):
             for t in range(_TASK // 2):
                 # two vectors of targets, X, Y, Z and U, V, W, share the loads of sources; the last one alone counts twice
-                i = (b * _TASK + 2 * t) * LANES
+                i = (task * _TASK + 2 * t) * LANES
                 if i < count:
-                    j2 = ti.min(i + LANES, (tiles - 1) * LANES)
+                    second = ti.min(i + LANES, (tiles - 1) * LANES)
                     e2 = spread(q[1])
                     X, Y, Z = load(T, 0, i), load(T, 1, i), load(T, 2, i)
-                    U, V, W = load(T, 0, j2), load(T, 1, j2), load(T, 2, j2)
+                    U, V, W = load(T, 0, second), load(T, 1, second), load(T, 2, second)
                     A, B, C = spread(0.0), spread(0.0), spread(0.0)
                     D, E, F = spread(0.0), spread(0.0), spread(0.0)
                     for chunk in range((m + CHUNK - 1) // CHUNK):
-                        a, b1, c = spread(0.0), spread(0.0), spread(0.0)
+                        a, b, c = spread(0.0), spread(0.0), spread(0.0)
                         d, e, f = spread(0.0), spread(0.0), spread(0.0)
                         for j in range(chunk * CHUNK, ti.min((chunk + 1) * CHUNK, m)):
                             x, y, z, amount = spread(M[0, j]), spread(M[1, j]), spread(M[2, j]), spread(M[3, j])
                             dx, dy, dz = x - X, y - Y, z - Z
                             w = weight(amount, dx * dx + dy * dy + dz * dz + e2)
                             a += w * dx
-                            b1 += w * dy
+                            b += w * dy
                             c += w * dz
                             du, dv, dw = x - U, y - V, z - W
                             v = weight(amount, du * du + dv * dv + dw * dw + e2)
@@ -97,13 +97,13 @@ def field_kernel(n: int, precision: str):
                             e += v * dv
                             f += v * dw
                         A += a
-                        B += b1
+                        B += b
                         C += c
                         D += d
                         E += e
                         F += f
                     k = spread(q[0])
-                    for at, sums in ti.static(((i, (A, B, C)), (j2, (D, E, F)))):
+                    for at, sums in ti.static(((i, (A, B, C)), (second, (D, E, F)))):
                         for row in ti.static(range(3)):
                             result = k * sums[row]
                             for lane in ti.static(range(LANES)):
@@ -123,8 +123,8 @@ def potential_kernel(n: int, precision: str):
     def potential(T: matrix, M: matrix, out: vector, count: ti.i32, q: vector):
         m, tiles = M.shape[1], (count + LANES - 1) // LANES
         ti.loop_config(block_dim=1)
-        for b in range((tiles + _TASK - 1) // _TASK):
-            for t in range(b * _TASK, ti.min((b + 1) * _TASK, tiles)):
+        for task in range((tiles + _TASK - 1) // _TASK):
+            for t in range(task * _TASK, ti.min((task + 1) * _TASK, tiles)):
                 i, e2 = t * LANES, spread(q[1])
                 X, Y, Z, A = load(T, 0, i), load(T, 1, i), load(T, 2, i), spread(0.0)
                 for chunk in range((m + CHUNK - 1) // CHUNK):

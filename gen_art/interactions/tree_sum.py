@@ -31,6 +31,7 @@ class _Cells:
     """
 
     def __init__(self, positions: np.ndarray, amounts: np.ndarray | None, precision: str):
+        positions = np.ascontiguousarray(positions)
         self.tree: Octree = build_octree(positions)
         n = len(self.tree.order)
         self.sorted = np.zeros((4, n + LANES), positions.dtype)

@@ -164,6 +164,22 @@ def test_a_field_of_others_and_of_massless_targets():
     assert rms <= 3e-3 and worst <= 1.5e-2
 
 
+def test_another_system_attracts_by_the_tree_as_by_all_pairs():
+    """Numbers that are no multiples of a vector: the positions are then parts of longer rows."""
+    r = np.random.default_rng(10)
+    x, y = r.normal(size=(1003, 3)), r.normal(size=(1501, 3)) + 3
+
+    def velocity(method):
+        attraction = I.SelfGravity(G=1.0, softening=0.1, method=method, sources="far")
+        near = ga.ParticleSystem(position=x, mass=1.0, interactions=[attraction])
+        sim = ga.Simulation({"near": near, "far": ga.ParticleSystem(position=y, mass=2.0)}, dt=1e-3, precision="f64")
+        sim.step(1)
+        return sim["near"].velocity
+
+    direct, tree = velocity("direct"), velocity("tree")
+    assert np.sqrt(((direct - tree) ** 2).sum() / (direct**2).sum()) <= 3e-3
+
+
 def test_energy_of_a_steady_sphere():
     n = 4000
     x = plummer(n, 5).T
