@@ -100,12 +100,12 @@ def bounce(material, w, n, into_surface, h):
 
 
 @ti.func
-def resting_velocity(surface: ti.template(), colliders: ti.template(), Q: ti.template(), resting_on, x, v, time):
+def resting_velocity(surface: ti.template(), kinds: ti.template(), Q: ti.template(), resting_on, x, v, time):
     """The velocity v without its components into the surfaces of the mask `resting_on`, at the position x."""
     for sweep in range(_SWEEPS):
-        for s in range(count(colliders)):
+        for s in range(count(kinds)):
             if (resting_on >> s) & 1 == 1:
-                _, U = surface_properties(colliders, Q, s, x, time)
+                _, U = surface_properties(kinds, Q, s, x, time)
                 hit = surface(Q, s, x, time, 1)
                 n = ti.Vector([hit[0], hit[1], hit[2]])
                 v -= n * ti.min((v - U).dot(n), 0.0)
@@ -113,7 +113,7 @@ def resting_velocity(surface: ti.template(), colliders: ti.template(), Q: ti.tem
 
 
 @ti.func
-def support(surface: ti.template(), colliders: ti.template(), Q: ti.template(), resting_on, x, free, now, left, radius):
+def support(surface: ti.template(), kinds: ti.template(), Q: ti.template(), resting_on, x, free, now, left, radius):
     """The displacement (3,), m, by which the surfaces of the mask keep a particle from its free position `free`.
 
     Returns it with the kinetic and the static friction coefficient, each times its length, m.
@@ -121,9 +121,9 @@ def support(surface: ti.template(), colliders: ti.template(), Q: ti.template(), 
     shift = free * 0.0
     kinetic, static = left * 0.0, left * 0.0
     for sweep in range(_SWEEPS):
-        for s in range(count(colliders)):
+        for s in range(count(kinds)):
             if (resting_on >> s) & 1 == 1:
-                material, _ = surface_properties(colliders, Q, s, x, now)
+                material, _ = surface_properties(kinds, Q, s, x, now)
                 hit = surface(Q, s, x, now, 1)
                 n = ti.Vector([hit[0], hit[1], hit[2]])
                 d = ti.max(radius - surface(Q, s, free + shift, now + left, 0)[3], 0.0)

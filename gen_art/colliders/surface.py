@@ -1,10 +1,11 @@
 """All surfaces of one system as a single function of position and time, and how they move.
 
-`colliders` are the CollisionTerms of a system; a surface is one side of a collider, numbered through all of them.
+`kinds` are the ColliderKinds of a system; a surface is one side of a collider, numbered through all of them.
 """
 
-from gen_art.backend.kernel_views import parameters, traced
+from gen_art.backend.kernel_views import traced
 from gen_art.backend.runtime import STOCK_TAICHI, ti
+from gen_art.colliders.kinds import numbers_of
 from gen_art.maths.elementary import cos, sin
 
 __all__ = [
@@ -13,6 +14,7 @@ __all__ = [
     "nearest_distance",
     "surface_properties",
     "count",
+    "is_of_kind",
     "make_surface",
     "collider_of",
     "rotated_about",
@@ -25,18 +27,24 @@ _RESTITUTION, _VELOCITY, _ANGULAR_VELOCITY, _PIVOT, _PROPERTIES = 0, 3, 6, 9, 12
 
 
 @traced
-def count(colliders) -> int:
+def count(kinds) -> int:
     """The number of surfaces."""
-    return sum(entry.collider.sides for entry in colliders)
+    return sum(kind.count * kind.collider.sides for kind in kinds)
 
 
 @ti.func
-def collider_of(colliders: ti.template(), s):
+def is_of_kind(kind: ti.template(), s):
+    """Whether surface s belongs to a collider of the kind."""
+    return kind.first_surface <= s and s < kind.first_surface + kind.count * kind.collider.sides
+
+
+@ti.func
+def collider_of(kinds: ti.template(), s):
     """The index of the collider that surface s belongs to."""
     which = 0
-    for c, entry in ti.static(enumerate(colliders)):
-        if s >= entry.first_surface:
-            which = c
+    for kind in ti.static(kinds):
+        if is_of_kind(kind, s):
+            which = kind.first + (s - kind.first_surface) // kind.collider.sides
     return which
 
 
@@ -61,23 +69,25 @@ def to_start_frame(collider: ti.template(), q: ti.template(), x, t):
 
 
 @ti.func
-def distance_and_normal(colliders: ti.template(), Q: ti.template(), s, x, t, with_normal):
+def distance_and_normal(kinds: ti.template(), Q: ti.template(), s, x, t, with_normal):
     """(normal, distance) of surface s at the position x, m, and time t, s; the normal is valid only if with_normal is 1."""
     result = ti.Vector([x[0], x[1], x[2], t])
-    for entry in ti.static(colliders):
-        if entry.first_surface <= s and s < entry.first_surface + entry.collider.sides:
-            q = parameters(Q, entry.collider, entry.offset)
-            y, axis, angle = to_start_frame(entry.collider, q, x, t)
-            result[3] = entry.collider.distance(y, q, s - entry.first_surface)
+    for kind in ti.static(kinds):
+        if is_of_kind(kind, s):
+            which = (s - kind.first_surface) // kind.collider.sides
+            side = s - kind.first_surface - which * kind.collider.sides
+            q = numbers_of(Q, kind, which)
+            y, axis, angle = to_start_frame(kind.collider, q, x, t)
+            result[3] = kind.collider.distance(y, q, side)
             if with_normal == 1:
-                n = entry.collider.gradient(y, q, s - entry.first_surface)
-                if ti.static(entry.collider.rotates):
+                n = kind.collider.gradient(y, q, side)
+                if ti.static(kind.collider.rotates):
                     n = rotated_about(n, axis, angle)
                 result[0], result[1], result[2] = n[0], n[1], n[2]
     return result
 
 
-def make_surface(colliders, real):
+def make_surface(kinds, real):
     """surface(Q, s, x, t, with_normal): (normal, distance) of surface s at the position x, m, and time t, s.
 
     The distance is that of x from the surface, m; the normal is valid only if with_normal is 1.
@@ -90,14 +100,14 @@ def make_surface(colliders, real):
 
         @ti.func
         def inlined(Q: ti.template(), s, x, t, with_normal):
-            return distance_and_normal(colliders, Q, s, x, t, with_normal)
+            return distance_and_normal(kinds, Q, s, x, t, with_normal)
 
         return inlined
     vector, numbers = ti.types.vector(3, real), ti.types.ndarray(real, 1)
 
     @ti.real_func
     def surface(Q: numbers, s: ti.i32, x: vector, t: real, with_normal: ti.i32) -> ti.types.vector(4, real):
-        return distance_and_normal(colliders, Q, s, x, t, with_normal)
+        return distance_and_normal(kinds, Q, s, x, t, with_normal)
 
     return surface
 
@@ -119,13 +129,23 @@ def rotation_speed(collider: ti.template(), q: ti.template(), x, t):
 
 
 @traced
-def _first_property(entry) -> int:
-    return entry.offset + sum(size for _, _, size in entry.collider.layout()) - _PROPERTIES
+def _properties_offset(kind) -> int:
+    return kind.offset + sum(size for _, _, size in kind.collider.layout()) - _PROPERTIES
+
+
+@ti.func
+def _first_property(kinds: ti.template(), s):
+    """Where in Q the properties of the collider of surface s begin."""
+    k = 0
+    for kind in ti.static(kinds):
+        if is_of_kind(kind, s):
+            k = _properties_offset(kind) + (s - kind.first_surface) // kind.collider.sides * kind.stride
+    return k
 
 
 @traced
-def _any_rotates(colliders) -> bool:
-    return any(entry.collider.rotates for entry in colliders)
+def _any_rotates(kinds) -> bool:
+    return any(kind.collider.rotates for kind in kinds)
 
 
 @ti.func
@@ -134,29 +154,23 @@ def _vector(Q: ti.template(), k):
 
 
 @ti.func
-def surface_properties(colliders: ti.template(), Q: ti.template(), s, x, t):
+def surface_properties(kinds: ti.template(), Q: ti.template(), s, x, t):
     """((restitution, kinetic, static friction), velocity at the position x and time t) of surface s."""
-    k = 0
-    for entry in ti.static(colliders):
-        if s >= entry.first_surface:
-            k = _first_property(entry)
+    k = _first_property(kinds, s)
     U = _vector(Q, k + _VELOCITY)
-    if ti.static(_any_rotates(colliders)):
+    if ti.static(_any_rotates(kinds)):
         rate, pivot = _vector(Q, k + _ANGULAR_VELOCITY), _vector(Q, k + _PIVOT)
         U += rate.cross(x - pivot - U * t)
     return _vector(Q, k + _RESTITUTION), U
 
 
 @ti.func
-def carried_along(colliders: ti.template(), Q: ti.template(), s, x, t, h):
+def carried_along(kinds: ti.template(), Q: ti.template(), s, x, t, h):
     """Position and velocity after h, s, of a particle that is fixed to surface s at the position x at time t."""
-    _, U = surface_properties(colliders, Q, s, x, t)
+    _, U = surface_properties(kinds, Q, s, x, t)
     y = x + U * h
-    if ti.static(_any_rotates(colliders)):
-        k = 0
-        for entry in ti.static(colliders):
-            if s >= entry.first_surface:
-                k = _first_property(entry)
+    if ti.static(_any_rotates(kinds)):
+        k = _first_property(kinds, s)
         velocity = _vector(Q, k + _VELOCITY)
         spin, pivot = _vector(Q, k + _ANGULAR_VELOCITY), _vector(Q, k + _PIVOT)
         rate = spin.norm()

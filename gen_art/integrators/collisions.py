@@ -9,14 +9,16 @@ and friction acts on that displacement. The order is 2, whatever the scheme's is
 Source: Andersen (1983), J. Comput. Phys. 52, 24, for RATTLE; Coulomb's law of friction.
 """
 
-from gen_art.backend.kernel_views import parameters, traced
+from gen_art.backend.kernel_views import traced
 from gen_art.backend.runtime import is_f64, real, ti
 from gen_art.colliders.base import ACTIONS
 from gen_art.colliders.impact import bounce, resting_velocity, support, time_of_impact
+from gen_art.colliders.kinds import numbers_of
 from gen_art.colliders.surface import (
     carried_along,
     collider_of,
     count,
+    is_of_kind,
     nearest_distance,
     rotation_speed,
     surface_properties,
@@ -74,32 +76,32 @@ def resolve_collisions(
             drift = (x1 - x) / h - 0.5 * (v + v1)
             margin = x.norm() * ti.static(1e-14 if is_f64() else 1e-5) + radius * 1e-3
             near, rotation = 0, h * 0.0  # whether a surface may be touched, and the largest speed of rotating ones here
-            for entry in ti.static(terms.colliders):
-                q = parameters(Q, entry.collider, entry.offset)
-                fastest = (v + drift - q.velocity).norm() + a.norm() * h
-                speed = rotation_speed(entry.collider, q, x, L.t[j])
-                if ti.static(entry.collider.rotates):
-                    speed += fastest * h * q.angular_velocity.norm()
-                rotation = ti.max(rotation, speed)
-                if nearest_distance(entry.collider, q, x, L.t[j]) - radius <= (fastest + speed) * h + margin:
-                    near = 1
+            for kind in ti.static(terms.kinds):
+                for c in range(kind.count):
+                    q = numbers_of(Q, kind, c)
+                    fastest = (v + drift - q.velocity).norm() + a.norm() * h
+                    speed = rotation_speed(kind.collider, q, x, L.t[j])
+                    if ti.static(kind.collider.rotates):
+                        speed += fastest * h * q.angular_velocity.norm()
+                    rotation = ti.max(rotation, speed)
+                    if nearest_distance(kind.collider, q, x, L.t[j]) - radius <= (fastest + speed) * h + margin:
+                        near = 1
             correction = x * 0.0  # out of surfaces
             U = x * 0.0  # velocity of the surface touched last
             left, now = h * ti.cast(near, real()), L.t[j]
             resting_on, last, touched = 0, -1, 0
             work, dissipated = h * 0.0, h * 0.0
-            for c, entry in ti.static(enumerate(terms.colliders)):  # a particle that sticks moves with its surface
-                if ti.static(entry.collider.values["action"] == "stick"):
-                    q = parameters(Q, entry.collider, entry.offset)
-                    for side in range(entry.collider.sides):
-                        _, W = surface_properties(terms.colliders, Q, entry.first_surface + side, x, now)
+            for kind in ti.static(terms.kinds):  # a particle that sticks moves with its surface
+                if ti.static(kind.collider.values["action"] == "stick"):
+                    for k in range(kind.first_surface, kind.first_surface + kind.count * kind.collider.sides):
+                        _, W = surface_properties(terms.kinds, Q, k, x, now)
                         if left > 0.0 and (v - W).norm() <= ti.static(1e-12 if is_f64() else 1e-5) * W.norm():
-                            if ti.abs(terms.surface(Q, entry.first_surface + side, x, now, 0)[3] - radius) <= margin:
-                                last, U, left = c, W, 0.0
-                                x, v = carried_along(terms.colliders, Q, entry.first_surface + side, x, now, h)
+                            if ti.abs(terms.surface(Q, k, x, now, 0)[3] - radius) <= margin:
+                                last, U, left = collider_of(terms.kinds, k), W, 0.0
+                                x, v = carried_along(terms.kinds, Q, k, x, now, h)
                                 if ti.static(for_ledger):
                                     work += m * (v - v1).dot(U)
-                                    add_entry(B, b, i + j, entry.ledger_row, 0.0, 0.0, m * (v - v1))
+                                    add_entry(B, b, i + j, terms.collider_row + last, 0.0, 0.0, m * (v - v1))
             impacts = 0
             while left > 0.0 and impacts < MAX_IMPACTS:
                 impacts += 1
@@ -111,10 +113,10 @@ def resolve_collisions(
                     stop = 2.0 * left
                     if resting_on != 0:
                         displaced, kinetic, static = support(
-                            terms.surface, terms.colliders, Q, resting_on, x, free, now, left, radius
+                            terms.surface, terms.kinds, Q, resting_on, x, free, now, left, radius
                         )
                         w = v - U
-                        moved, _ = carried_along(terms.colliders, Q, touched, x, now, left)
+                        moved, _ = carried_along(terms.kinds, Q, touched, x, now, left)
                         slide = free + displaced - moved
                         slow = w.norm() <= ti.static(1e-9 if is_f64() else 1e-4) * a.norm() * h
                         if slow and static > 0.0 and slide.norm() <= static:
@@ -128,9 +130,9 @@ def resolve_collisions(
                             stop = -w.dot(along) / path.dot(along)
                     first, which = 2.0 * left, -1
                     if sticks == 0:
-                        for k in range(count(terms.colliders)):
+                        for k in range(count(terms.kinds)):
                             if (resting_on >> k) & 1 == 0:
-                                _, W = surface_properties(terms.colliders, Q, k, x, now)
+                                _, W = surface_properties(terms.kinds, Q, k, x, now)
                                 t = time_of_impact(
                                     terms.surface, Q, k, x, v + drift, W, rotation, path, now, left, radius
                                 )
@@ -143,7 +145,7 @@ def resolve_collisions(
                     span = left
                     if last >= 0 or which >= 0:  # else there is no contact, and the scheme's result is kept
                         if sticks == 1:
-                            x, v = carried_along(terms.colliders, Q, touched, x, now, t)
+                            x, v = carried_along(terms.kinds, Q, touched, x, now, t)
                         elif t == left and which < 0:
                             x = free + displaced + friction
                             v = free_velocity + (displaced + 2.0 * friction) / left
@@ -155,20 +157,19 @@ def resolve_collisions(
                             if which < 0 and t < left:
                                 v -= along * (v - U).dot(along)
                             if sticks == 0:
-                                v = resting_velocity(terms.surface, terms.colliders, Q, resting_on, x, v, now)
+                                v = resting_velocity(terms.surface, terms.kinds, Q, resting_on, x, v, now)
                             if ti.static(for_ledger):
                                 gained = m * (v - free_velocity)
                                 work += gained.dot(U)
                                 dissipated -= m * (2.0 / (span * span)) * friction.dot(x - before - U * t)
-                                for c, entry in ti.static(enumerate(terms.colliders)):
-                                    if last == c:
-                                        add_entry(B, b, i + j, entry.ledger_row, 0.0, 0.0, gained)
+                                if last >= 0:
+                                    add_entry(B, b, i + j, terms.collider_row + last, 0.0, 0.0, gained)
                         drift *= 0.0
                     left -= t
                     if which >= 0:
-                        material, W = surface_properties(terms.colliders, Q, which, x, now)
+                        material, W = surface_properties(terms.kinds, Q, which, x, now)
                         U = W
-                        last, touched = collider_of(terms.colliders, which), which
+                        last, touched = collider_of(terms.kinds, which), which
                         hit = terms.surface(Q, which, x, now, 1)
                         normal = ti.Vector([hit[0], hit[1], hit[2]])
                         depth = ti.max(radius - hit[3], 0.0)
@@ -177,11 +178,11 @@ def resolve_collisions(
                         old = v
                         final = x
                         action = _BOUNCE
-                        for c, entry in ti.static(enumerate(terms.colliders)):
-                            if last == c:
-                                action = action_number(entry.collider)
+                        for kind in ti.static(terms.kinds):
+                            if is_of_kind(kind, which):
+                                action = action_number(kind.collider)
                         if action == _STICK:
-                            final, v = carried_along(terms.colliders, Q, which, x, now, left)
+                            final, v = carried_along(terms.kinds, Q, which, x, now, left)
                         elif action != _KILL:
                             if action == _EMIT:
                                 # faster than a particle that lies on the surface gets in a step
@@ -202,9 +203,7 @@ def resolve_collisions(
                                 work -= m * left * a.dot(U)
                             if action == _KILL:
                                 used = a * -left
-                            for c, entry in ti.static(enumerate(terms.colliders)):
-                                if last == c:
-                                    add_entry(B, b, i + j, entry.ledger_row, 0.0, 0.0, m * used)
+                            add_entry(B, b, i + j, terms.collider_row + last, 0.0, 0.0, m * used)
                         a += response
                         if action == _STICK:
                             x = final
@@ -219,8 +218,7 @@ def resolve_collisions(
                     if ti.static(terms.collisions_balance_energy):
                         potential = (x - x1).dot(ti.Vector([C.c0[j], C.c1[j], C.c2[j]])) * (m / h)
                         extra = 0.5 * m * (v.dot(v) - v1.dot(v1)) + dissipated - work - potential
-                    for c, entry in ti.static(enumerate(terms.colliders)):
-                        if last == c:  # after MAX_IMPACTS the forces of the time left do not act
-                            add_entry(B, b, i + j, entry.ledger_row, work + extra, dissipated, a * (-m * left))
+                    # after MAX_IMPACTS the forces of the time left do not act
+                    add_entry(B, b, i + j, terms.collider_row + last, work + extra, dissipated, a * (-m * left))
                 X.x0[j], X.x1[j], X.x2[j] = x[0], x[1], x[2]
                 X.v0[j], X.v1[j], X.v2[j] = v[0], v[1], v[2]

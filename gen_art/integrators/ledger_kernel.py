@@ -74,7 +74,7 @@ def _add_kick_entries(
                 impulse = a * (m * h)
                 rest -= impulse
                 add_entry(B, b, i + j, terms.count + k, impulse.dot(mean), 0.0, impulse)
-                if ti.static(len(terms.colliders) > 0 and terms.mutual[k]):
+                if ti.static(len(terms.kinds) > 0 and terms.mutual[k]):
                     C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
             for term in ti.static(terms.accelerations):
                 age = L.age[j] + tau * L.h[j]
@@ -84,7 +84,7 @@ def _add_kick_entries(
                     impulse = a * (m * h)
                     rest -= impulse
                     add_entry(B, b, i + j, term.ledger_row, impulse.dot(mean), 0.0, impulse)
-                    if ti.static(len(terms.colliders) > 0 and term.force.conservative):
+                    if ti.static(len(terms.kinds) > 0 and term.force.conservative):
                         C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
             if ti.static(len(terms.noises) > 0 and kicked):
                 impulse = ti.Vector([L.n0[j], L.n1[j], L.n2[j]]) * m
@@ -196,7 +196,7 @@ def make_ledger_kernel(
                     L = tile(names)
                     load(X, S, i)
                     load(Y, S, i)
-                    if ti.static(len(terms.colliders) > 0):
+                    if ti.static(len(terms.kinds) > 0):
                         if stage0 <= 0:
                             for j in range(WIDTH):
                                 M[0, i + j], M[1, i + j], M[2, i + j] = 0.0, 0.0, 0.0
@@ -206,7 +206,7 @@ def make_ledger_kernel(
                     if ti.static(len(terms.mass_loss_terms) > 0):
                         compute_mass_loss(terms, L, X, S, K, Q, i)
                     if ti.static(splitting):
-                        if ti.static(len(terms.colliders) > 0):
+                        if ti.static(len(terms.kinds) > 0):
                             copy(G, X)
                             if ti.static(staged):
                                 if stage0 > 0 or (stage0 == 0 and P[FIRST_DRIFT] != 0.0):
@@ -231,18 +231,18 @@ def make_ledger_kernel(
                             if ti.static(len(terms.mass_loss_terms) > 0):
                                 add_exhaust_entries(terms, B, b, L, Y, S, K, Q, i, n, time, weight)
                             advance_stage(terms, L, X, Y, Z, S, i, weight, P[AHEAD + STAGE * g])
-                    if ti.static(len(terms.colliders) > 0):
+                    if ti.static(len(terms.kinds) > 0):
                         for j in range(WIDTH):
                             M[0, i + j], M[1, i + j], M[2, i + j] = C.c0[j], C.c1[j], C.c2[j]
-                    if ti.static(len(terms.colliders) > 0 or terms.boundary_row >= 0):
+                    if ti.static(len(terms.kinds) > 0 or terms.boundary_row >= 0):
                         if stage1 == (P.shape[0] - 1) // STAGE:
                             if ti.static(not splitting):
-                                if ti.static(len(terms.colliders) > 0):
+                                if ti.static(len(terms.kinds) > 0):
                                     copy(G, X)
                                 for j in range(WIDTH):
                                     X.x0[j], X.x1[j], X.x2[j] = X.x0[j] + Z.x0[j], X.x1[j] + Z.x1[j], X.x2[j] + Z.x2[j]
                                     X.v0[j], X.v1[j], X.v2[j] = X.v0[j] + Z.v0[j], X.v1[j] + Z.v1[j], X.v2[j] + Z.v2[j]
-                            if ti.static(len(terms.colliders) > 0):
+                            if ti.static(len(terms.kinds) > 0):
                                 resolve_collisions(terms, L, G, X, S, Q, i, n, B, b, C, True)
                             if ti.static(terms.boundary_row >= 0):
                                 _add_boundary_entries(terms, B, b, L, X, S, K, Q, i, n)

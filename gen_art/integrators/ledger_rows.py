@@ -31,20 +31,21 @@ def ledger_arrays(B, W, shares: tuple) -> LedgerArrays:
 
 
 @traced
-def _shares_of(E: LedgerArrays, row: int) -> tuple:
-    return E.shares[row] if row < len(E.shares) else ()
+def _shares_of(E: LedgerArrays) -> list[tuple]:
+    return [(row, *share) for row, shares in enumerate(E.shares) for share in shares]
 
 
 @ti.func
-def add_entry(E: ti.template(), b, slot, row: ti.template(), work, dissipated, impulse):
+def add_entry(E: ti.template(), b, slot, row, work, dissipated, impulse):
     """Add to a row of block b, and to the shares of the particle in a slot; no other lane writes to either."""
-    at = ti.static(row * LEDGER_COLUMNS)
+    at = row * LEDGER_COLUMNS
     E.B[b, at + WORK] = E.B[b, at + WORK] + ti.cast(work, ti.f64)
     E.B[b, at + DISSIPATED] = E.B[b, at + DISSIPATED] + ti.cast(dissipated, ti.f64)
     for c in ti.static(range(3)):
         E.B[b, at + _IMPULSE + c] = E.B[b, at + _IMPULSE + c] + ti.cast(impulse[c], ti.f64)
-    for entry, part, sign in ti.static(_shares_of(E, row)):
-        if ti.static(part == WORK):
-            E.W[entry, slot] = E.W[entry, slot] + ti.cast(work, ti.f64) * sign
-        if ti.static(part == DISSIPATED):
-            E.W[entry, slot] = E.W[entry, slot] + ti.cast(dissipated, ti.f64) * sign
+    for shared, entry, part, sign in ti.static(_shares_of(E)):
+        if row == shared:
+            if ti.static(part == WORK):
+                E.W[entry, slot] = E.W[entry, slot] + ti.cast(work, ti.f64) * sign
+            if ti.static(part == DISSIPATED):
+                E.W[entry, slot] = E.W[entry, slot] + ti.cast(dissipated, ti.f64) * sign

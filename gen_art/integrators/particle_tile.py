@@ -4,12 +4,11 @@ Each loop over lanes is innermost, reads global memory and writes only to local 
 (octaves) are run-time loops around it.
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 from gen_art.backend.kernel_views import parameters, particle, traced
 from gen_art.backend.runtime import impl, make_matrix, ti
-from gen_art.colliders.base import Collider
+from gen_art.colliders.kinds import collider_kinds
 from gen_art.colliders.surface import make_surface
 from gen_art.forces.base import is_steady, term_acceleration
 from gen_art.integrators.kernel_terms import KernelTerms
@@ -21,7 +20,7 @@ from gen_art.particles.periodic_box import wrapped
 from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, PX, PY, PZ, RADIUS, VX, VY, VZ
 
 __all__ = [
-    "STATE", "WIDTH", "CollisionTerm", "TileTerms", "accumulate", "copy", "flow_velocity", "kick", "lane_steps", "load",
+    "STATE", "WIDTH", "TileTerms", "accumulate", "copy", "flow_velocity", "kick", "lane_steps", "load",
     "place", "repeats", "specific_charge", "stage_view", "store", "tile", "view", "wrap",
 ]  # fmt: skip
 
@@ -49,22 +48,13 @@ def tile(names: str) -> Tile:
     return Tile(names)
 
 
-@dataclass(frozen=True, eq=False)
-class CollisionTerm:
-    """A collider in a composition: its offset in Q, the number of its first surface, and its row in the ledger."""
-
-    collider: Collider
-    offset: int
-    first_surface: int
-    ledger_row: int
-
-
 class TileTerms:
     """A composition as kernels use it.
 
     accelerations, magnetics, dampings, noises, mass_loss_terms, potentials : the Terms of each kind
     media : the Terms of each medium
-    colliders : CollisionTerms
+    kinds : the ColliderKinds
+    collider_row : the ledger's row of the first collider
     pairs : number of arrays of pair accelerations
     rows : the declared attributes' rows in S, by name
     surface : the function of distance and normal of surface.py, None without colliders
@@ -90,24 +80,21 @@ class TileTerms:
         self.rows = {name: FIRST_ATTRIBUTE + k for k, name in enumerate(channels)}
         self.pairs = pairs
         self.count = len(composition.terms)
-        self.colliders = []
-        surfaces = 0
-        for k, t in enumerate(composition.colliders):
-            self.colliders.append(CollisionTerm(t.force, t.offset, surfaces, self.count + pairs + k))
-            surfaces += t.force.sides
-        self.surface: Any = make_surface(self.colliders, real) if self.colliders else None
-        self.exhaust_row = self.count + pairs + len(self.colliders)
+        self.kinds = collider_kinds(composition.colliders)
+        self.surface: Any = make_surface(self.kinds, real) if self.kinds else None
+        self.collider_row = self.count + pairs
+        self.exhaust_row = self.collider_row + len(composition.colliders)
         self.box_offset = -1 if composition.box is None else composition.box_offset
         self.boundary_row = -1
         if composition.box is not None and self.potentials:
             self.boundary_row = self.exhaust_row + 2 * len(self.mass_loss_terms)
-        self.start_vectors = STATE if self.colliders else ""
-        self.collisions_balance_energy = any(c.collider.rotates for c in self.colliders) or any(
+        self.start_vectors = STATE if self.kinds else ""
+        self.collisions_balance_energy = any(kind.collider.rotates for kind in self.kinds) or any(
             t.force.does_work and not t.force.conservative for t in composition.terms
         )
         self.quadratic = any(t.force.quadratic_damping for t in self.dampings)
         steady = all(is_steady(t.force) for terms in (composition.terms, *self.media) for t in terms)
-        self.reusable = steady and not (self.magnetics or self.colliders or self.mass_loss_terms)
+        self.reusable = steady and not (self.magnetics or self.kinds or self.mass_loss_terms)
         self.magnetic_without_damping = bool(self.magnetics) and not self.dampings
         names = ["a0 a1 a2 g0 g1 g2 h age t"]
         names += [f"k{d} q{d}" for d in range(len(self.dampings))]

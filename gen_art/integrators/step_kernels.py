@@ -115,7 +115,7 @@ def _splitting(terms: TileTerms, staged: bool, real):
                         lane_steps(L, S, birth, i, (first + ti.cast(step, ti.f64)) * dt, dt, earliest, real)
                         if ti.static(len(terms.mass_loss_terms) > 0):
                             compute_mass_loss(terms, L, X, S, K, Q, i)
-                        if ti.static(len(terms.colliders) > 0):
+                        if ti.static(len(terms.kinds) > 0):
                             begin_step(staged, G, X, R, P, i, stage0)
                         if stage0 < 0:
                             drift(L, X, P[FIRST_DRIFT])
@@ -140,7 +140,7 @@ def _splitting(terms: TileTerms, staged: bool, real):
                                     P[TIME + STAGE * g],
                                 )
                             drift(L, X, P[DRIFT + STAGE * g])
-                        if ti.static(len(terms.colliders) > 0):
+                        if ti.static(len(terms.kinds) > 0):
                             if stage1 == (P.shape[0] - 1) // STAGE:
                                 resolve_collisions(terms, L, G, X, S, Q, i, n, 0, 0, 0, False)
                         if ti.static(len(terms.mass_loss_terms) > 0):
@@ -217,7 +217,7 @@ def _runge_kutta(terms: TileTerms, staged: bool, real):
                         if ti.static(staged):
                             save_stage(Y, Z, R, i)
                         if stage1 == (P.shape[0] - 1) // STAGE:
-                            if ti.static(len(terms.colliders) > 0):
+                            if ti.static(len(terms.kinds) > 0):
                                 copy(Y, X)
                             for j in range(WIDTH):
                                 X.x0[j] += Z.x0[j]
@@ -226,7 +226,7 @@ def _runge_kutta(terms: TileTerms, staged: bool, real):
                                 X.v0[j] += Z.v0[j]
                                 X.v1[j] += Z.v1[j]
                                 X.v2[j] += Z.v2[j]
-                            if ti.static(len(terms.colliders) > 0):
+                            if ti.static(len(terms.kinds) > 0):
                                 resolve_collisions(terms, L, Y, X, S, Q, i, n, 0, 0, 0, False)
                         if ti.static(len(terms.mass_loss_terms) > 0):
                             if stage1 == (P.shape[0] - 1) // STAGE:

@@ -49,11 +49,11 @@ def wall_kernels(composition: KernelTerms, spins: bool, precision: str):
                             out[row, i], out[row + 1, i], out[row + 2, i] = 0.0, 0.0, 0.0
                 x, v = ti.Vector([X[PX, i], X[PY, i], X[PZ, i]]), ti.Vector([X[VX, i], X[VY, i], X[VZ, i]])
                 r = S[RADIUS, i]
-                for s in range(count(terms.colliders)):
+                for s in range(count(terms.kinds)):
                     hit = terms.surface(Q, s, x, x[0] * 0.0, 1)
                     overlap = r - hit[3]
                     if overlap > 0.0:
-                        w = collider_of(terms.colliders, s)
+                        w = collider_of(terms.kinds, s)
                         normal = ti.Vector([hit[0], hit[1], hit[2]])
                         push = W[w, STIFFNESS] * overlap
                         row = ti.cast(W[w, ELASTIC_ROW], ti.i32)
@@ -93,10 +93,10 @@ def wall_kernels(composition: KernelTerms, spins: bool, precision: str):
             total = ti.f64(0.0)
             for i in range(b * BLOCK, ti.min((b + 1) * BLOCK, n)):
                 x = ti.Vector([S[PX, i], S[PY, i], S[PZ, i]])
-                for s in range(count(terms.colliders)):
+                for s in range(count(terms.kinds)):
                     overlap = S[RADIUS, i] - terms.surface(Q, s, x, x[0] * 0.0, 0)[3]
                     if overlap > 0.0:
-                        stiffness = S[MASS, i] * W[collider_of(terms.colliders, s), STIFFNESS]
+                        stiffness = S[MASS, i] * W[collider_of(terms.kinds, s), STIFFNESS]
                         total += ti.cast(0.5 * stiffness * overlap * overlap, ti.f64)
             out[b] = total
 

@@ -98,7 +98,7 @@ def _distance_kernel(composition: KernelTerms):
         ti.loop_config(block_dim=1)
         for block in range((n + 255) // 256):
             for i in range(block * 256, ti.min((block + 1) * 256, n)):
-                for s in range(count(terms.colliders)):
+                for s in range(count(terms.kinds)):
                     hit = terms.surface(Q, s, ti.Vector([X[i, 0], X[i, 1], X[i, 2]]), time, 1)
                     D[i, s] = hit[3]
                     for c in ti.static(range(3)):

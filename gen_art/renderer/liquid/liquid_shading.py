@@ -149,7 +149,7 @@ def draw_liquid_kernel(terms: ColliderTerms, coloured: bool, layered: bool):
 
     layered : whether the layers of surfaces/surface_layers.py are filled, too
     """
-    entries = terms.entries
+    kinds = terms.kinds
 
     @ti.kernel
     def draw(
@@ -228,14 +228,14 @@ def draw_liquid_kernel(terms: ColliderTerms, coloured: bool, layered: bool):
                             clear = N[SKY_CELL] + N[SKY_LIFT]
                             detail = ti.Vector([0.0, M[m, ROUGHNESS], 0.0])
                             own, of_lamp, mirrored, around, _ = surface_light(
-                                entries, 0, scene, m, x, n, -d, albedo, albedo * 0.0, emission, clear, pixel, detail,
+                                kinds, 0, scene, m, x, n, -d, albedo, albedo * 0.0, emission, clear, pixel, detail,
                                 -1, every_caster(),
                             )  # fmt: skip
                             air = air_between(scene, d, z)
                             light += (own + of_lamp + mirrored * around) * air[3] + ti.Vector([air[0], air[1], air[2]])
                             if ti.static(layered):
                                 moves = ti.Vector([flow[row, column, 0], flow[row, column, 1], flow[row, column, 2]])
-                                values = layers_of_place(entries, scene, P, x, n, albedo, moves, z, pixel)
+                                values = layers_of_place(kinds, scene, P, x, n, albedo, moves, z, pixel)
                                 part = cover[row, column] * visible
                                 for c in ti.static(range(3)):  # what is seen through it has its own albedo
                                     values[c] += through[c] * layers[row, column, c]

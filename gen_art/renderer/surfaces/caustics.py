@@ -54,7 +54,7 @@ _FOUR = 4.0  # the radiance of a white surface in the light of a lamp of brightn
 
 @cache
 def _photon_kernel(terms: ColliderTerms):
-    entries, surfaces = terms.entries, len(terms.owners)
+    kinds, surfaces = terms.kinds, len(terms.owners)
 
     @ti.kernel
     def send(
@@ -81,21 +81,21 @@ def _photon_kernel(terms: ColliderTerms):
                 from_lamp = to_lamp + (side * starts[k, 2] + up * starts[k, 3]) * N[LAMP_TANGENT]
                 d, pixel = -from_lamp.normalized(), 1e-3 * radius
                 spacing = radius * ti.sqrt(3.14159265 / ti.cast(of_each, ti.f32))
-                light = lamp_share(entries, scene, o, pixel, every_caster()) * spacing * spacing * _FOUR
+                light = lamp_share(kinds, scene, o, pixel, every_caster()) * spacing * spacing * _FOUR
                 colour = vector_at(N, LAMP_COLOUR) * light
                 inside, met, refractions, reached = -1, 0, 0, 0
                 while met < _SURFACES and colour.max() > 0.0:
                     met += 1
                     t, who = 0.0, inside
                     if inside >= 0:
-                        t = leaving_distance(entries, surfaces, scene, inside, o, d, pixel)
+                        t = leaving_distance(kinds, surfaces, scene, inside, o, d, pixel)
                     else:
-                        t, who = nearest_hit(entries, surfaces, scene, o, d, pixel)
+                        t, who = nearest_hit(kinds, surfaces, scene, o, d, pixel)
                     if who < 0:
                         met = _SURFACES
                     else:
                         n, x, m, albedo, _, _, _, _, _ = surface_point(
-                            entries, surfaces, scene, who, o + d * t, d, pixel
+                            kinds, surfaces, scene, who, o + d * t, d, pixel
                         )
                         if inside >= 0:
                             for c in ti.static(range(3)):

@@ -1,14 +1,13 @@
-"""Sets of colliders as the bits of an i64. Colliders beyond the first MOST_BITS are in every set.
+"""Sets of colliders as the bits of an i64: a scene has at most 31 surfaces.
 
 The one-letter names in kernels are in docs/glossary.md.
 """
 
 from gen_art.backend.runtime import ti
 
-__all__ = ["ALL_COLLIDERS", "MOST_BITS", "every_caster", "holds", "with_collider"]
+__all__ = ["ALL_COLLIDERS", "every_caster", "holds", "with_collider"]
 
 ALL_COLLIDERS = -1
-MOST_BITS = 63
 
 
 @ti.func
@@ -18,18 +17,12 @@ def every_caster():
 
 
 @ti.func
-def holds(colliders, k: ti.template()):
-    """Whether a set holds collider k, a number that is known when the kernel is compiled."""
-    result = True
-    if ti.static(k < MOST_BITS):
-        result = (colliders >> ti.cast(ti.static(k), ti.i64)) & ti.i64(1) == ti.i64(1)
-    return result
+def holds(colliders, k):
+    """Whether a set holds collider k."""
+    return (colliders >> ti.cast(k, ti.i64)) & ti.i64(1) == ti.i64(1)
 
 
 @ti.func
-def with_collider(colliders, k: ti.template()):
+def with_collider(colliders, k):
     """A set with collider k."""
-    result = colliders
-    if ti.static(k < MOST_BITS):
-        result |= ti.i64(1) << ti.cast(ti.static(k), ti.i64)
-    return result
+    return colliders | ti.i64(1) << ti.cast(k, ti.i64)

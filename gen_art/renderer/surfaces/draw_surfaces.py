@@ -59,9 +59,9 @@ def draw_kernel(
     shaded : whether their light is drawn; else their depths alone are found
     in_parts : whether the light goes into LightParts instead of the framebuffer
     """
-    entries, surfaces = terms.entries, len(terms.owners)
+    kinds, surfaces = terms.kinds, len(terms.owners)
     has_occluders = surfaces > 1
-    near_casters = tuple(entry for entry in entries if not isinstance(entry.collider, Plane))
+    near_casters = tuple(kind for kind in kinds if not isinstance(kind.collider, Plane))
 
     @ti.kernel
     def draw(
@@ -113,7 +113,7 @@ def draw_kernel(
             if width > 0 and rows > 0:
                 distance, owner, covering = ti.Vector([NEVER] * _RAYS), ti.Vector([-1] * _RAYS), -1
                 if ti.static(surfaces > 0):
-                    covering = trace_colliders(entries, surfaces, follows, scene, ox, oy, distance, owner)
+                    covering = trace_colliders(kinds, surfaces, follows, scene, ox, oy, distance, owner)
                 covering = trace_solids(
                     surfaces, scene, rectangles, bin_solids, bin_starts[bin], bin_starts[bin + 1], ox, oy, width, rows,
                     covering, distance, owner,
@@ -135,10 +135,10 @@ def draw_kernel(
                             depths[row, column, s] = NEVER
                 if ti.static(shaded):
                     if radius >= 0.0:
-                        casters = tile_casters(entries, scene, middle, radius, nearby)
+                        casters = tile_casters(kinds, scene, middle, radius, nearby)
                         if ti.static(not with_sheets and not glowing):
                             if covering >= 0 and width == TILE and rows == TILE:
-                                even = may_be_even(entries, surfaces, follows, scene, covering // FACETS, casters)
+                                even = may_be_even(kinds, surfaces, follows, scene, covering // FACETS, casters)
                 if even == 1:
                     first_pixel = -NODES
                 parts = ti.select(N[MIRROR] >= 0.0, LIGHT_PARTS, 6)
@@ -198,7 +198,7 @@ def draw_kernel(
                                         light = even_light(nodes, p, parts)
                                     else:
                                         light, normal, level, rough = light_along(
-                                            entries, surfaces, follows, scene, who // FACETS, t, column, row, o, d, depth,
+                                            kinds, surfaces, follows, scene, who // FACETS, t, column, row, o, d, depth,
                                             casters, nearby,
                                         )  # fmt: skip
                                     if q < 0:
@@ -225,7 +225,7 @@ def draw_kernel(
                                 if ti.static(layered):
                                     if q >= 0:
                                         layer_sums += share * layers_of_surface(
-                                            entries, surfaces, scene, moves, who // FACETS, o, d, t, depth
+                                            kinds, surfaces, scene, moves, who // FACETS, o, d, t, depth
                                         )
                         if whole == 1:
                             for s in range(1, SUBPIXELS):

@@ -43,7 +43,7 @@ def _place(k):
 
 @ti.func
 def may_be_even(
-    entries: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), owner, casters
+    kinds: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), owner, casters
 ):
     """1 if nothing but the angle of the view and the distance changes the light over a tile, as far as its lists say; else 0.
 
@@ -65,7 +65,7 @@ def may_be_even(
     if ti.static(follows):
         plain = plain and rough > TRACED_ROUGHNESS
     wide = ti.max(rough * rough, 0.5 * N[LAMP_TANGENT]) * N[SCALE] > _LOBE
-    hiding = without_itself(entries, casters[0], owner) | without_itself(entries, casters[1], owner)
+    hiding = without_itself(kinds, casters[0], owner) | without_itself(kinds, casters[1], owner)
     shadowed = hiding != ti.i64(0) or casters[2] != ti.i64(0)
     through = N[PHOTON_CELL] > 0.0 or N[LIQUID_CELL] > 0.0
     return ti.cast(plain and wide and not shadowed and not through, ti.i32)

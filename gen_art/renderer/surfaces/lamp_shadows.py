@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
+from gen_art.colliders.kinds import numbers_of
 from gen_art.maths.array_functions import cos, sin
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.collider_rays import cast_by, cone_contact, ray_in_start_frame, side_hit
@@ -181,33 +181,34 @@ def solid_shadow(hidden, B: ti.template(), i, x, to_lamp, side, up, tangent, hal
 
 @ti.func
 def collider_shadow(
-    entries: ti.template(), Q: ti.template(), x, to_lamp, side, up, tangent, half_pixel, time, far, D: ti.template(),
+    kinds: ti.template(), Q: ti.template(), x, to_lamp, side, up, tangent, half_pixel, time, far, D: ti.template(),
     points, casters
 ):  # fmt: skip
     """The set of the lamp's points that some colliders hide from x; casters : the set of these."""
     hidden = ti.i64(0)
-    for j, entry in ti.static(enumerate(entries)):
-        if ti.static(cast_by(entry)):
-            if hidden != ti.i64(_ALL) and holds(casters, j):
-                q = parameters(Q, entry.collider, entry.offset)
-                o, d = ray_in_start_frame(entry, q, x, to_lamp, time)
-                reaches, low = _reaches_cone(entry, q, o, d, tangent, half_pixel, far)
-                if reaches == 2:
-                    hidden = ti.i64(_ALL)
-                if reaches == 1:
-                    for k in range(points):
-                        across = side * D[k, 0] + up * D[k, 1]
-                        towards = (to_lamp + across * tangent).normalized()
-                        o_k, d_k = ray_in_start_frame(entry, q, x + across * half_pixel, towards, time)
-                        if side_hit(entry, q, 0, o_k, d_k, low, far, 1e-4 * half_pixel, 1e-6) < far:
-                            hidden |= ti.i64(1) << ti.cast(k, ti.i64)
+    for kind in ti.static(kinds):
+        if ti.static(cast_by(kind.collider)):
+            for j in range(kind.count):
+                if hidden != ti.i64(_ALL) and holds(casters, kind.first + j):
+                    q = numbers_of(Q, kind, j)
+                    o, d = ray_in_start_frame(kind.collider, q, x, to_lamp, time)
+                    reaches, low = _reaches_cone(kind.collider, q, o, d, tangent, half_pixel, far)
+                    if reaches == 2:
+                        hidden = ti.i64(_ALL)
+                    if reaches == 1:
+                        for k in range(points):
+                            across = side * D[k, 0] + up * D[k, 1]
+                            towards = (to_lamp + across * tangent).normalized()
+                            o_k, d_k = ray_in_start_frame(kind.collider, q, x + across * half_pixel, towards, time)
+                            if side_hit(kind.collider, q, 0, o_k, d_k, low, far, 1e-4 * half_pixel, 1e-6) < far:
+                                hidden |= ti.i64(1) << ti.cast(k, ti.i64)
     return hidden
 
 
 @ti.func
-def _reaches_cone(entry: ti.template(), q: ti.template(), o, d, tangent, half_pixel, far):
+def _reaches_cone(collider: ti.template(), q: ti.template(), o, d, tangent, half_pixel, far):
     """Whether a collider reaches into the cone of rays about a ray: (0 no, 1 in part, 2 it hides the lamp; from where on)."""
-    at_start, t = cone_contact(entry, q, o, d, half_pixel, tangent, far)
+    at_start, t = cone_contact(collider, q, o, d, half_pixel, tangent, far)
     state = ti.select(t < far, 1, 0)
     if at_start < 0.0:  # the ray starts inside
         state = 2
@@ -217,6 +218,6 @@ def _reaches_cone(entry: ti.template(), q: ti.template(), o, d, tangent, half_pi
         for _ in range(_DEPTHS):
             at = t + depth
             depth *= 3.0
-            if at < far and entry.collider.distance(o + d * at, q, 0) <= -(half_pixel + tangent * at):
+            if at < far and collider.distance(o + d * at, q, 0) <= -(half_pixel + tangent * at):
                 state = 2
     return state, t * 0.99

@@ -54,7 +54,7 @@ _NUMBERS = 11  # of a waiting ray: origin, direction, share of the light, length
 
 
 @ti.func
-def surface_point(entries: ti.template(), surfaces: ti.template(), scene: ti.template(), who, x, d, pixel):
+def surface_point(kinds: ti.template(), surfaces: ti.template(), scene: ti.template(), who, x, d, pixel):
     """(unit normal, place, material, albedo, through, emission, clear, flat, detail) of what a ray along d meets at x.
 
     who : a surface, from `surfaces` on a solid, and after them a face of cloth, which is smooth: its place is not quite x
@@ -76,13 +76,13 @@ def surface_point(entries: ti.template(), surfaces: ti.template(), scene: ti.tem
                 albedo = image_on_solid(scene, i, m, IMAGE, PUDDLES, albedo, x, n, d, pixel)
     else:
         if ti.static(surfaces > 0):
-            n = surface_normal(entries, scene.Q, who, x + vector_at(N, CAMERA), N[TIME])
+            n = surface_normal(kinds, scene.Q, who, x + vector_at(N, CAMERA), N[TIME])
             m = scene.owners[who]
             emission = row_vector(scene.M, m, EMISSION)
     flat, detail = n, ti.Vector([0.0, scene.M[m, ROUGHNESS], 0.0])
     if who < surfaces:
         if ti.static(surfaces > 0):
-            albedo, n, emission, detail = surface_detail(entries, scene, who, m, x, flat, d, pixel)
+            albedo, n, emission, detail = surface_detail(kinds, scene, who, m, x, flat, d, pixel)
     return n, place, m, albedo, through, emission, clear, flat, detail
 
 
@@ -104,13 +104,13 @@ def shows_edges(surfaces: ti.template(), scene: ti.template(), who):
 
 
 @ti.func
-def nearest_hit(entries: ti.template(), surfaces: ti.template(), scene: ti.template(), o, d, pixel):
+def nearest_hit(kinds: ti.template(), surfaces: ti.template(), scene: ti.template(), o, d, pixel):
     """(distance, index of the surface or solid) of what a ray meets first, or (NEVER, -1)."""
     N = ti.static(scene.N)
     t, who = NEVER, -1
     if ti.static(surfaces > 0):
         t, who, _ = first_hit(
-            entries,
+            kinds,
             scene.Q,
             o + vector_at(N, CAMERA),
             d,
@@ -128,7 +128,7 @@ def nearest_hit(entries: ti.template(), surfaces: ti.template(), scene: ti.templ
 
 
 @ti.func
-def leaving_distance(entries: ti.template(), surfaces: ti.template(), scene: ti.template(), who, o, d, pixel):
+def leaving_distance(kinds: ti.template(), surfaces: ti.template(), scene: ti.template(), who, o, d, pixel):
     """The distance at which a ray inside a transparent body leaves it."""
     N = ti.static(scene.N)
     t = 0.0
@@ -136,7 +136,7 @@ def leaving_distance(entries: ti.template(), surfaces: ti.template(), scene: ti.
         t = far_side(scene.B, who - surfaces, o, d)
     else:
         if ti.static(surfaces > 0):
-            t = surface_exit(entries, scene.Q, who, o + vector_at(N, CAMERA), d, N[TIME], 0.01 * pixel)
+            t = surface_exit(kinds, scene.Q, who, o + vector_at(N, CAMERA), d, N[TIME], 0.01 * pixel)
     return t
 
 
@@ -181,7 +181,7 @@ def _put(waiting: ti.template(), count, o, d, share, length, inside):
 
 @ti.func
 def light_along(
-    entries: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), owner, distance, column,
+    kinds: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), owner, distance, column,
     row, origin, direction, depth, casters, nearby: ti.template(),
 ):  # fmt: skip
     """The light along a camera's ray that meets `owner` at `distance`, with the part that the mirror's film adds left open.
@@ -213,9 +213,9 @@ def light_along(
         pixel = ti.select(same_everywhere > 0.5, 1.0, length) * per_length
         if ti.static(follows):
             if inside >= 0:
-                t, who = leaving_distance(entries, surfaces, scene, inside, o, d, pixel), inside
+                t, who = leaving_distance(kinds, surfaces, scene, inside, o, d, pixel), inside
             elif followed > 1:
-                t, who = nearest_hit(entries, surfaces, scene, o, d, pixel)
+                t, who = nearest_hit(kinds, surfaces, scene, o, d, pixel)
         if who < 0:
             result += share * background(scene, d)
         else:
@@ -223,7 +223,7 @@ def light_along(
             pixel = ti.select(same_everywhere > 0.5, 1.0, length) * per_length
             room = followed < MOST_RAYS and count < _WAITING - _FACETS
             n, x, m, albedo, through, emission, clear, flat, detail = surface_point(
-                entries, surfaces, scene, who, o + d * t, d, pixel
+                kinds, surfaces, scene, who, o + d * t, d, pixel
             )
             if inside >= 0:
                 if ti.static(follows):
@@ -248,7 +248,7 @@ def light_along(
                 if followed == 1 and who < surfaces + scene.B.shape[0]:
                     hiding = casters
                 own, of_lamp, mirrored, around, entering = surface_light(
-                    entries,
+                    kinds,
                     surfaces,
                     scene,
                     m,

@@ -60,7 +60,7 @@ class Scene:
 
     @cached_property
     def surfaces(self) -> list[tuple[Collider, SurfaceLook]]:
-        """(collider, look) of the ground and of each collider with a look."""
+        """(collider, look) of the ground and of each collider with a look; those of one kind follow each other."""
         found: list[tuple[Collider, SurfaceLook]] = []
         if self.ground is not None:
             found.append((Plane(point=(0.0, self.ground.height, 0.0)), self.ground))
@@ -68,6 +68,8 @@ class Scene:
             look = surface_look(collider.values["look"])
             if look is not None:
                 found.append((collider, look))
+        kinds = list(dict.fromkeys(collider.fixed for collider, _ in found))
+        found.sort(key=lambda surface: kinds.index(surface[0].fixed))
         _check_mirrors(found)
         _check_water(found)
         for collider, look in found:

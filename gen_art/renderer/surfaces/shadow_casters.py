@@ -38,7 +38,7 @@ def filled(array: np.ndarray) -> np.ndarray:
 
 @cache
 def _share_kernel(terms: ColliderTerms, with_sheets: bool):
-    entries = terms.entries
+    kinds = terms.kinds
 
     @ti.kernel
     def shares(
@@ -54,7 +54,7 @@ def _share_kernel(terms: ColliderTerms, with_sheets: bool):
                 sheet_starts=sheet_starts, sheet_faces=sheet_faces,
             )  # fmt: skip
             for i in range(block * 256, ti.min((block + 1) * 256, X.shape[0])):
-                out[i] = lamp_share(entries, scene, ti.Vector([X[i, 0], X[i, 1], X[i, 2]]), pixel, every_caster())
+                out[i] = lamp_share(kinds, scene, ti.Vector([X[i, 0], X[i, 1], X[i, 2]]), pixel, every_caster())
 
     return kernel(shares)
 

@@ -13,11 +13,11 @@ import math
 
 import numpy as np
 
-from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
 from gen_art.colliders.base import Collider
 from gen_art.colliders.box import Block
 from gen_art.colliders.capsule import Capsule
+from gen_art.colliders.kinds import numbers_of
 from gen_art.colliders.sphere import Sphere
 from gen_art.colliders.surface import rotated_about, to_start_frame
 from gen_art.renderer.surfaces.collider_rays import cast_by
@@ -81,7 +81,7 @@ def _hidden_by_ball(cosine, h2):
 
 
 @ti.func
-def open_sky_share(entries: ti.template(), scene: ti.template(), x, n, occluders):
+def open_sky_share(kinds: ti.template(), scene: ti.template(), x, n, occluders):
     """The share of the sky's light that colliders leave to a surface at x (relative to the camera) with the normal n.
 
     occluders : the set of the colliders that may hide it
@@ -89,17 +89,18 @@ def open_sky_share(entries: ti.template(), scene: ti.template(), x, n, occluders
     N = ti.static(scene.N)
     share = 1.0
     if N[SHADOWS] > 0.5:
-        for k, entry in ti.static(enumerate(entries)):
-            if ti.static(cast_by(entry)):
-                radius = scene.occluders[k, 0]
-                if radius > 0.0 and holds(occluders, k):
-                    q = parameters(scene.Q, entry.collider, entry.offset)
-                    y, axis, angle = to_start_frame(entry.collider, q, x + vector_at(N, CAMERA), N[TIME])
-                    f = ti.max(entry.collider.distance(y, q, 0), 0.0)
-                    if f < FARTHEST_OCCLUDER * radius:
-                        g = entry.collider.gradient(y, q, 0)
-                        if ti.static(entry.collider.rotates):
-                            g = rotated_about(g, axis, angle)
-                        h = 1.0 + f / radius
-                        share *= 1.0 - scene.occluders[k, 1] * _hidden_by_ball(-n.dot(g), h * h)
+        for kind in ti.static(kinds):
+            if ti.static(cast_by(kind.collider)):
+                for k in range(kind.first, kind.first + kind.count):
+                    radius = scene.occluders[k, 0]
+                    if radius > 0.0 and holds(occluders, k):
+                        q = numbers_of(scene.Q, kind, k - kind.first)
+                        y, axis, angle = to_start_frame(kind.collider, q, x + vector_at(N, CAMERA), N[TIME])
+                        f = ti.max(kind.collider.distance(y, q, 0), 0.0)
+                        if f < FARTHEST_OCCLUDER * radius:
+                            g = kind.collider.gradient(y, q, 0)
+                            if ti.static(kind.collider.rotates):
+                                g = rotated_about(g, axis, angle)
+                            h = 1.0 + f / radius
+                            share *= 1.0 - scene.occluders[k, 1] * _hidden_by_ball(-n.dot(g), h * h)
     return share

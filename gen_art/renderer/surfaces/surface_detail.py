@@ -54,7 +54,7 @@ def _tangent(east, south, a, b):
 
 
 @ti.func
-def surface_detail(entries: ti.template(), scene: ti.template(), who, m, x, n, d, pixel):
+def surface_detail(kinds: ti.template(), scene: ti.template(), who, m, x, n, d, pixel):
     """What varies over a collider, as means over a pixel: (albedo, normal, emission, detail).
 
     who : the surface; x : position relative to the camera; n : unit normal
@@ -73,7 +73,7 @@ def surface_detail(entries: ti.template(), scene: ti.template(), who, m, x, n, d
     if patterned:
         to_east, to_south = pixel_steps(N, n, d, pixel)
         place, facing, east, south = in_start_frame(
-            entries, scene.Q, who, x + vector_at(N, CAMERA), n, to_east, to_south, N[TIME]
+            kinds, scene.Q, who, x + vector_at(N, CAMERA), n, to_east, to_south, N[TIME]
         )
         at, right, down = on_axes(facing, place), on_axes(facing, east), on_axes(facing, south)
         if M[m, CHECKER] > 0.0:

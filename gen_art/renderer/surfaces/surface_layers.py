@@ -133,7 +133,7 @@ def _moved(N: ti.template(), P: ti.template(), x, u):
 
 
 @ti.func
-def _velocity(entries: ti.template(), surfaces: ti.template(), scene: ti.template(), moves: ti.template(), who, x):
+def _velocity(kinds: ti.template(), surfaces: ti.template(), scene: ti.template(), moves: ti.template(), who, x):
     """(3,) m/s, of a surface, solid or cloth at x relative to the camera."""
     N, B = ti.static(scene.N, scene.B)
     u = x * 0.0
@@ -146,7 +146,7 @@ def _velocity(entries: ti.template(), surfaces: ti.template(), scene: ti.templat
         u = vector_of(moves.solids, i, 0) + spin.cross(x - vector_of(B, i, 0))
     else:
         if ti.static(surfaces > 0):
-            _, u = surface_properties(entries, scene.Q, who, x + vector_at(N, CAMERA), N[TIME])
+            _, u = surface_properties(kinds, scene.Q, who, x + vector_at(N, CAMERA), N[TIME])
     return u
 
 
@@ -156,7 +156,7 @@ def vector_of(A: ti.template(), i, k):
 
 
 @ti.func
-def layers_of_place(entries: ti.template(), scene: ti.template(), P: ti.template(), x, n, albedo, u, depth, pixel):
+def layers_of_place(kinds: ti.template(), scene: ti.template(), P: ti.template(), x, n, albedo, u, depth, pixel):
     """(LAYER_FLOATS,) of a place of a surface.
 
     x : relative to the camera; n : unit normal; u : velocity; depth : along the line of sight; pixel : its side at x
@@ -164,7 +164,7 @@ def layers_of_place(entries: ti.template(), scene: ti.template(), P: ti.template
     N = ti.static(scene.N)
     arriving = 0.0
     if n.dot(vector_at(N, TO_LAMP)) > 0.0:
-        arriving = lamp_share(entries, scene, x + n * (0.6 * pixel), pixel, every_caster())
+        arriving = lamp_share(kinds, scene, x + n * (0.6 * pixel), pixel, every_caster())
         place = x + vector_at(N, CAMERA) + n * N[LIQUID_BIAS]
         passed = liquid_light(N, scene.liquid_first, scene.liquid_depths, scene.D, place, pixel)
         arriving *= (passed[0] + passed[1] + passed[2]) / 3.0
@@ -174,14 +174,14 @@ def layers_of_place(entries: ti.template(), scene: ti.template(), P: ti.template
 
 @ti.func
 def layers_of_surface(
-    entries: ti.template(), surfaces: ti.template(), scene: ti.template(), moves: ti.template(), who, o, d, t, depth
+    kinds: ti.template(), surfaces: ti.template(), scene: ti.template(), moves: ti.template(), who, o, d, t, depth
 ):  # fmt: skip
     """(LAYER_FLOATS,) of what the ray from o along d meets at the distance t."""
     N = ti.static(scene.N)
     pixel = ti.select(N[PARALLEL] > 0.5, 1.0, t) / N[SCALE]
     # a name each for what is not used: Taichi gives a name one type
     n, x, _m, albedo, through, _emission, _clear, _flat, _detail = surface_point(
-        entries, surfaces, scene, who, o + d * t, d, pixel
+        kinds, surfaces, scene, who, o + d * t, d, pixel
     )
-    u = _velocity(entries, surfaces, scene, moves, who, x)
-    return layers_of_place(entries, scene, moves.P, x, n, albedo + through, u, depth, pixel)
+    u = _velocity(kinds, surfaces, scene, moves, who, x)
+    return layers_of_place(kinds, scene, moves.P, x, n, albedo + through, u, depth, pixel)

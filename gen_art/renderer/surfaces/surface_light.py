@@ -101,7 +101,7 @@ def _given(nearby) -> bool:
 
 
 @ti.func
-def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel, casters, own=-1, nearby: ti.template() = None):
+def lamp_share(kinds: ti.template(), scene: ti.template(), x, pixel, casters, own=-1, nearby: ti.template() = None):
     """The share of the lamp's light that reaches x (relative to the camera) past colliders, solids and smoke.
 
     scene : view of the kernel's arrays; its `with_sheets` says whether there is any cloth
@@ -116,7 +116,7 @@ def lamp_share(entries: ti.template(), scene: ti.template(), x, pixel, casters, 
         place, half_pixel, tangent = x + vector_at(N, CAMERA), 0.5 * pixel, N[LAMP_TANGENT]
         to_lamp, side, up = vector_at(N, TO_LAMP), vector_at(N, LAMP_SIDE), vector_at(N, LAMP_UP)
         hidden = collider_shadow(
-            entries,
+            kinds,
             scene.Q,
             place,
             to_lamp,

@@ -61,7 +61,7 @@ def layer_shares(M: ti.template(), E: ti.template(), m, nv):
 
 @ti.func
 def surface_light(
-    entries: ti.template(), surfaces: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, clear,
+    kinds: ti.template(), surfaces: ti.template(), scene: ti.template(), m, x, n, view, albedo, through, emission, clear,
     pixel, detail, who, casters, nearby: ti.template() = None,
 ):  # fmt: skip
     """The light from x towards the viewer, in parts: (own, of_lamp, mirrored, around, entering).
@@ -92,15 +92,15 @@ def surface_light(
     if lit and N[LAMP_COLOUR] + N[LAMP_COLOUR + 1] + N[LAMP_COLOUR + 2] > 0.0:
         hiding, own_solid = casters, -1
         if nl > N[LAMP_TANGENT]:  # a convex solid does not hide what shines on its outside
-            hiding[0], own_solid = without_itself(entries, hiding[0], who), who - surfaces
+            hiding[0], own_solid = without_itself(kinds, hiding[0], who), who - surfaces
         beside = x + n * ti.select(nl > 0.0, 0.6 * pixel, -0.6 * pixel)
-        share = lamp_share(entries, scene, beside, pixel, hiding, own_solid, nearby)
+        share = lamp_share(kinds, scene, beside, pixel, hiding, own_solid, nearby)
         if share > 0.0:
             place = x + vector_at(N, CAMERA) + n * N[LIQUID_BIAS]
             passed = liquid_light(N, scene.liquid_first, scene.liquid_depths, scene.D, place, pixel)
     sky = sky_at(N, scene.sky, scene.open_sky, x + vector_at(N, CAMERA) + n * clear)
     if ti.static(scene.occluded):
-        sky *= open_sky_share(entries, scene, x, n, without_itself(entries, casters[1], who))
+        sky *= open_sky_share(kinds, scene, x, n, without_itself(kinds, casters[1], who))
     shining, lamp_through = through * 0.0, through * 0.0  # what comes through from the other side
     if ti.static(scene.with_sheets):
         if through.max() > 0.0:

@@ -4,13 +4,13 @@ The one-letter names in kernels are in docs/glossary.md.
 """
 
 # ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
-from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
+from gen_art.colliders.kinds import numbers_of
 from gen_art.colliders.plane import Plane
 from gen_art.colliders.surface import to_start_frame
 from gen_art.renderer.picture_tiles import TILE
 from gen_art.renderer.surfaces.collider_rays import cast_by, cone_contact, ray_in_start_frame
-from gen_art.renderer.surfaces.collider_sets import MOST_BITS, with_collider
+from gen_art.renderer.surfaces.collider_sets import with_collider
 from gen_art.renderer.surfaces.lamp_shadows import SOLIDS_OF_TILE, shadow_cell
 from gen_art.renderer.surfaces.pixel_rays import SUBPIXELS, ray_limits
 from gen_art.renderer.surfaces.scene_numbers import (
@@ -35,7 +35,7 @@ _RAYS = TILE * TILE * SUBPIXELS
 
 
 @ti.func
-def colliders_in_tile(entries: ti.template(), scene: ti.template(), ox, oy):
+def colliders_in_tile(kinds: ti.template(), scene: ti.template(), ox, oy):
     """The set of the colliders that rays through the tile at (ox, oy) and the pixels around it may meet."""
     N = ti.static(scene.N)
     o, d = _middle_of_tile(N, ox, oy)
@@ -43,11 +43,11 @@ def colliders_in_tile(entries: ti.template(), scene: ti.template(), ox, oy):
     if N[PARALLEL] > 0.5:
         radius, tangent = tangent, 0.0
         low, high = ray_limits(N, o, d)
-    return _in_cone(entries, scene, o + d * low, d, radius, tangent, high - low, ti.static(False))
+    return _in_cone(kinds, scene, o + d * low, d, radius, tangent, high - low, ti.static(False))
 
 
 @ti.func
-def covered_by(entries: ti.template(), among, owners: ti.template()):
+def covered_by(kinds: ti.template(), among, owners: ti.template()):
     """(owner of all rays of a tile, or -1 where that is not known; 1 if it is flat).
 
     among : of colliders_in_tile; owners : of the middles of the tile's pixels and of those around them, of which the four in
@@ -55,10 +55,11 @@ def covered_by(entries: ti.template(), among, owners: ti.template()):
     """
     last = (TILE + 2) * (TILE + 2) - 1
     owner, alone, flat = owners[0], 0, 0
-    for k, entry in ti.static(enumerate(entries)):
-        if ti.static(entry.collider.convex and entry.collider.sides == 1 and len(entries) <= MOST_BITS):
-            if among == with_collider(ti.i64(0), k):
-                alone, flat = 1, ti.static(int(entry.collider.faceted or isinstance(entry.collider, Plane)))
+    for kind in ti.static(kinds):
+        if ti.static(kind.collider.convex and kind.collider.sides == 1):
+            for j in range(kind.count):
+                if among == with_collider(ti.i64(0), kind.first + j):
+                    alone, flat = 1, ti.static(int(kind.collider.faceted or isinstance(kind.collider, Plane)))
     same = owner == owners[TILE + 1] and owner == owners[last - TILE - 1] and owner == owners[last]
     return ti.select(alone == 1 and same, owner, -1), flat
 
@@ -98,21 +99,22 @@ def ball_of_tile(N: ti.template(), ox, oy, distance: ti.template(), owner: ti.te
 
 
 @ti.func
-def tile_casters(entries: ti.template(), scene: ti.template(), middle, radius, nearby: ti.template()):
+def tile_casters(kinds: ti.template(), scene: ti.template(), middle, radius, nearby: ti.template()):
     """What may hide light from places in the ball of a tile.
 
     (3,) i64: the sets of colliders that may hide the lamp, and the sky, and the number of solids in `nearby` (_tile_solids)
     """
     N = ti.static(scene.N)
     wide, to_lamp, sky = radius * (1.0 + N[LAMP_TANGENT]), vector_at(N, TO_LAMP), ti.i64(0)
-    lamp = _in_cone(entries, scene, middle, to_lamp, wide, N[LAMP_TANGENT], N[SHADOW_REACH], ti.static(True))
+    lamp = _in_cone(kinds, scene, middle, to_lamp, wide, N[LAMP_TANGENT], N[SHADOW_REACH], ti.static(True))
     if ti.static(scene.occluded):
-        for k, entry in ti.static(enumerate(entries)):
-            if ti.static(cast_by(entry)):
-                q = parameters(scene.Q, entry.collider, entry.offset)
-                y, _, _ = to_start_frame(entry.collider, q, middle + vector_at(N, CAMERA), N[TIME])
-                if entry.collider.distance(y, q, 0) - radius < FARTHEST_OCCLUDER * scene.occluders[k, 0]:
-                    sky = with_collider(sky, k)
+        for kind in ti.static(kinds):
+            if ti.static(cast_by(kind.collider)):
+                for j in range(kind.count):
+                    q, k = numbers_of(scene.Q, kind, j), kind.first + j
+                    y, _, _ = to_start_frame(kind.collider, q, middle + vector_at(N, CAMERA), N[TIME])
+                    if kind.collider.distance(y, q, 0) - radius < FARTHEST_OCCLUDER * scene.occluders[k, 0]:
+                        sky = with_collider(sky, k)
     return ti.Vector([lamp, sky, ti.cast(_tile_solids(scene, middle, radius, nearby), ti.i64)])
 
 
@@ -163,7 +165,7 @@ def _middle_of_tile(N: ti.template(), ox, oy):
 
 @ti.func
 def _in_cone(
-    entries: ti.template(), scene: ti.template(), origin, direction, radius, tangent, far, casters: ti.template()
+    kinds: ti.template(), scene: ti.template(), origin, direction, radius, tangent, far, casters: ti.template()
 ):  # fmt: skip
     """The set of the colliders that a ray may enter, or pass through, that stays in a cone about this one.
 
@@ -172,18 +174,19 @@ def _in_cone(
     """
     N = ti.static(scene.N)
     result = ti.i64(0)
-    for k, entry in ti.static(enumerate(entries)):
-        if ti.static(entry.collider.sides > 1):
-            if ti.static(not casters):
-                result = with_collider(result, k)
-        elif ti.static(cast_by(entry) or not casters):
-            q = parameters(scene.Q, entry.collider, entry.offset)
-            o, d = ray_in_start_frame(entry, q, origin + vector_at(N, CAMERA), direction, N[TIME])
-            at_start, t = cone_contact(entry, q, o, d, radius, tangent, far)
-            meets = t < far
-            if ti.static(entry.collider.convex and not casters):
-                # a ray that starts in a convex solid leaves it and does not come back
-                meets = meets and at_start > -radius
-            if meets:
-                result = with_collider(result, k)
+    for kind in ti.static(kinds):
+        for j in range(kind.count):
+            if ti.static(kind.collider.sides > 1):
+                if ti.static(not casters):
+                    result = with_collider(result, kind.first + j)
+            elif ti.static(cast_by(kind.collider) or not casters):
+                q = numbers_of(scene.Q, kind, j)
+                o, d = ray_in_start_frame(kind.collider, q, origin + vector_at(N, CAMERA), direction, N[TIME])
+                at_start, t = cone_contact(kind.collider, q, o, d, radius, tangent, far)
+                meets = t < far
+                if ti.static(kind.collider.convex and not casters):
+                    # a ray that starts in a convex solid leaves it and does not come back
+                    meets = meets and at_start > -radius
+                if meets:
+                    result = with_collider(result, kind.first + j)
     return result

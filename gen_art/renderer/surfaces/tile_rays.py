@@ -53,7 +53,7 @@ def depth_along(N: ti.template(), d, t):
 
 
 @ti.func
-def _collider_hit(entries: ti.template(), scene: ti.template(), among, o, d):
+def _collider_hit(kinds: ti.template(), scene: ti.template(), among, o, d):
     """(distance along a ray, owner) of the nearest of some colliders, or (NEVER, -1); exact to 1/250 of a pixel."""
     N = ti.static(scene.N)
     per_length, tolerance = 0.0, 0.004 / N[SCALE]
@@ -61,7 +61,7 @@ def _collider_hit(entries: ti.template(), scene: ti.template(), among, o, d):
         per_length, tolerance = tolerance, 1e-7
     low, high = ray_limits(N, o, d)
     t, surface, facet = first_hit(
-        entries, scene.Q, o + vector_at(N, CAMERA), d, N[TIME], low, high, tolerance, per_length, among
+        kinds, scene.Q, o + vector_at(N, CAMERA), d, N[TIME], low, high, tolerance, per_length, among
     )
     owner = surface * FACETS + facet
     if surface < 0:
@@ -98,7 +98,7 @@ def _fill_with_face(
 
 @ti.func
 def trace_colliders(
-    entries: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), ox, oy,
+    kinds: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), ox, oy,
     distance: ti.template(), owner: ti.template(),
 ):  # fmt: skip
     """Fill a tile's rays, which meet nothing so far, with the nearest colliders.
@@ -107,15 +107,15 @@ def trace_colliders(
     that shows others sharply.
     Returns the owner that all rays meet, or -1 where that is not known.
     """
-    among, covering = colliders_in_tile(entries, scene, ox, oy), -1
+    among, covering = colliders_in_tile(kinds, scene, ox, oy), -1
     if among != 0:
-        covering = _trace_among(entries, surfaces, follows, scene, among, ox, oy, distance, owner)
+        covering = _trace_among(kinds, surfaces, follows, scene, among, ox, oy, distance, owner)
     return covering
 
 
 @ti.func
 def _trace_among(
-    entries: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), among, ox, oy,
+    kinds: ti.template(), surfaces: ti.template(), follows: ti.template(), scene: ti.template(), among, ox, oy,
     distance: ti.template(), owner: ti.template(),
 ):  # fmt: skip
     """Trace a tile's rays to the colliders of the set `among`, as trace_colliders does to all."""
@@ -146,7 +146,7 @@ def _trace_among(
             if again == 1:
                 o, d = subpixel_ray(N, ox + p % TILE, oy + p // TILE, r % SUBPIXELS)
         if again == 1:
-            t, who = _collider_hit(entries, scene, among, o, d)
+            t, who = _collider_hit(kinds, scene, among, o, d)
             if r >= 0:
                 distance[r], owner[r] = t, who
             elif covering >= 0:
@@ -159,7 +159,7 @@ def _trace_among(
             k += 1
             if k == 0:
                 differ = 0
-                covering, flat = covered_by(entries, among, middle_owner)
+                covering, flat = covered_by(kinds, among, middle_owner)
                 if ti.static(follows):
                     if shows_edges(surfaces, scene, covering // FACETS) == 1:
                         covering = -1

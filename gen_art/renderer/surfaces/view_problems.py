@@ -26,9 +26,9 @@ def check_camera(terms: ColliderTerms, view, time: float) -> None:
     if view.height is not None:  # an orthographic camera sees from afar
         return
     depth = collider_distances(terms, view.position[None], time)[0]
-    for entry, distance in zip(terms.entries, depth):
-        if cast_by(entry) and distance < 0.0:
-            name, where = entry.collider.name, ", ".join(f"{c:.4g}" for c in view.position)
+    for collider, distance in zip(terms.colliders, depth):
+        if cast_by(collider) and distance < 0.0:
+            name, where = collider.name, ", ".join(f"{c:.4g}" for c in view.position)
             inside = "behind the plane" if name == "plane" else f"inside the {name}"
             raise PresetError(
                 f"the camera at [{where}] is {inside}, {-distance:.3g} deep, and would not see it: move the camera, or leave "
@@ -42,7 +42,7 @@ def check_distances(terms: ColliderTerms, view, time: float) -> None:
     Where it changes by more than 1 per length, rays would pass through it; where it hardly changes, they would not reach it in
     the steps that they have. What is not a number is neither.
     """
-    shapes = [k for k, entry in enumerate(terms.entries) if entry.collider.name == "sdf" or not entry.collider.convex]
+    shapes = [k for k, one in enumerate(terms.colliders) if one.name == "sdf" or not one.convex]
     if not shapes:
         return
     even = np.outer(np.arange(_PROBES) + 0.5, _GOLDEN) % 1.0 - 0.5
@@ -52,7 +52,7 @@ def check_distances(terms: ColliderTerms, view, time: float) -> None:
     distance = collider_distances(terms, points, time).astype(np.float64)
     beside = [collider_distances(terms, points + axis * apart, time).astype(np.float64) for axis in np.eye(3)]
     for k in shapes:
-        collider = terms.entries[k].collider
+        collider = terms.colliders[k]
         gradient = np.stack([each[:, k] - distance[:, k] for each in beside], axis=1)
         if not np.isfinite(gradient).all():
             where = _shown(points[int(np.argmin(np.isfinite(gradient).all(axis=1)))])
