@@ -531,3 +531,50 @@ systems: {a: {emitters: {e: {count: 1, shape: {point: [0, 0.9, 0]}}}}}
 def test_bad_colliders_are_refused_with_a_sentence(make, words):
     with pytest.raises(ga.UsageError, match=words):
         make()
+
+
+def test_colliders_of_one_kind_are_measured_by_their_own_numbers():
+    """Kinds come in runs, with and without tables, with one side and with six: each finds its own numbers and surfaces."""
+    up, inner = np.array([0, 1.0, 0]), 0.3
+    colliders = [
+        C.Sphere((0.0, 0, 0), 0.5), C.Sphere((3.0, 0, 0), 0.7), C.Torus((0, 4.0, 0), 1.0, inner, axis=up),
+        C.Torus((0, 8.0, 0), 2.0, inner / 2, axis=up), C.Box((-9, -9, -9), (9, 12, 9)), C.Box((-8, -9, -9), (9, 13, 9)),
+        C.Sphere((0, 0, 5.0), 0.2), C.Plane((0, -5.0, 0), (0, 1, 0)),
+    ]  # fmt: skip
+    x = np.random.default_rng(5).uniform(-4, 4, (100, 3))
+
+    def ball(center, radius):
+        return np.linalg.norm(x - center, axis=1) - radius
+
+    def ring(height, radius, tube):
+        across = np.hypot(x[:, 0], x[:, 2]) - radius
+        return np.hypot(across, x[:, 1] - height) - tube
+
+    def box(low, high):
+        return np.minimum(x - low, high - x).min(axis=1)
+
+    true = [
+        ball((0, 0, 0), 0.5), ball((3, 0, 0), 0.7), ring(4, 1, 0.3), ring(8, 2, 0.15), box([-9, -9, -9], [9, 12, 9]),
+        box([-8, -9, -9], [9, 13, 9]), ball((0, 0, 5), 0.2), x[:, 1] + 5,
+    ]  # fmt: skip
+    terms = ColliderTerms(colliders)
+    assert [(kind.count, kind.first, kind.first_surface) for kind in terms.kinds] == [
+        (2, 0, 0), (2, 2, 2), (2, 4, 4), (1, 6, 16), (1, 7, 17),
+    ]  # fmt: skip
+    assert terms.owners == [0, 1, 2, 3, *[4] * 6, *[5] * 6, 6, 7]
+    assert np.abs(collider_distances(terms, x, 0.0) - np.transpose(true)).max() < 1e-5
+
+
+def test_each_of_several_equal_colliders_has_its_own_entry_and_restitution():
+    """Four balls fall on four spheres, of which the first holds its ball."""
+    spheres = [
+        C.Sphere((2.0 * k, 0, 0), 0.5, restitution=0.25 * k, action="stick" if k == 0 else "bounce") for k in range(4)
+    ]
+    x = [[2.0 * k, 0.5 + R + 1, 0] for k in range(4)]  # they meet after a third of the step
+    sim = simulation(x, [[0, -3, 0]] * 4, spheres, forces=[], dt=1.0)
+    sim.step(1)
+    after = 3 * np.array([0.0, 0.25, 0.5, 0.75])
+    assert np.allclose(sim["s"].velocity[:, 1], after, atol=1e-10)
+    impulse, mass = closes(sim).impulse, sim["s"].mass
+    for k, name in enumerate(["sphere", "sphere_2", "sphere_3", "sphere_4"]):
+        assert np.allclose(impulse[f"s.{name}"], [0, mass[k] * (after[k] + 3), 0], atol=1e-10), name

@@ -94,9 +94,7 @@ def _photon_kernel(terms: ColliderTerms):
                     if who < 0:
                         met = _SURFACES
                     else:
-                        n, x, m, albedo, _, _, _, _, _ = surface_point(
-                            kinds, surfaces, scene, who, o + d * t, d, pixel
-                        )
+                        n, x, m, albedo, _, _, _, _, _ = surface_point(kinds, surfaces, scene, who, o + d * t, d, pixel)
                         if inside >= 0:
                             for c in ti.static(range(3)):
                                 colour[c] *= exp(log(ti.max(albedo[c], 1e-6)) * t * M[m, PER_LENGTH])

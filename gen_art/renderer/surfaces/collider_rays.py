@@ -187,7 +187,9 @@ def first_hit(
                     t = side_hit(kind.collider, q, side, o, d, low, nearest, tolerance, per_length)
                     if t < nearest:
                         inside = 1
-                        if ti.static(kind.collider.sides > 1):  # a side's surface goes on beyond the edges of the others
+                        if ti.static(
+                            kind.collider.sides > 1
+                        ):  # a side's surface goes on beyond the edges of the others
                             inside = ti.cast(
                                 kind.collider.nearest(o + d * t, q) >= -4.0 * (tolerance + per_length * t), ti.i32
                             )
