@@ -8,6 +8,7 @@ root. Other shapes are marched through by their distance, which is never steeper
 Source: Hart, Sphere tracing, The Visual Computer 12 (1996).
 """
 
+# ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from functools import cache
 
 import numpy as np

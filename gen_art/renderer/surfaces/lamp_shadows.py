@@ -10,7 +10,6 @@ Solids are listed in cells of a grid across the lamp's direction, each in the ce
 The one-letter names in kernels are in docs/glossary.md.
 """
 
-# ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from dataclasses import dataclass
 
 import numpy as np

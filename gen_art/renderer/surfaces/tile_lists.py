@@ -3,7 +3,6 @@
 The one-letter names in kernels are in docs/glossary.md.
 """
 
-# ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from gen_art.backend.runtime import ti
 from gen_art.colliders.kinds import numbers_of
 from gen_art.colliders.plane import Plane
