@@ -50,5 +50,5 @@ def collider_kinds(terms: Sequence[Any]) -> tuple[ColliderKind, ...]:
 
 @traced
 def numbers_of(Q, kind: ColliderKind, j):
-    """The view `q` of number j of a kind's colliders."""
+    """The view `q` of collider j of a kind: its run-time numbers and its fixed choices."""
     return parameters(Q, kind.collider, kind.offset + j * kind.stride)

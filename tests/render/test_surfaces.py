@@ -9,7 +9,9 @@ import pytest
 import gen_art as ga
 from gen_art.errors import PresetError
 from gen_art.output.job import still
+from gen_art.preset.surface import surface_look
 from gen_art.renderer.painter import Painter
+from gen_art.renderer.surfaces.collider_rays import ColliderTerms
 from gen_art.renderer.surfaces.reflection import fresnel, reflected_share
 from gen_art.renderer.surfaces.scene import Scene
 
@@ -388,7 +390,6 @@ def test_an_sdf_that_is_no_distance_is_refused(what, words):
 def test_distances_of_shapes_with_edges_and_of_small_grids_are_taken():
     """A box has a distance whose differences along two axes belong to two faces at its edges; beyond a grid nothing changes."""
     from gen_art.backend.runtime import ti
-    from gen_art.renderer.surfaces.collider_rays import ColliderTerms
     from gen_art.renderer.surfaces.view_problems import check_distances
 
     @ti.func
@@ -567,3 +568,16 @@ def test_a_long_body_hides_the_sky_where_it_is(turn):
     assert row.max() < 1.08 * row.min() and row.max() < 0.93 * below[8, 48]
     top = above[48, 48 + np.array([-24, -12, 0, 12, 24])]
     assert top.min() > 0.4 and top.max() < 1.05 * top.min()
+
+
+def test_drawn_colliders_of_one_kind_follow_each_other_with_their_looks():
+    """Kernels loop over colliders of one kind, so a scene puts them together, and each keeps its own look."""
+    ball, block = ga.colliders.Sphere, ga.colliders.Block
+    colliders = [
+        ball((0, 0, 0), 0.1, look="red"), block((1, 0, 0), (2, 1, 1), look="green"), ball((3, 0, 0), 0.2, look="blue"),
+        block((5, 0, 0), (6, 1, 1), look="white"),
+    ]  # fmt: skip
+    surfaces = Scene(colliders=tuple(colliders)).surfaces
+    assert [collider for collider, _ in surfaces] == [colliders[k] for k in (0, 2, 1, 3)]
+    assert all(look == surface_look(collider.values["look"]) for collider, look in surfaces)
+    assert [kind.count for kind in ColliderTerms([collider for collider, _ in surfaces]).kinds] == [2, 2]
