@@ -141,6 +141,11 @@ def opened(browser, folder):
     assert faults == []
 
 
+def comes(tab, what: str) -> None:
+    """Waits until it is true in the page: an event and what follows it there take turns with what the test asks."""
+    tab.wait_for_function(what)
+
+
 @pytest.mark.parametrize("width, height, columns", [(360, 740, 1), (900, 1000, 2), (1600, 1000, 3)])
 def test_the_wall_fits_the_screen(opened, width, height, columns):
     tab = opened(width, height)
@@ -179,20 +184,23 @@ def test_the_keyboard_opens_turns_plays_and_closes(opened):
     assert first.evaluate("tile => tile === document.activeElement")
     tab.keyboard.press("Enter")
     heading, dialog = tab.locator("dialog h2"), tab.locator("dialog")
+    comes(tab, f"location.hash === '#{NAMES[0]}' && document.querySelector('dialog').open")
     title = heading.inner_text()
-    assert dialog.is_visible() and tab.url.endswith("#" + NAMES[0])
     tab.keyboard.press("ArrowRight")
-    assert heading.inner_text() != title and tab.url.endswith("#" + NAMES[1])
+    comes(tab, f"location.hash === '#{NAMES[1]}'")
+    assert heading.inner_text() != title
     tab.keyboard.press("ArrowLeft")
     tab.keyboard.press("ArrowLeft")
-    assert tab.url.endswith("#" + NAMES[-1]), "before the first hangs the last"
+    comes(tab, f"location.hash === '#{NAMES[-1]}'")  # before the first hangs the last
     tab.locator("[data-play]").focus()
     tab.keyboard.press("Enter")
-    tab.wait_for_function("(video => video.currentTime > 0 && !video.paused)(document.querySelector('dialog video'))")
+    comes(tab, "(video => video.currentTime > 0 && !video.paused)(document.querySelector('dialog video'))")
     tab.keyboard.press("Enter")
-    assert tab.locator("dialog img").is_visible() and tab.locator("dialog video").is_hidden()
+    tab.locator("dialog video").wait_for(state="hidden")
+    assert tab.locator("dialog img").is_visible()
     tab.keyboard.press("Escape")
-    assert dialog.is_hidden() and tab.locator(".tile").last.evaluate("tile => tile === document.activeElement")
+    dialog.wait_for(state="hidden")
+    comes(tab, "document.activeElement === [...document.querySelectorAll('.tile')].at(-1)")
 
 
 def test_a_loop_plays_while_the_mouse_is_on_it(opened):
@@ -202,10 +210,10 @@ def test_a_loop_plays_while_the_mouse_is_on_it(opened):
         "loaded when wanted"
     )
     tile.hover()
-    tab.wait_for_function(moves)
+    comes(tab, moves)
     assert tab.evaluate("[...document.querySelectorAll('.tile video')].filter(v => v.src).length") == 1
     tab.locator("h1").hover()
-    assert not tab.evaluate(moves) and tab.evaluate("document.querySelectorAll('.tile video')[1].paused")
+    comes(tab, f"!{moves} && document.querySelectorAll('.tile video')[1].paused")
 
 
 def test_nothing_moves_by_itself_for_those_who_ask_for_calm(opened):
@@ -218,22 +226,24 @@ def test_nothing_moves_by_itself_for_those_who_ask_for_calm(opened):
 def test_by_touch_what_stands_in_sight_moves_and_a_tap_opens(opened):
     tab = opened(390, 800, has_touch=True, is_mobile=True)
     tab.locator(".tile").nth(2).scroll_into_view_if_needed()
-    tab.wait_for_function("document.querySelectorAll('.tile.moves').length > 0")
+    comes(tab, "document.querySelectorAll('.tile.moves').length > 0")
     tab.locator(".tile").nth(2).tap()
-    assert tab.locator("dialog").is_visible()
+    tab.locator("dialog").wait_for(state="visible")
 
 
 @pytest.mark.parametrize("name", [NAMES[0], NAMES[20]])
 def test_an_address_opens_a_piece_with_its_yaml_and_its_command(opened, name):
     tab = opened(address="#" + name)
+    tab.locator("dialog").wait_for(state="visible")
     assert tab.locator("[data-text=yaml]").text_content() == (presets_folder() / f"{name}.yaml").read_text(
         encoding="utf-8"
     )
     assert tab.locator("[data-text=command]").inner_text() == f"gen-art render {name} -o {name.split('/')[-1]}.mp4"
     tab.locator("[data-copy=command]").click()
-    tab.wait_for_function("/Copied|Selected/.test(document.querySelector('[data-copy=command]').textContent)")
+    comes(tab, "/Copied|Selected/.test(document.querySelector('[data-copy=command]').textContent)")
     tab.locator("[data-close]").click()
-    assert tab.locator("dialog").is_hidden() and "#" not in tab.url
+    tab.locator("dialog").wait_for(state="hidden")
+    comes(tab, "location.hash === ''")
 
 
 def test_the_contact_sheet_shows_each_of_its_pieces_in_its_place(tmp_path):
