@@ -111,3 +111,70 @@ def numba_pairs(x, m, softening2, out):
             w = m[j] / (s2 * np.sqrt(s2))
             ax, ay, az = ax + w * dx, ay + w * dy, az + w * dz
         out[0, i], out[1, i], out[2, i] = ax, ay, az
+
+
+@numba.njit(parallel=True, fastmath=True)
+def numba_light(S, g, k, h, steps):
+    """Leapfrog steps of S (6, n) under gravity and damping, its blocks in the cache."""
+    half = F(0.5) * h
+    gain = -F(np.expm1(-k * half)) / k
+    for b in numba.prange((S.shape[1] + 2047) // 2048):
+        for _ in range(steps):
+            for i in range(b * 2048, min((b + 1) * 2048, S.shape[1])):
+                for c in range(3):
+                    v = S[3 + c, i] + gain * (g[c] - k * S[3 + c, i])
+                    S[c, i] += h * v
+                    S[3 + c, i] = v + gain * (g[c] - k * v)
+
+
+@numba.njit(parallel=True, fastmath=True)
+def _turbulent(S, gravity, k, amounts, finenesses, offsets, blends, scales, epochs, h):
+    half = F(0.5) * h
+    gain = -F(np.expm1(-k * h)) / k
+    for i in numba.prange(S.shape[1]):
+        vx, vy, vz = S[3, i], S[4, i], S[5, i]
+        x, y, z = S[0, i] + half * vx, S[1, i] + half * vy, S[2, i] + half * vz
+        ax, ay, az = gravity[0], gravity[1], gravity[2]
+        for o in range(amounts.shape[0]):
+            f, shift = finenesses[o], offsets[o]
+            p, q, r = curl(x * f + shift, y * f + shift, z * f + shift, blends[o], scales[o], epochs[o])
+            ax, ay, az = ax + amounts[o] * p, ay + amounts[o] * q, az + amounts[o] * r
+        vx, vy, vz = vx + gain * (ax - k * vx), vy + gain * (ay - k * vy), vz + gain * (az - k * vz)
+        S[0, i], S[1, i], S[2, i] = x + half * vx, y + half * vy, z + half * vz
+        S[3, i], S[4, i], S[5, i] = vx, vy, vz
+
+
+def numba_turbulent(S, noise: dict, gravity: tuple, rate: float, now: float, h: float) -> None:
+    """One drift-kick-drift step of S (6, n) under gravity, damping and curl noise."""
+    t = now + 0.5 * h
+    octaves = [octave(noise, k, t) for k in range(noise["octaves"])]
+    amounts, finenesses, offsets, seeds, times = (np.array(c) for c in zip(*octaves))
+    blends, scales, epochs = (np.array(c) for c in zip(*(fade(float(s), int(e)) for s, e in zip(times, seeds))))
+    _turbulent(
+        S, np.array(gravity, F), F(rate), amounts.astype(F), finenesses.astype(F), offsets.astype(F), blends.astype(F),
+        scales.astype(F), epochs.astype(U), F(h),
+    )  # fmt: skip
+
+
+@numba.njit(parallel=True, fastmath=True)
+def numba_boris(S, field, moment, softening2, ratio, h, steps):
+    """Boris's steps of S (6, n) in a uniform field and that of a dipole; ratio : charge over mass, C/kg."""
+    half = F(0.5) * h
+    for b in numba.prange((S.shape[1] + 2047) // 2048):
+        for _ in range(steps):
+            for i in range(b * 2048, min((b + 1) * 2048, S.shape[1])):
+                vx, vy, vz = S[3, i], S[4, i], S[5, i]
+                x, y, z = S[0, i] + half * vx, S[1, i] + half * vy, S[2, i] + half * vz
+                r2 = x * x + y * y + z * z
+                s2 = r2 + softening2
+                along = F(3) * (moment[0] * x + moment[1] * y + moment[2] * z)
+                across, share = F(2) * softening2 - r2, F(1e-7) / (s2 * s2 * np.sqrt(s2))
+                q = ratio * half
+                tx = q * (field[0] + (along * x + across * moment[0]) * share)
+                ty = q * (field[1] + (along * y + across * moment[1]) * share)
+                tz = q * (field[2] + (along * z + across * moment[2]) * share)
+                k = F(2) / (ONE + tx * tx + ty * ty + tz * tz)
+                ux, uy, uz = vx + vy * tz - vz * ty, vy + vz * tx - vx * tz, vz + vx * ty - vy * tx
+                vx, vy, vz = vx + k * (uy * tz - uz * ty), vy + k * (uz * tx - ux * tz), vz + k * (ux * ty - uy * tx)
+                S[0, i], S[1, i], S[2, i] = x + half * vx, y + half * vy, z + half * vz
+                S[3, i], S[4, i], S[5, i] = vx, vy, vz

@@ -79,7 +79,7 @@ def test_packing_keeps_the_marked_in_order():
 
 DRAWN = """
 from gen_art.backend import intrinsics
-intrinsics.HAS_PACK = intrinsics.HAS_PREFETCH = False
+intrinsics.HAS_PACK = intrinsics.HAS_PREFETCH = intrinsics.HAS_LANES = False
 from tests.test_intrinsics import drawn
 from gen_art.backend import runtime
 runtime.init(threads=2)
@@ -106,8 +106,10 @@ def test_a_processor_without_them_draws_the_same(tmp_path):
     assert (done.stdout.strip(), done.stderr) == (drawn(), "")
 
 
-@pytest.mark.parametrize("name", ["prefetch", "pack"])
-def test_the_bitcode_is_what_its_source_says(name):
+@pytest.mark.parametrize(
+    "name, functions", [("prefetch", 1), ("pack", 1), ("lanes", 4)]
+)  # fmt: skip
+def test_the_bitcode_is_what_its_source_says(name, functions):
     """Both are read by LLVM and shown as text. Never skipped: llvmlite, which brings LLVM, is a development dependency.
 
     The source has typed pointers, which Taichi's LLVM 15 needs; an LLVM from 17 on reads opaque ones only.
@@ -119,13 +121,15 @@ def test_the_bitcode_is_what_its_source_says(name):
 
     source = (FOLDER / f"{name}.ll").read_text(encoding="utf-8")
     if llvm.llvm_version_info[0] >= 15:
-        source = re.sub(r"(?:<16 x i32>|i\d+)\*", "ptr", source).replace(".p0i8", ".p0")
+        typed = r"(?:<\d+ x \w+>|\[16 x \w+\]|i\d+|float|double)\*"
+        source = re.sub(typed, "ptr", source).replace(".p0i8", ".p0")
     bitcode = shown(llvm.parse_bitcode((FOLDER / f"{name}.bc").read_bytes()))
     assert shown(llvm.parse_assembly(source)) == bitcode
-    assert any(f"@gen_art_{name}(" in line for line in bitcode)
+    assert sum("define void @gen_art_" in line for line in bitcode) == functions
     changed = (
         source.replace("i32 2, i32 1", "i32 3, i32 1")
         .replace("i64 %bits.wide", "i64 0")
         .replace("add i64 %marks, 64", "add i64 %marks, 32")
+        .replace("add i64 %address, 32", "add i64 %address, 64")
     )
     assert shown(llvm.parse_assembly(changed)) != bitcode  # the mutant

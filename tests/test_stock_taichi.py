@@ -11,13 +11,14 @@ import pytest
 from tests.small import SMALL
 
 ROOT = Path(__file__).resolve().parents[1]
-PIECES = {  # colliders, turning ones, rigid bodies, lit smoke, sprites that are only added, a magnetic field
+PIECES = {  # colliders, turning ones, rigid bodies, lit smoke, sprites that are only added, a magnetic field, no births
     "course/bouncing_balls": {},
     "course/obstacles": {},
     "course/tower": {},
     "course/rolling": {},
     "smoke": SMALL["smoke"],
     "charged": SMALL["charged"],
+    "course/chain": {},
 }
 SCRIPT = """
 import hashlib, json, sys
@@ -25,7 +26,7 @@ import gen_art as ga
 from gen_art.backend import intrinsics, runtime
 pieces, stock = json.loads(sys.stdin.read()), sys.argv[1] == "1"
 assert runtime.STOCK_TAICHI == stock
-assert not (stock and (intrinsics.HAS_PREFETCH or intrinsics.HAS_PACK))
+assert not (stock and (intrinsics.HAS_PREFETCH or intrinsics.HAS_PACK or intrinsics.HAS_LANES))
 import taichi.lang.kernel_impl as inside
 assert inside._get_tree_and_ctx.__module__.startswith("taichi" if stock else "gen_art")
 assert ("gen_art.backend.launch_patch" in sys.modules) != stock

@@ -152,6 +152,7 @@ class BirthBatch:
     sign : factor of place and velocity, 1 or -1 for the two of a pair, 0 for a particle without a partner
     origin : (6, m) position and velocity that place and velocity are relative to
     rank : uint64; births at the same time are ordered by rank, then by ordinal
+    in_order : whether they are known to be in that order already
     """
 
     kind: BirthKind
@@ -164,6 +165,21 @@ class BirthBatch:
     sign: np.ndarray
     origin: np.ndarray
     rank: np.ndarray
+    in_order: bool = False
+
+    def by_kind(self, emitter: ActiveEmitter) -> list["BirthBatch"]:
+        """The births of each kind that the emitter chooses for them."""
+        choice = emitter.choose(self.keys)
+        batches = []
+        for c in np.unique(choice):
+            own = choice == c
+            batches.append(
+                BirthBatch(
+                    emitter.kinds[c], emitter.first_source + int(c), self.when[own], self.keys[own], self.paired[own],
+                    self.burst[own], self.ordinal[own], self.sign[own], self.origin[:, own], self.rank[own], self.in_order,
+                )
+            )  # fmt: skip
+        return batches
 
 
 class BatchStreams:
@@ -199,18 +215,11 @@ def scheduled_births(emitter: ActiveEmitter, t1: float) -> list[BirthBatch]:
     origin = np.zeros((6, len(when)))
     if emitter.motion is not None:
         origin[:3] = emitter.motion.at(when)
-    choice = emitter.choose(keys)
-    batches = []
-    for c in np.unique(choice):
-        chosen = choice == c
-        ones = np.ones(int(chosen.sum()))
-        batches.append(
-            BirthBatch(
-                emitter.kinds[c], emitter.first_source + int(c), when[chosen], keys[chosen], keys[chosen], keys[chosen],
-                serial[chosen], ones, origin[:, chosen], np.full(len(ones), emitter.key, np.uint64),
-            )
-        )  # fmt: skip
-    return batches
+    sign, rank = np.ones(len(when)), np.full(len(when), emitter.key)
+    whole = BirthBatch(
+        emitter.kinds[0], emitter.first_source, when, keys, keys, keys, serial, sign, origin, rank, in_order=True
+    )
+    return [whole] if len(emitter.kinds) == 1 else whole.by_kind(emitter)
 
 
 def give_birth(particles: Particles, batches: list[BirthBatch], precision: str) -> slice:
@@ -221,7 +230,12 @@ def give_birth(particles: Particles, batches: list[BirthBatch], precision: str) 
     if not batches:
         return slice(particles.count, particles.count)
     when = np.concatenate([b.when for b in batches])
-    order = np.lexsort((np.concatenate([b.ordinal for b in batches]), np.concatenate([b.rank for b in batches]), when))
+    if len(batches) == 1 and batches[0].in_order:
+        order = np.arange(len(when))
+    else:
+        order = np.lexsort(
+            (np.concatenate([b.ordinal for b in batches]), np.concatenate([b.rank for b in batches]), when)
+        )
     keys = np.concatenate([b.keys for b in batches])
     source = np.concatenate([np.full(len(b.when), b.source, np.int32) for b in batches])
     new = particles.append(when[order], keys[order], source[order])

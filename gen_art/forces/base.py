@@ -61,6 +61,7 @@ class Force(Parametric):
     drags_on_mass : the rates of `damping` are divided by the mass
     needs : attributes that particles must have
     random : its acceleration is noise, so that velocities do not change smoothly
+    damping_reads_particle : False if `damping` reads nothing of `p`. Where it is `steady` too, its exponential is computed once
     quadratic_damping : False if the second number of `damping` is always 0
     """
 
@@ -76,6 +77,7 @@ class Force(Parametric):
     needs: ClassVar[tuple[str, ...]] = ()
     random: ClassVar[bool] = False
     quadratic_damping: ClassVar[bool] = True
+    damping_reads_particle: ClassVar[bool] = True
 
     kernel_methods: ClassVar[tuple[str, ...]] = (
         "acceleration", "force", "electric", "magnetic", "damping", "noise", "potential", "mass_rate", "mass_loss",

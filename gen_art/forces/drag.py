@@ -56,6 +56,7 @@ class Damping(Force):
     medium: object = param(None)
     dissipative = True
     quadratic_damping = False
+    damping_reads_particle = False
 
     @ti.func
     def damping(self, p, t, q):

@@ -23,8 +23,9 @@ from gen_art.colliders.surface import (
     rotation_speed,
     surface_properties,
 )
+from gen_art.integrators.lanes import WIDTH, age_of, step_of, time_of
 from gen_art.integrators.ledger_rows import add_entry
-from gen_art.integrators.particle_tile import WIDTH
+from gen_art.integrators.particle_tile import flow_velocity
 from gen_art.maths.elementary import phi
 from gen_art.particles.rows import CHARGE, LIFETIME, MASS, RADIUS
 
@@ -45,8 +46,7 @@ def change_of_acceleration(terms: ti.template(), L: ti.template(), S: ti.templat
     """The change of acceleration, for the time left, by drag and magnetic force after a sudden change of velocity."""
     r = before * 0.0
     for d, term in ti.static(enumerate(terms.dampings)):
-        m = ti.static(term.medium)
-        u = ti.Vector([L.at("u", m, 0)[j], L.at("u", m, 1)[j], L.at("u", m, 2)[j]])
+        u = flow_velocity(terms, L, term.medium, j)
         k0 = L.at("k", d)[j] + L.at("q", d)[j] * (before - u).norm()
         k1 = L.at("k", d)[j] + L.at("q", d)[j] * (after - u).norm()
         r += ((before - u) * k0 - (after - u) * k1) * phi(ti.max(k0, k1) * left)
@@ -66,8 +66,8 @@ def resolve_collisions(
     """
     # a run-time bound: with a constant one the compiler would unroll the body
     for j in range(ti.min(WIDTH, n - i)):
-        if L.h[j] > 0.0:
-            h, radius, m = L.h[j], S[RADIUS, i + j], S[MASS, i + j]
+        if step_of(L, j) > 0.0:
+            h, radius, m = step_of(L, j), S[RADIUS, i + j], S[MASS, i + j]
             x = ti.Vector([G.x0[j], G.x1[j], G.x2[j]])
             v = ti.Vector([G.v0[j], G.v1[j], G.v2[j]])
             x1 = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
@@ -80,15 +80,15 @@ def resolve_collisions(
                 for c in range(kind.count):
                     q = numbers_of(Q, kind, c)
                     fastest = (v + drift - q.velocity).norm() + a.norm() * h
-                    speed = rotation_speed(kind.collider, q, x, L.t[j])
+                    speed = rotation_speed(kind.collider, q, x, time_of(L, j))
                     if ti.static(kind.collider.rotates):
                         speed += fastest * h * q.angular_velocity.norm()
                     rotation = ti.max(rotation, speed)
-                    if nearest_distance(kind.collider, q, x, L.t[j]) - radius <= (fastest + speed) * h + margin:
+                    if nearest_distance(kind.collider, q, x, time_of(L, j)) - radius <= (fastest + speed) * h + margin:
                         near = 1
             correction = x * 0.0  # out of surfaces
             U = x * 0.0  # velocity of the surface touched last
-            left, now = h * ti.cast(near, real()), L.t[j]
+            left, now = h * ti.cast(near, real()), time_of(L, j)
             resting_on, last, touched = 0, -1, 0
             work, dissipated = h * 0.0, h * 0.0
             for kind in ti.static(terms.kinds):  # a particle that sticks moves with its surface
@@ -188,7 +188,7 @@ def resolve_collisions(
                                 # faster than a particle that lies on the surface gets in a step
                                 if (U - v).dot(normal) > ti.max(-a.dot(normal), 0.0) * h:
                                     if ti.static(not for_ledger and "impact" in terms.rows):
-                                        S[ti.static(terms.rows["impact"]), i + j] = L.age[j] + h - left
+                                        S[ti.static(terms.rows["impact"]), i + j] = age_of(L, j) + h - left
                             w, resting = bounce(material, v - U, normal, -a.dot(normal), h)
                             v = U + w
                             resting_on = ti.select(resting == 1, resting_on | (1 << which), 0)
@@ -210,7 +210,7 @@ def resolve_collisions(
                             left = 0.0
                         if action == _KILL:
                             if ti.static(not for_ledger):
-                                S[LIFETIME, i + j] = L.age[j] + h - left
+                                S[LIFETIME, i + j] = age_of(L, j) + h - left
                             left = 0.0
             if last >= 0:
                 if ti.static(for_ledger):

@@ -14,9 +14,11 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.integrators.kernel_terms import KernelTerms
+from gen_art.integrators.lanes import STATE, WIDTH, lanes, load, store, tile
 from gen_art.integrators.mass_loss import apply_mass_loss, compute_mass_loss
-from gen_art.integrators.particle_tile import STATE, WIDTH, TileTerms, accumulate, lane_steps, load, tile
+from gen_art.integrators.particle_tile import TileTerms, accumulate, lane_steps
 from gen_art.integrators.step_kernels import BLOCK, advance_stage
+from gen_art.particles.rows import PX
 
 __all__ = ["ERROR", "STAGES", "TIMES", "first_step", "make_slopes", "next_step"]
 
@@ -53,23 +55,29 @@ def first_step(slope: float, change: float, guess: float) -> float:
 
 @cache
 def make_slopes(composition: KernelTerms, pairs: int, channels: tuple, precision: str):
-    """slopes(S, birth, K, A, Y, Q, out, n, first, dt, tau, last): d(x, v) / d tau of each lane, with tau from 0 to 1.
+    """slopes(S, birth, K, A, Y, Q, out, n, first, dt, tau, last, at, at_birth, at_stage, at_out)
+
+    The derivatives d(x, v) / d tau of each lane, with tau from 0 to 1.
 
     S : the state at the start of the step; birth, K, A, Q, n, first and dt as of make_step's kernel
     Y (6, capacity) : positions and velocities at tau
     out (6, capacity) : the slopes
     tau : fraction of each lane's own step
+    at, at_birth, at_stage, at_out : the addresses of S, birth, Y and out
     last : not 0 to subtract the mass lost in the step from the masses in S
     """
     real = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
     terms = TileTerms(composition, channels, pairs, real)
-    names = terms.vectors
 
     @ti.kernel
     def slopes(
         S: matrix, birth: ti.types.ndarray(ti.f64, 1), K: ti.types.ndarray(ti.u32, 2), A: matrix, Y: matrix, Q: vector,
         out: matrix, n: ti.i32, first: ti.f64, dt: ti.f64, tau: real, last: ti.i32,
+        at: ti.i64,
+        at_birth: ti.i64,
+        at_stage: ti.i64,
+        at_out: ti.i64,
     ):  # fmt: skip
         ti.loop_config(block_dim=1)
         for b in range((n + BLOCK - 1) // BLOCK):
@@ -78,17 +86,15 @@ def make_slopes(composition: KernelTerms, pairs: int, channels: tuple, precision
                 if i < n:
                     X = tile(STATE)
                     Z = tile(STATE)
-                    L = tile(names)
-                    load(X, S, i)
-                    lane_steps(L, S, birth, i, first * dt, dt, 0.0, real)
+                    L = lanes(terms)
+                    load(X, S, at, i, PX)
+                    lane_steps(terms, L, S, at, birth, at_birth, i, first * dt, dt, 0.0, real)
                     if ti.static(len(terms.mass_loss_terms) > 0):
                         compute_mass_loss(terms, L, X, S, K, Q, i)
-                    load(X, Y, i)
+                    load(X, Y, at_stage, i, 0)
                     accumulate(terms, L, X, S, K, A, Q, i, tau)
-                    advance_stage(terms, L, X, X, Z, S, i, 1.0, 0.0)
-                    for j in range(WIDTH):
-                        out[0, i + j], out[1, i + j], out[2, i + j] = Z.x0[j], Z.x1[j], Z.x2[j]
-                        out[3, i + j], out[4, i + j], out[5, i + j] = Z.v0[j], Z.v1[j], Z.v2[j]
+                    advance_stage(terms, L, X, X, Z, S, K, Q, i, tau, 1.0, 0.0)
+                    store(Z, out, at_out, i, 0)
                     if ti.static(len(terms.mass_loss_terms) > 0):
                         if last != 0:
                             apply_mass_loss(L, S, i, n)

@@ -16,29 +16,26 @@ from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
 from gen_art.forces.base import term_acceleration
 from gen_art.integrators.collisions import resolve_collisions
+from gen_art.integrators.damping import damping_rate, damping_rates, find_gains, stage_gains
 from gen_art.integrators.kernel_terms import KernelTerms
+from gen_art.integrators.kick import kick
+from gen_art.integrators.lanes import STATE, WIDTH, age_of, copy, lanes, load, step_of, tile, time_of
 from gen_art.integrators.ledger_rows import LEDGER_COLUMNS, add_entry, ledger_arrays
 from gen_art.integrators.mass_loss import add_exhaust_entries, compute_mass_loss
 from gen_art.integrators.particle_tile import (
-    STATE,
-    WIDTH,
     TileTerms,
     accumulate,
-    copy,
     flow_velocity,
-    kick,
     lane_steps,
-    load,
     place,
     repeats,
     stage_view,
-    tile,
     view,
 )
 from gen_art.integrators.pushers import gamma_at
 from gen_art.integrators.schemes import AHEAD, DRIFT, FIRST_DRIFT, KICK, STAGE, TIME, WEIGHT
-from gen_art.integrators.step_kernels import BLOCK, advance_stage, drift, load_stage
-from gen_art.particles.rows import CHARGE, MASS
+from gen_art.integrators.step_kernels import BLOCK, advance_stage, drift
+from gen_art.particles.rows import CHARGE, MASS, PX
 
 __all__ = ["LEDGER_COLUMNS", "make_ledger_kernel"]
 
@@ -51,19 +48,19 @@ def _add_kick_entries(
 ):  # fmt: skip
     """Record a kick (kicked: from the velocities in O to those in X), or a Runge-Kutta stage (slopes at X)."""
     for j in range(WIDTH):
-        if i + j < n and L.h[j] > 0.0:
+        if i + j < n and step_of(L, j) > 0.0:
             m = S[MASS, i + j]
             if ti.static(len(terms.mass_loss_terms) > 0):
                 m = L.m[j]
-            h = fraction * L.h[j]
+            h = fraction * step_of(L, j)
             x = place(terms, X, Q, j)
             new = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
             old = ti.Vector([O.v0[j], O.v1[j], O.v2[j]])
             mean = new
             if ti.static(kicked):
                 mean = 0.5 * (old + new)
-            p = stage_view(terms, S, K, L, i, j, x, old, L.age[j] + tau * L.h[j])
-            t = L.t[j] + tau * L.h[j]
+            p = stage_view(terms, S, K, L, i, j, x, old, age_of(L, j) + tau * step_of(L, j))
+            t = time_of(L, j) + tau * step_of(L, j)
             rest = m * (new - old)  # what the terms below do not account for is due to drag
             if ti.static(terms.relativistic):
                 g0, g1 = gamma_at(old, light), gamma_at(new, light)
@@ -77,8 +74,8 @@ def _add_kick_entries(
                 if ti.static(len(terms.kinds) > 0 and terms.mutual[k]):
                     C.c0[j], C.c1[j], C.c2[j] = C.c0[j] + a[0] * h, C.c1[j] + a[1] * h, C.c2[j] + a[2] * h
             for term in ti.static(terms.accelerations):
-                age = L.age[j] + tau * L.h[j]
-                seen = stage_view(terms, S, K, L, i, j, x, old, age, flow_velocity(L, term.medium, j))
+                age = age_of(L, j) + tau * step_of(L, j)
+                seen = stage_view(terms, S, K, L, i, j, x, old, age, flow_velocity(terms, L, term.medium, j))
                 for repeat in range(repeats(Q, term.count_offset)):
                     a = term_acceleration(term.force, seen, t, parameters(Q, term.force, term.offset, repeat))
                     impulse = a * (m * h)
@@ -100,11 +97,12 @@ def _add_kick_entries(
                 # the pusher's rotation differs from the sum over the fields
                 add_entry(B, b, i + j, terms.magnetics[0].ledger_row, 0.0, 0.0, rest)
             if ti.static(len(terms.dampings) > 0):
+                rates = damping_rates(terms, L, x, old, S, K, Q, i, j, tau)
                 total = h * 0.0
                 drive = ti.Vector([0.0, 0.0, 0.0])
                 for d, term in ti.static(enumerate(terms.dampings)):
-                    u = flow_velocity(L, term.medium, j)
-                    k = L.at("k", d)[j] + L.at("q", d)[j] * (mean - u).norm()
+                    u = flow_velocity(terms, L, term.medium, j)
+                    k = damping_rate(terms, L, d, j, rates, mean)
                     total += k
                     drive += k * u
                 drag_velocity = mean  # the mean velocity that the drag has acted at
@@ -112,8 +110,8 @@ def _add_kick_entries(
                     if total * h != 0.0:  # h may be below 0 within a step
                         drag_velocity = (drive - rest / (m * h)) / total
                 for d, term in ti.static(enumerate(terms.dampings)):
-                    u = flow_velocity(L, term.medium, j)
-                    k = L.at("k", d)[j] + L.at("q", d)[j] * (mean - u).norm()
+                    u = flow_velocity(terms, L, term.medium, j)
+                    k = damping_rate(terms, L, d, j, rates, mean)
                     impulse = (u - drag_velocity) * (k * m * h)
                     work = impulse.dot(u)
                     add_entry(B, b, i + j, term.ledger_row, work, work - impulse.dot(mean), impulse)
@@ -139,15 +137,15 @@ def _add_boundary_entries(
 ):  # fmt: skip
     """Record by how much the potentials change where the end X of the step is wrapped: the work of the sides of the box."""
     for j in range(WIDTH):
-        if i + j < n and L.h[j] > 0.0:
+        if i + j < n and step_of(L, j) > 0.0:
             x, inside = ti.Vector([X.x0[j], X.x1[j], X.x2[j]]), place(terms, X, Q, j)
             if (inside - x).norm() > 0.0:
                 v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-                m, age, t = S[MASS, i + j], L.age[j] + L.h[j], L.t[j] + L.h[j]
+                m, age, t = S[MASS, i + j], age_of(L, j) + step_of(L, j), time_of(L, j) + step_of(L, j)
                 if ti.static(len(terms.mass_loss_terms) > 0):
-                    m -= L.h[j] * L.w[j]
-                before = view(terms, S, K, i + j, x, v, age, None, m, (L.age[j], L.h[j]))
-                after = view(terms, S, K, i + j, inside, v, age, None, m, (L.age[j], L.h[j]))
+                    m -= step_of(L, j) * L.w[j]
+                before = view(terms, S, K, i + j, x, v, age, None, m, (age_of(L, j), step_of(L, j)))
+                after = view(terms, S, K, i + j, inside, v, age, None, m, (age_of(L, j), step_of(L, j)))
                 gain = m * 0.0
                 for term in ti.static(terms.potentials):
                     for repeat in range(repeats(Q, term.count_offset)):
@@ -173,18 +171,21 @@ def make_ledger_kernel(
     matrix, vector = ti.types.ndarray(real, 2), ti.types.ndarray(real, 1)
     terms = TileTerms(composition, channels, len(mutual), real, rotation)
     terms.mutual = mutual
-    names = terms.vectors
     splitting = kind == "splitting"
 
     @ti.kernel
     def ledger_kernel(
         S: matrix, birth: ti.types.ndarray(ti.f64, 1), K: ti.types.ndarray(ti.u32, 2), A: matrix, R: matrix, Q: vector,
         P: vector, begin: ti.i32, n: ti.i32, first: ti.f64, dt: ti.f64, earliest: ti.f64, stage0: ti.i32, stage1: ti.i32,
+        at: ti.i64, at_birth: ti.i64, at_scratch: ti.i64,
         T: ti.types.ndarray(ti.f64, 2), M: matrix, W: ti.types.ndarray(ti.f64, 2),
     ):  # fmt: skip
         B = ledger_arrays(T, W, shares)
         ti.loop_config(block_dim=1)
         for b in range((n - begin + BLOCK - 1) // BLOCK):
+            F = tile("gain")  # of each stage
+            if ti.static(splitting):
+                stage_gains(terms, F, Q, P, ti.cast(dt, real))
             for s in range(BLOCK // WIDTH):
                 i = begin + b * BLOCK + s * WIDTH
                 if i < n:
@@ -193,16 +194,17 @@ def make_ledger_kernel(
                     Z = tile(STATE)
                     G = tile(terms.start_vectors)
                     C = tile("c0 c1 c2")
-                    L = tile(names)
-                    load(X, S, i)
-                    load(Y, S, i)
+                    L = lanes(terms)
+                    load(X, S, at, i, PX)
+                    if ti.static(not splitting):
+                        load(Y, S, at, i, PX)
                     if ti.static(len(terms.kinds) > 0):
                         if stage0 <= 0:
                             for j in range(WIDTH):
                                 M[0, i + j], M[1, i + j], M[2, i + j] = 0.0, 0.0, 0.0
                         for j in range(WIDTH):
                             C.c0[j], C.c1[j], C.c2[j] = M[0, i + j], M[1, i + j], M[2, i + j]
-                    lane_steps(L, S, birth, i, first * dt, dt, earliest, real)
+                    lane_steps(terms, L, S, at, birth, at_birth, i, first * dt, dt, earliest, real)
                     if ti.static(len(terms.mass_loss_terms) > 0):
                         compute_mass_loss(terms, L, X, S, K, Q, i)
                     if ti.static(splitting):
@@ -210,7 +212,7 @@ def make_ledger_kernel(
                             copy(G, X)
                             if ti.static(staged):
                                 if stage0 > 0 or (stage0 == 0 and P[FIRST_DRIFT] != 0.0):
-                                    load(G, R, i)
+                                    load(G, R, at_scratch, i, 0)
                         if stage0 < 0:
                             drift_with_exhaust(terms, B, b, L, X, S, K, Q, i, n, 0.0, P[FIRST_DRIFT])
                         for g in range(ti.max(stage0, 0), stage1):
@@ -218,19 +220,21 @@ def make_ledger_kernel(
                                 Y.v0[j], Y.v1[j], Y.v2[j] = X.v0[j], X.v1[j], X.v2[j]
                             time, length, light = P[TIME + STAGE * g], P[KICK + STAGE * g], P[P.shape[0] - 1]
                             accumulate(terms, L, X, S, K, A, Q, i, time)
-                            kick(terms, L, X, S, K, i, length, light, first, time)
+                            find_gains(terms, L, F, Q, g, length)
+                            kick(terms, L, X, S, K, Q, i, length, light, first, time)
                             _add_kick_entries(terms, B, b, L, X, Y, S, K, A, Q, i, n, time, length, True, C, light)
                             drift_with_exhaust(terms, B, b, L, X, S, K, Q, i, n, time, P[DRIFT + STAGE * g])
                     else:
                         if stage0 > 0:
-                            load_stage(Y, Z, R, i)
+                            load(Y, R, at_scratch, i, 0)
+                            load(Z, R, at_scratch, i, 6)
                         for g in range(ti.max(stage0, 0), stage1):
                             time, weight = P[TIME + STAGE * g], P[WEIGHT + STAGE * g]
                             accumulate(terms, L, Y, S, K, A, Q, i, time)
                             _add_kick_entries(terms, B, b, L, Y, Y, S, K, A, Q, i, n, time, weight, False, C, 0.0)
                             if ti.static(len(terms.mass_loss_terms) > 0):
                                 add_exhaust_entries(terms, B, b, L, Y, S, K, Q, i, n, time, weight)
-                            advance_stage(terms, L, X, Y, Z, S, i, weight, P[AHEAD + STAGE * g])
+                            advance_stage(terms, L, X, Y, Z, S, K, Q, i, time, weight, P[AHEAD + STAGE * g])
                     if ti.static(len(terms.kinds) > 0):
                         for j in range(WIDTH):
                             M[0, i + j], M[1, i + j], M[2, i + j] = C.c0[j], C.c1[j], C.c2[j]

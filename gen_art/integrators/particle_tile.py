@@ -1,4 +1,4 @@
-"""What all step kernels share: the local vectors of a tile of lanes, and the loops that sum a composition's terms over it.
+"""What all step kernels share: the loops that sum a composition's terms over the lanes of a tile, and kick its velocities.
 
 Each loop over lanes is innermost, reads global memory and writes only to local vectors, so that it vectorises; repeats
 (octaves) are run-time loops around it.
@@ -12,46 +12,32 @@ from gen_art.colliders.kinds import collider_kinds
 from gen_art.colliders.surface import make_surface
 from gen_art.forces.base import is_steady, term_acceleration
 from gen_art.integrators.kernel_terms import KernelTerms
-from gen_art.integrators.pushers import phase_corrected, relativistic
-from gen_art.integrators.thermal_noise import add_noise
-from gen_art.maths.elementary import phi
+from gen_art.integrators.lanes import (
+    STATE,
+    WIDTH,
+    age_of,
+    all_alive,
+    are_whole,
+    copy,
+    load_lifespans,
+    step_of,
+    tile,
+    time_of,
+)
 from gen_art.particles.fixed import is_fixed
 from gen_art.particles.periodic_box import wrapped
-from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, PX, PY, PZ, RADIUS, VX, VY, VZ
+from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, RADIUS
 
 __all__ = [
-    "STATE", "WIDTH", "TileTerms", "accumulate", "copy", "flow_velocity", "kick", "lane_steps", "load",
-    "place", "repeats", "specific_charge", "stage_view", "store", "tile", "view", "wrap",
+    "TileTerms", "accumulate", "flow_velocity", "lane_steps", "place", "repeats", "specific_charge", "stage_view", "view", "wrap",
 ]  # fmt: skip
-
-WIDTH = 16
-STATE = "x0 x1 x2 v0 v1 v2"  # the vectors of a tile that holds positions and velocities
-
-
-class Tile:
-    """Local vectors of WIDTH lanes, one for each name, created while a kernel is traced."""
-
-    _data_oriented = True
-
-    def __init__(self, names: str):
-        for name in names.split():
-            setattr(self, name, impl.expr_init(make_matrix([0.0] * WIDTH)))
-
-    @traced
-    def at(self, *parts):
-        """The vector whose name is the concatenation of these parts: at("u", 0, 2) is u02."""
-        return getattr(self, "".join(map(str, parts)))
-
-
-@traced
-def tile(names: str) -> Tile:
-    return Tile(names)
 
 
 class TileTerms:
     """A composition as kernels use it.
 
     accelerations, magnetics, dampings, noises, mass_loss_terms, potentials : the Terms of each kind
+    lifespans : whether particles may be born or die within a step, or are fixed
     media : the Terms of each medium
     kinds : the ColliderKinds
     collider_row : the ledger's row of the first collider
@@ -63,6 +49,8 @@ class TileTerms:
     boundary_row : the ledger's row of the sides of the box, or -1 if no potential changes there
     start_vectors : names of the vectors that keep the start of a step for collisions
     collisions_balance_energy : whether the work at impacts is found from the energy, because other forces are not conservative
+    uniform_damping : whether the damping is the same for all particles and steps, and so is its exponential for whole steps
+    keeps_rates : whether the rates of the dampings are read after the kick too
     reusable : whether the result of `accumulate` holds for the next step too if no position changes in between
     vectors : names of the lanes' vectors L
     """
@@ -70,8 +58,10 @@ class TileTerms:
     _data_oriented = True
 
     def __init__(
-        self, composition: KernelTerms, channels: tuple, pairs: int, real, rotation: tuple = ("", False, False)
-    ):
+        self, composition: KernelTerms, channels: tuple, pairs: int, real, rotation: tuple = ("", False, False),
+        lifespans: bool = True,
+    ):  # fmt: skip
+        self.lifespans = lifespans
         self.pusher, self.relativistic, self.exact = rotation
         self.accelerations, self.magnetics = composition.accelerations, composition.magnetics
         self.dampings, self.noises = composition.dampings, composition.noises
@@ -92,13 +82,25 @@ class TileTerms:
         self.collisions_balance_energy = any(kind.collider.rotates for kind in self.kinds) or any(
             t.force.does_work and not t.force.conservative for t in composition.terms
         )
+        varying = [
+            t
+            for t in self.dampings
+            if not t.force.steady or t.force.damping_reads_particle or t.force.quadratic_damping
+        ]
+        self.uniform_damping = bool(self.dampings) and not (varying or self.magnetics)
         self.quadratic = any(t.force.quadratic_damping for t in self.dampings)
         steady = all(is_steady(t.force) for terms in (composition.terms, *self.media) for t in terms)
         self.reusable = steady and not (self.magnetics or self.kinds or self.mass_loss_terms)
         self.magnetic_without_damping = bool(self.magnetics) and not self.dampings
-        names = ["a0 a1 a2 g0 g1 g2 h age t"]
-        names += [f"k{d} q{d}" for d in range(len(self.dampings))]
-        names += [f"u{m}0 u{m}1 u{m}2" for m in range(len(self.media))]
+        self.keeps_rates = bool(self.kinds or self.noises)
+        names = ["a0 a1 a2"]
+        if lifespans:
+            names.append("h age t lifetime")
+            if self.uniform_damping:
+                names.append("gain")
+        if self.keeps_rates:
+            names += [f"k{d} q{d}" for d in range(len(self.dampings))]
+        names += [f"u{m}0 u{m}1 u{m}2" for m in range(len(self.media)) if self.media[m]]
         if self.mass_loss_terms:
             names.append("m w")  # mass at the stage, and its loss in kg/s
         if self.noises:
@@ -106,6 +108,18 @@ class TileTerms:
         if self.magnetics:
             names.append("b0 b1 b2")
         self.vectors = " ".join(names)
+
+
+@traced
+def single(terms: list) -> list:
+    """Those of some Terms that are evaluated once: one loop over the lanes takes them all."""
+    return [term for term in terms if term.count_offset < 0]
+
+
+@traced
+def repeated(terms: list) -> list:
+    """Those that are sums over repeats: each takes a loop over the lanes of its own, within the loop over the repeats."""
+    return [term for term in terms if term.count_offset >= 0]
 
 
 @traced
@@ -143,15 +157,17 @@ def stage_view(terms: TileTerms, S, K, L, i, j, x, v, age, flow=None):
     mass = step = None
     if terms.mass_loss_terms:
         mass = impl.subscript(None, L.m, j)
-        step = (impl.subscript(None, L.age, j), impl.subscript(None, L.h, j))
+        step = (age_of(L, j), step_of(L, j))
     return view(terms, S, K, i + j, x, v, age, flow, mass, step)
 
 
 @traced
-def flow_velocity(L, medium: int, j):
+def flow_velocity(terms: TileTerms, L, medium: int, j):
     """The velocity of a medium in lane j, which `accumulate` has summed; None if the term depends on no medium."""
     if medium < 0:
         return None
+    if not terms.media[medium]:
+        return make_matrix([0.0, 0.0, 0.0])
     return make_matrix([impl.subscript(None, L.at("u", medium, c), j) for c in range(3)])
 
 
@@ -171,28 +187,6 @@ def repeats(Q: ti.template(), count_offset: ti.template()):
     if ti.static(count_offset >= 0):
         count = ti.cast(Q[count_offset], ti.i32)
     return count
-
-
-@ti.func
-def load(T: ti.template(), S: ti.template(), i):
-    for j in range(WIDTH):
-        T.x0[j], T.x1[j], T.x2[j] = S[PX, i + j], S[PY, i + j], S[PZ, i + j]
-        T.v0[j], T.v1[j], T.v2[j] = S[VX, i + j], S[VY, i + j], S[VZ, i + j]
-
-
-@ti.func
-def copy(T: ti.template(), F: ti.template()):
-    """T = F, lane by lane."""
-    for j in range(WIDTH):
-        T.x0[j], T.x1[j], T.x2[j] = F.x0[j], F.x1[j], F.x2[j]
-        T.v0[j], T.v1[j], T.v2[j] = F.v0[j], F.v1[j], F.v2[j]
-
-
-@ti.func
-def store(T: ti.template(), S: ti.template(), i):
-    for j in range(WIDTH):
-        S[PX, i + j], S[PY, i + j], S[PZ, i + j] = T.x0[j], T.x1[j], T.x2[j]
-        S[VX, i + j], S[VY, i + j], S[VZ, i + j] = T.v0[j], T.v1[j], T.v2[j]
 
 
 @ti.func
@@ -218,16 +212,28 @@ def place(terms: ti.template(), X: ti.template(), Q: ti.template(), j):
 
 
 @ti.func
-def lane_steps(L: ti.template(), S: ti.template(), birth: ti.template(), i, now, dt, earliest, real: ti.template()):
-    """Write each lane's own step to L: h, the part of [now, now + dt] it is alive, and age and time t where that part begins."""
-    for j in range(WIDTH):
-        since = birth[i + j] - now
-        start = ti.max(since, earliest)
-        end = ti.min(since + ti.cast(S[LIFETIME, i + j], ti.f64), dt)
-        h = ti.cast(ti.max(end - start, ti.f64(0.0)), real)
-        L.h[j] = ti.select(is_fixed(S[LIFETIME, i + j]), h * 0.0, h)
-        L.age[j] = ti.cast(start - since, real)
-        L.t[j] = ti.cast(now + start, real)
+def lane_steps(
+    terms: ti.template(), L: ti.template(), S: ti.template(), at, birth: ti.template(), at_birth, i, now, dt, earliest,
+    real: ti.template(),
+):  # fmt: skip
+    """Find each lane's own step: the part of [now, now + dt] that it is alive, and its age and time where that part begins."""
+    if ti.static(terms.lifespans):
+        load_lifespans(L, S, at, birth, at_birth, i)
+        for j in range(WIDTH):
+            since = L.birth[j] - now
+            start = ti.max(since, earliest)
+            end = ti.min(since + ti.cast(L.lifetime[j], ti.f64), dt)
+            h = ti.cast(ti.max(end - start, ti.f64(0.0)), real)
+            L.h[j] = ti.select(is_fixed(L.lifetime[j]), h * 0.0, h)
+            L.age[j] = ti.cast(start - since, real)
+            L.t[j] = ti.cast(now + start, real)
+        if ti.static(terms.uniform_damping):
+            shorter = 0
+            for j in range(WIDTH):
+                shorter += ti.select(L.h[j] == ti.cast(dt, real), 0, 1)
+            are_whole(L, shorter == 0)
+    else:
+        all_alive(L, ti.cast(dt, real), ti.cast(now, real), now, birth, i)
 
 
 @ti.func
@@ -255,48 +261,53 @@ def sum_terms(
 ):  # fmt: skip
     if ti.static(len(terms.mass_loss_terms) > 0):
         for j in range(WIDTH):
-            L.m[j] = S[MASS, i + j] - tau * L.h[j] * L.w[j]
-    for j in range(WIDTH):
-        L.a0[j], L.a1[j], L.a2[j] = 0.0, 0.0, 0.0
-    for k in ti.static(range(terms.pairs)):
-        for j in range(WIDTH):
-            L.a0[j] += A[3 * k, i + j]
-            L.a1[j] += A[3 * k + 1, i + j]
-            L.a2[j] += A[3 * k + 2, i + j]
+            L.m[j] = S[MASS, i + j] - tau * step_of(L, j) * L.w[j]
     for m in ti.static(range(len(terms.media))):
-        for j in range(WIDTH):
-            L.at("u", m, 0)[j], L.at("u", m, 1)[j], L.at("u", m, 2)[j] = 0.0, 0.0, 0.0
-        for term in ti.static(terms.media[m]):
+        if ti.static(len(terms.media[m]) > 0):
+            for j in range(WIDTH):
+                u = ti.Vector([0.0, 0.0, 0.0])
+                x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
+                v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
+                for term in ti.static(single(terms.media[m])):
+                    p = stage_view(terms, S, K, L, i, j, x, v, age_of(L, j) + tau * step_of(L, j))
+                    q = parameters(Q, term.force, term.offset)
+                    u += term.force.acceleration(p, time_of(L, j) + tau * step_of(L, j), q)
+                L.at("u", m, 0)[j], L.at("u", m, 1)[j], L.at("u", m, 2)[j] = u[0], u[1], u[2]
+        for term in ti.static(repeated(terms.media[m])):
             for repeat in range(repeats(Q, term.count_offset)):
                 for j in range(WIDTH):
                     x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
                     v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-                    p = stage_view(terms, S, K, L, i, j, x, v, L.age[j] + tau * L.h[j])
+                    p = stage_view(terms, S, K, L, i, j, x, v, age_of(L, j) + tau * step_of(L, j))
                     q = parameters(Q, term.force, term.offset, repeat)
-                    u = term.force.acceleration(p, L.t[j] + tau * L.h[j], q)
+                    u = term.force.acceleration(p, time_of(L, j) + tau * step_of(L, j), q)
                     L.at("u", m, 0)[j] += u[0]
                     L.at("u", m, 1)[j] += u[1]
                     L.at("u", m, 2)[j] += u[2]
-    for term in ti.static(terms.accelerations):
+    for j in range(WIDTH):
+        a = ti.Vector([0.0, 0.0, 0.0])
+        x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
+        v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
+        for k in ti.static(range(terms.pairs)):
+            a += ti.Vector([A[3 * k, i + j], A[3 * k + 1, i + j], A[3 * k + 2, i + j]])
+        for term in ti.static(single(terms.accelerations)):
+            age = age_of(L, j) + tau * step_of(L, j)
+            p = stage_view(terms, S, K, L, i, j, x, v, age, flow_velocity(terms, L, term.medium, j))
+            q = parameters(Q, term.force, term.offset)
+            a += term_acceleration(term.force, p, time_of(L, j) + tau * step_of(L, j), q)
+        L.a0[j], L.a1[j], L.a2[j] = a[0], a[1], a[2]
+    for term in ti.static(repeated(terms.accelerations)):
         for repeat in range(repeats(Q, term.count_offset)):
             for j in range(WIDTH):
                 x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
                 v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-                age = L.age[j] + tau * L.h[j]
-                p = stage_view(terms, S, K, L, i, j, x, v, age, flow_velocity(L, term.medium, j))
+                age = age_of(L, j) + tau * step_of(L, j)
+                p = stage_view(terms, S, K, L, i, j, x, v, age, flow_velocity(terms, L, term.medium, j))
                 q = parameters(Q, term.force, term.offset, repeat)
-                a = term_acceleration(term.force, p, L.t[j] + tau * L.h[j], q)
+                a = term_acceleration(term.force, p, time_of(L, j) + tau * step_of(L, j), q)
                 L.a0[j] += a[0]
                 L.a1[j] += a[1]
                 L.a2[j] += a[2]
-    for d, term in ti.static(enumerate(terms.dampings)):
-        for j in range(WIDTH):
-            x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
-            v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-            p = stage_view(terms, S, K, L, i, j, x, v, L.age[j] + tau * L.h[j])
-            q = parameters(Q, term.force, term.offset)
-            rates = term.force.damping(p, L.t[j] + tau * L.h[j], q)
-            L.at("k", d)[j], L.at("q", d)[j] = rates[0], rates[1]
     if ti.static(len(terms.noises) > 0):
         for j in range(WIDTH):
             L.s[j] = 0.0
@@ -304,93 +315,27 @@ def sum_terms(
             for j in range(WIDTH):
                 x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
                 v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-                p = stage_view(terms, S, K, L, i, j, x, v, L.age[j] + tau * L.h[j])
-                L.s[j] += term.force.noise(p, L.t[j] + tau * L.h[j], parameters(Q, term.force, term.offset))
+                p = stage_view(terms, S, K, L, i, j, x, v, age_of(L, j) + tau * step_of(L, j))
+                t = time_of(L, j) + tau * step_of(L, j)
+                L.s[j] += term.force.noise(p, t, parameters(Q, term.force, term.offset))
     if ti.static(len(terms.magnetics) > 0):
         for j in range(WIDTH):
-            L.b0[j], L.b1[j], L.b2[j] = 0.0, 0.0, 0.0
-        for term in ti.static(terms.magnetics):
+            b = ti.Vector([0.0, 0.0, 0.0])
+            x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
+            v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
+            for term in ti.static(single(terms.magnetics)):
+                p = stage_view(terms, S, K, L, i, j, x, v, age_of(L, j) + tau * step_of(L, j))
+                t = time_of(L, j) + tau * step_of(L, j)
+                b += term.force.magnetic(p, t, parameters(Q, term.force, term.offset))
+            L.b0[j], L.b1[j], L.b2[j] = b[0], b[1], b[2]
+        for term in ti.static(repeated(terms.magnetics)):
             for repeat in range(repeats(Q, term.count_offset)):
                 for j in range(WIDTH):
                     x = ti.Vector([X.x0[j], X.x1[j], X.x2[j]])
                     v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-                    p = stage_view(terms, S, K, L, i, j, x, v, L.age[j] + tau * L.h[j])
+                    p = stage_view(terms, S, K, L, i, j, x, v, age_of(L, j) + tau * step_of(L, j))
                     q = parameters(Q, term.force, term.offset, repeat)
-                    field = term.force.magnetic(p, L.t[j] + tau * L.h[j], q)
+                    field = term.force.magnetic(p, time_of(L, j) + tau * step_of(L, j), q)
                     L.b0[j] += field[0]
                     L.b1[j] += field[1]
                     L.b2[j] += field[2]
-
-
-@ti.func
-def damped(terms: ti.template(), L: ti.template(), j, v, w, h):
-    """The exact solution of dv/dt = a + sum k_i (u_i - v) over h, with constant k_i = rate_i + quadratic_i abs(w - u_i)."""
-    rate = h * 0.0
-    drive = ti.Vector([L.a0[j], L.a1[j], L.a2[j]])
-    for d, term in ti.static(enumerate(terms.dampings)):
-        m = ti.static(term.medium)
-        u = ti.Vector([L.at("u", m, 0)[j], L.at("u", m, 1)[j], L.at("u", m, 2)[j]])
-        k = L.at("k", d)[j] + L.at("q", d)[j] * (w - u).norm()
-        rate += k
-        drive += k * u
-    return v + (h * phi(rate * h)) * (drive - rate * v)
-
-
-@ti.func
-def accelerated(terms: ti.template(), L: ti.template(), j, v, h):
-    """v after acceleration and drag over h. The quadratic rate is that of the predicted middle: order 2, terminal speed exact."""
-    result = v + h * ti.Vector([L.a0[j], L.a1[j], L.a2[j]])
-    if ti.static(len(terms.dampings) > 0):
-        middle = v
-        if ti.static(terms.quadratic):
-            middle = damped(terms, L, j, v, v, 0.5 * h)
-        result = damped(terms, L, j, v, middle, h)
-    return result
-
-
-@ti.func
-def rotated(v, omega, h):
-    """v rotated about omega by the angle 2 atan(abs(omega) h / 2): Boris's rotation, which keeps abs(v)."""
-    t = omega * (0.5 * h)
-    s = t * (2.0 / (1.0 + t.dot(t)))
-    return v + (v + v.cross(t)).cross(s)
-
-
-@ti.func
-def kick(
-    terms: ti.template(), L: ti.template(), X: ti.template(), S: ti.template(), K: ti.template(), i, fraction, light, step, tau
-):  # fmt: skip
-    """Advance the tile's velocities by a fraction of each lane's step, with the sums of `accumulate` in L.
-
-    light : speed of light, m/s
-    step, tau : number of the step, and the time of the kick in it, in steps
-    """
-    for j in range(WIDTH):
-        v = ti.Vector([X.v0[j], X.v1[j], X.v2[j]])
-        h = fraction * L.h[j]
-        if ti.static(terms.relativistic):
-            omega = v * 0.0
-            if ti.static(len(terms.magnetics) > 0):
-                omega = ti.Vector([L.b0[j], L.b1[j], L.b2[j]]) * specific_charge(terms, L, S, i, j)
-            v = relativistic(terms, v, ti.Vector([L.a0[j], L.a1[j], L.a2[j]]), omega, h, light)
-        elif ti.static(len(terms.magnetics) == 0):
-            v = accelerated(terms, L, j, v, h)
-        else:
-            omega = ti.Vector([L.b0[j], L.b1[j], L.b2[j]]) * specific_charge(terms, L, S, i, j)
-            if ti.static(terms.pusher != ""):
-                if ti.static(terms.exact):
-                    a, corrected = phase_corrected(ti.Vector([L.a0[j], L.a1[j], L.a2[j]]), omega, h, 1.0, 1.0)
-                    L.a0[j], L.a1[j], L.a2[j] = a[0], a[1], a[2]
-                    omega = corrected
-                v = accelerated(terms, L, j, v, 0.5 * h)
-                v = rotated(v, omega, h)
-                v = accelerated(terms, L, j, v, 0.5 * h)
-            else:
-                lorentz = v.cross(omega)
-                L.a0[j] += lorentz[0]
-                L.a1[j] += lorentz[1]
-                L.a2[j] += lorentz[2]
-                v = accelerated(terms, L, j, v, h)
-        X.v0[j], X.v1[j], X.v2[j] = v[0], v[1], v[2]
-    if ti.static(len(terms.noises) > 0):
-        add_noise(terms, L, X, K, i, fraction, ti.cast(step, ti.u32), tau, WIDTH)

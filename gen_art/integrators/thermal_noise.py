@@ -7,6 +7,7 @@ The one-letter names in kernels are in docs/glossary.md.
 """
 
 from gen_art.backend.runtime import real, ti
+from gen_art.integrators.lanes import WIDTH, step_of
 from gen_art.maths.elementary import cos, log, phi, sin
 from gen_art.maths.random import philox
 
@@ -31,15 +32,15 @@ def _normals(low, high, step, draw):
 
 @ti.func
 def add_noise(
-    terms: ti.template(), L: ti.template(), X: ti.template(), K: ti.template(), i, fraction, step, tau, width: ti.template()
+    terms: ti.template(), L: ti.template(), X: ti.template(), K: ti.template(), i, fraction, step, tau
 ):  # fmt: skip
     """Add the thermal noise of a kick to the velocities X, and write it to L.n0 to L.n2.
 
     step, tau : number of the step, and the time of the kick in it, in steps, a multiple of 1/2
     With linear rates of damping k and the sum B of the noises, m^2/s^3, the variance is B (1 - e^(-2 k h)) / (2 k).
     """
-    for j in range(width):
-        h = fraction * L.h[j]
+    for j in range(WIDTH):
+        h = fraction * step_of(L, j)
         rate = h * 0.0
         for d in ti.static(range(len(terms.dampings))):
             rate += L.at("k", d)[j]

@@ -6,6 +6,7 @@ import numpy as np
 
 from gen_art.backend.memory import available_memory
 from gen_art.errors import MemoryRefused
+from gen_art.particles.compaction import compact
 from gen_art.particles.entries import LedgerEntry
 from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, POSITION, RADIUS
@@ -35,6 +36,7 @@ class Particles:
     key : (2, capacity) uint32, high and low word of the key of the random stream
     id : (capacity,) int64, never reused
     source : (capacity,) int32, index into `sources`
+    may_die, has_fixed : whether a particle may die, and whether one is fixed
     count : number of used slots, [0, count), in the order of their ids
     box : the periodic box that all positions are in between steps; None in open space
     booked : (entries, capacity) f64, J: the share of each particle in the `entries` of the ledger since its birth. It is no
@@ -57,6 +59,7 @@ class Particles:
         self.count = 0
         self.next_id = 0
         self.may_die = False
+        self.has_fixed = False
         self.launches = 0
         self.count_at = 0
         self._allocate(np.dtype(dtype), capacity)
@@ -151,8 +154,7 @@ class Particles:
         if self.entries:
             gone = np.setdiff1d(np.arange(self.count), keep)
             self.removed = [_sum([sum_, *row[gone]]) for sum_, row in zip(self.removed, self.booked)]
-        for column in self._arrays():
-            column[..., : len(keep)] = column[..., keep]
+        compact(keep.astype(np.int32), *self._arrays())
         self.count = len(keep)
         return True
 

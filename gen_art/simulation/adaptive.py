@@ -237,5 +237,6 @@ class _Control:
         state = part.state
         part.kernel(
             state.floats, state.birth, state.key, part.stepper.pair, part.rows, part.stepper.numbers, part.out, part.n,
-            float(first), self.sim.dt, tau, last,
+            float(first), self.sim.dt, tau, last, state.floats.ctypes.data, state.birth.ctypes.data, part.rows.ctypes.data,
+            part.out.ctypes.data,
         )  # fmt: skip

@@ -178,7 +178,8 @@ class LedgerKeeper:
         entries = np.zeros((blocks, rows * LEDGER_COLUMNS))
         kernel(
             state.floats, state.birth, state.key, stepper.pair, stepper.scratch, stepper.numbers, stepper.scheme_numbers,
-            begin, state.count, float(first), dt, earliest, stage0, stage1, entries, impact_state,
+            begin, state.count, float(first), dt, earliest, stage0, stage1, state.floats.ctypes.data, state.birth.ctypes.data,
+            stepper.scratch.ctypes.data, entries, impact_state,
             state.booked if state.entries else _NOTHING_BOOKED,
         )  # fmt: skip
         self._rows_of[name] += entries.sum(axis=0).reshape(rows, LEDGER_COLUMNS)

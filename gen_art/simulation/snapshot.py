@@ -13,6 +13,8 @@ from gen_art.files import beside
 from gen_art.forces.base import FORCES
 from gen_art.forces.medium import Medium
 from gen_art.interactions import INTERACTIONS
+from gen_art.particles.fixed import fixed_lifetimes
+from gen_art.particles.rows import LIFETIME
 from gen_art.simulation.system import ParticleSystem
 
 __all__ = ["Snapshot", "read", "write"]
@@ -89,6 +91,7 @@ class Snapshot:
             for column in _COLUMNS:
                 getattr(state, column)[..., : entry["count"]] = self.columns[name, column]
             state.count, state.next_id, state.may_die = entry["count"], entry["next_id"], entry["may_die"]
+            state.has_fixed = bool(fixed_lifetimes(state.floats[LIFETIME, : state.count]).any())
             # the dead are then removed when they would have been, which decides the order of the ledger's sums
             state.launches, state.count_at = entry.get("launches", 0), entry.get("count_at", 0)
             if name in self.booked:

@@ -1,5 +1,6 @@
 """The step kernel of one system and its arguments."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,10 +35,19 @@ class Stepper:
         self.scratch = np.zeros((1, 1), dtype)
         sizes = [len(interaction.parts) for interaction in system.interactions]
         self.part_offsets = np.cumsum([0, *sizes]).tolist()
-        self.kernel = make_step(
-            system.composition, system.scheme.kind, system.scheme.rotation, self.part_offsets[-1],
-            coupled, system.state.attributes, precision,
-        )  # fmt: skip
+        self.precision = precision
+        self._kernels: dict[bool, Callable] = {}
+
+    def _kernel(self) -> Callable:
+        """The step kernel: where nobody is born, dies or is fixed, one that takes the whole step in every lane."""
+        system = self.system
+        lifespans = bool(system.emitters) or system.state.may_die or system.state.has_fixed
+        if lifespans not in self._kernels:
+            self._kernels[lifespans] = make_step(
+                system.composition, system.scheme.kind, system.scheme.rotation, self.part_offsets[-1],
+                self.coupled, system.state.attributes, self.precision, lifespans,
+            )  # fmt: skip
+        return self._kernels[lifespans]
 
     def run(self, first: int, steps: int, dt: float, begin: int = 0, earliest: float = 0.0) -> None:
         """Take whole steps in one launch, for slots from `begin` on.
@@ -82,7 +92,8 @@ class Stepper:
         if state.count > begin:
             if self.ledger:
                 self.ledger.record_step(self.system.name, self, begin, first, dt, earliest, stage0, stage1)
-            self.kernel(
+            self._kernel()(
                 state.floats, state.birth, state.key, self.pair, self.scratch, self.numbers, self.scheme_numbers,
                 begin, state.count, float(first), steps, dt, earliest, stage0, stage1,
+                state.floats.ctypes.data, state.birth.ctypes.data, self.scratch.ctypes.data,
             )  # fmt: skip

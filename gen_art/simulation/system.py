@@ -287,6 +287,7 @@ class ParticleSystem:
             state.floats[VELOCITY, new] = self._initial["velocity"]
             state.floats[LIFETIME, new] = np.inf
             state.floats[LIFETIME, self._fixed] = FIXED
+            state.has_fixed = len(self._fixed) > 0
             for name in ("mass", "charge", "radius", *self._attributes):
                 state.floats[state.channels[name], new] = self._initial[name]
             state.wrap(new)

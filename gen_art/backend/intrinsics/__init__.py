@@ -11,11 +11,12 @@ from pathlib import Path
 from gen_art.backend.kernel_views import traced
 from gen_art.backend.runtime import STOCK_TAICHI, call_bitcode, processor
 
-__all__ = ["HAS_PACK", "HAS_PREFETCH", "pack", "prefetch"]
+__all__ = ["HAS_LANES", "HAS_PACK", "HAS_PREFETCH", "load_lanes", "pack", "prefetch", "store_lanes"]
 
 
 _FOLDER = Path(__file__).parent
 HAS_PREFETCH = not STOCK_TAICHI and (platform.system(), platform.machine()) == ("Linux", "x86_64")
+HAS_LANES = HAS_PREFETCH
 HAS_PACK = HAS_PREFETCH and {"avx512f", "avx512dq", "avx512bw", "avx512vl", "popcnt"} <= set(
     "".join(processor()).split()
 )
@@ -39,3 +40,19 @@ def pack(marks, words, to, count):
     Only where HAS_PACK.
     """
     call_bitcode(_FOLDER / "pack.bc", "gen_art_pack", [marks, words, to], [count])
+
+
+@traced
+def load_lanes(address, lanes, wide: bool):
+    """Read a local vector of sixteen floats from an address, a 64-bit whole number, which need not be at a whole vector.
+
+    wide : whether they are float64
+    Read the vector in a later loop only, but read it: Taichi stops at one that is only loaded. Only where HAS_LANES.
+    """
+    call_bitcode(_FOLDER / "lanes.bc", "gen_art_load_f64" if wide else "gen_art_load_f32", [address], [lanes])
+
+
+@traced
+def store_lanes(address, lanes, wide: bool):
+    """Write such a vector to an address. Only where HAS_LANES."""
+    call_bitcode(_FOLDER / "lanes.bc", "gen_art_store_f64" if wide else "gen_art_store_f32", [address], [lanes])
