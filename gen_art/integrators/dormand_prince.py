@@ -87,11 +87,11 @@ def make_slopes(composition: KernelTerms, pairs: int, channels: tuple, precision
                     X = tile(STATE)
                     Z = tile(STATE)
                     L = lanes(terms)
-                    load(X, S, at, i, PX)
+                    load(X, L, S, at, i, PX)
                     lane_steps(terms, L, S, at, birth, at_birth, i, first * dt, dt, 0.0, real)
                     if ti.static(len(terms.mass_loss_terms) > 0):
                         compute_mass_loss(terms, L, X, S, K, Q, i)
-                    load(X, Y, at_stage, i, 0)
+                    load(X, L, Y, at_stage, i, 0)
                     accumulate(terms, L, X, S, K, A, Q, i, tau)
                     advance_stage(terms, L, X, X, Z, S, K, Q, i, tau, 1.0, 0.0)
                     store(Z, out, at_out, i, 0)

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from gen_art.integrators.particle_tile import TileTerms
 
 __all__ = [
-    "STATE", "WIDTH", "Lanes", "age_of", "all_alive", "are_whole", "copy", "lanes", "load", "load_lifespans", "step_of", "store",
-    "tile", "time_of",
+    "STATE", "WIDTH", "Lanes", "age_of", "all_alive", "are_whole", "copy", "lanes", "load", "load_lifespans", "step_of",
+    "store", "tile", "time_of",
 ]  # fmt: skip
 
 WIDTH = 16
@@ -94,13 +94,13 @@ def age_of(L: Lanes, j):
 
 
 @ti.func
-def load(T: ti.template(), S: ti.template(), address, i, first: ti.template()):
+def load(T: ti.template(), L: ti.template(), S: ti.template(), address, i, first: ti.template()):
     """Read the state of a tile from the rows of S from `first` on; `address` is where the memory of S begins.
 
-    Through addresses, because a loop that stores to S does not become vector instructions, and one that reads it asks first
-    whether its indices overflow.
+    By addresses, because a loop that stores to S does not become vector instructions, and one that reads it asks first whether
+    its indices overflow. But by a loop where all lanes are alive: LLVM then keeps the state in registers over several steps.
     """
-    if ti.static(intrinsics.HAS_LANES):
+    if ti.static(intrinsics.HAS_LANES and L.lifespans):
         for row, name in ti.static(enumerate(STATE.split())):
             intrinsics.load_lanes(place_of(S, address, first + row, i), T.at(name), is_f64())
     else:

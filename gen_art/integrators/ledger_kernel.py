@@ -195,9 +195,9 @@ def make_ledger_kernel(
                     G = tile(terms.start_vectors)
                     C = tile("c0 c1 c2")
                     L = lanes(terms)
-                    load(X, S, at, i, PX)
+                    load(X, L, S, at, i, PX)
                     if ti.static(not splitting):
-                        load(Y, S, at, i, PX)
+                        load(Y, L, S, at, i, PX)
                     if ti.static(len(terms.kinds) > 0):
                         if stage0 <= 0:
                             for j in range(WIDTH):
@@ -212,7 +212,7 @@ def make_ledger_kernel(
                             copy(G, X)
                             if ti.static(staged):
                                 if stage0 > 0 or (stage0 == 0 and P[FIRST_DRIFT] != 0.0):
-                                    load(G, R, at_scratch, i, 0)
+                                    load(G, L, R, at_scratch, i, 0)
                         if stage0 < 0:
                             drift_with_exhaust(terms, B, b, L, X, S, K, Q, i, n, 0.0, P[FIRST_DRIFT])
                         for g in range(ti.max(stage0, 0), stage1):
@@ -226,8 +226,8 @@ def make_ledger_kernel(
                             drift_with_exhaust(terms, B, b, L, X, S, K, Q, i, n, time, P[DRIFT + STAGE * g])
                     else:
                         if stage0 > 0:
-                            load(Y, R, at_scratch, i, 0)
-                            load(Z, R, at_scratch, i, 6)
+                            load(Y, L, R, at_scratch, i, 0)
+                            load(Z, L, R, at_scratch, i, 6)
                         for g in range(ti.max(stage0, 0), stage1):
                             time, weight = P[TIME + STAGE * g], P[WEIGHT + STAGE * g]
                             accumulate(terms, L, Y, S, K, A, Q, i, time)

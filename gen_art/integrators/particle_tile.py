@@ -228,10 +228,10 @@ def lane_steps(
             L.age[j] = ti.cast(start - since, real)
             L.t[j] = ti.cast(now + start, real)
         if ti.static(terms.uniform_damping):
-            shorter = 0
+            parts = 0
             for j in range(WIDTH):
-                shorter += ti.select(L.h[j] == ti.cast(dt, real), 0, 1)
-            are_whole(L, shorter == 0)
+                parts += ti.select(L.h[j] == ti.cast(dt, real), 0, 1)
+            are_whole(L, parts == 0)
     else:
         all_alive(L, ti.cast(dt, real), ti.cast(now, real), now, birth, i)
 

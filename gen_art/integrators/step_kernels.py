@@ -114,7 +114,7 @@ def _splitting(terms: TileTerms, staged: bool, real):
                     X = tile(STATE)
                     G = tile(terms.start_vectors)  # the state at the start of the step, where there are colliders
                     L = lanes(terms)
-                    load(X, S, at, i, PX)
+                    load(X, L, S, at, i, PX)
                     # no drift between a step's last kick and the next one's first
                     still = P[FIRST_DRIFT] == 0.0 and P[P.shape[0] - 2] == 0.0
                     for step in range(steps):
@@ -134,7 +134,7 @@ def _splitting(terms: TileTerms, staged: bool, real):
                         if ti.static(len(terms.mass_loss_terms) > 0):
                             compute_mass_loss(terms, L, X, S, K, Q, i)
                         if ti.static(len(terms.kinds) > 0):
-                            begin_step(staged, G, X, R, at_scratch, P, i, stage0)
+                            begin_step(staged, G, X, L, R, at_scratch, P, i, stage0)
                         if stage0 < 0:
                             drift(L, X, P[FIRST_DRIFT])
                         for g in range(ti.max(stage0, 0), stage1):
@@ -176,13 +176,21 @@ def _splitting(terms: TileTerms, staged: bool, real):
 
 @ti.func
 def begin_step(
-    staged: ti.template(), G: ti.template(), X: ti.template(), R: ti.template(), at_scratch, P: ti.template(), i, stage0
+    staged: ti.template(),
+    G: ti.template(),
+    X: ti.template(),
+    L: ti.template(),
+    R: ti.template(),
+    at_scratch,
+    P: ti.template(),
+    i,
+    stage0,
 ):
     """Copy the state at the start of the step to G: X in the first launch of a step, which stores it in R for the others."""
     if ti.static(staged):
         if stage0 < 0 or (stage0 == 0 and P[FIRST_DRIFT] == 0.0):
             store(X, R, at_scratch, i, 0)
-        load(G, R, at_scratch, i, 0)
+        load(G, L, R, at_scratch, i, 0)
     else:
         copy(G, X)
 
@@ -221,7 +229,7 @@ def _runge_kutta(terms: TileTerms, staged: bool, real):
                     Y = tile(STATE)  # the state of this stage
                     Z = tile(STATE)  # the weighted sum of the stages' increments
                     L = lanes(terms)
-                    load(X, S, at, i, PX)
+                    load(X, L, S, at, i, PX)
                     for step in range(steps):
                         lane_steps(
                             terms,
@@ -244,8 +252,8 @@ def _runge_kutta(terms: TileTerms, staged: bool, real):
                             Z.x0[j], Z.x1[j], Z.x2[j], Z.v0[j], Z.v1[j], Z.v2[j] = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
                         if ti.static(staged):
                             if stage0 > 0:
-                                load(Y, R, at_scratch, i, 0)
-                                load(Z, R, at_scratch, i, 6)
+                                load(Y, L, R, at_scratch, i, 0)
+                                load(Z, L, R, at_scratch, i, 6)
                         for g in range(ti.max(stage0, 0), stage1):
                             accumulate(terms, L, Y, S, K, A, Q, i, P[TIME + STAGE * g])
                             time = P[TIME + STAGE * g]
