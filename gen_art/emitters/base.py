@@ -3,7 +3,12 @@
 from collections.abc import Callable
 from typing import ClassVar
 
+import numpy as np
+
+from gen_art import arguments
+from gen_art.errors import UsageError
 from gen_art.kernel_methods import check_kernel_methods
+from gen_art.maths.random import derive
 from gen_art.registry import Parametric, Registry
 
 __all__ = ["EMITTERS", "SHAPES", "VELOCITIES", "Emitter", "Shape", "Velocity", "emitter", "shape", "velocity"]
@@ -64,3 +69,20 @@ class Emitter(_Birth):
     sample: ClassVar[Callable | None] = None
     shares_mass: ClassVar[bool] = False
     declares: ClassVar[tuple[str, ...]] = ()
+
+    def arrays(self, count: int, seed: int = 0) -> dict[str, np.ndarray]:
+        """Initial conditions for `ga.ParticleSystem(**emitter.arrays(1000))`, of a class with `sample`.
+
+        count : number of particles, at least 1
+        seed : selects another sample
+        Returns position and velocity, (count, 3), and the other attributes that `sample` sets, (count,).
+        Raises UsageError where the class has no `sample`.
+        """
+        from gen_art.emitters.births import BatchStreams  # which imports this module
+
+        if self.sample is None:
+            raise UsageError(f"{type(self).__name__} makes its particles one by one, in a kernel: use it in a preset")
+        count = arguments.whole("count", count, 1)
+        keys = derive(np.uint64(arguments.whole("seed", seed, 0)), np.arange(count))
+        born = self.sample(BatchStreams(keys), count)
+        return {name: np.asarray(values).T.copy() if np.ndim(values) == 2 else values for name, values in born.items()}

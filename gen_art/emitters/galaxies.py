@@ -6,12 +6,14 @@ Sources: Freeman (1970), ApJ 160, 811; Hernquist (1993), ApJS 86, 389; Abramowit
 
 import numpy as np
 
-from gen_art.emitters.base import Emitter, emitter
+from gen_art.emitters.base import emitter
+from gen_art.emitters.discs import disc_bodies, frequencies
+from gen_art.emitters.placed import PlacedEmitter
 from gen_art.errors import UsageError
-from gen_art.maths.array_functions import arctanh, cos, exp, log, sin
+from gen_art.maths.array_functions import cos, exp, log, sin
 from gen_art.registry import param
 
-__all__ = ["ExponentialDisc", "HernquistSphere"]
+__all__ = ["ExponentialDisc", "GalaxyHalo", "HernquistSphere"]
 
 
 def bessel_products(y: np.ndarray) -> np.ndarray:
@@ -59,10 +61,9 @@ def bessel_products(y: np.ndarray) -> np.ndarray:
     return np.where(y < 3.75, near, (i0l * k0l - i1l * k1l) / (root * np.sqrt(large)))
 
 
-class _Galaxy(Emitter):
+class _Galaxy(PlacedEmitter):
     """The masses and scales of a galaxy's components, and its circular speed."""
 
-    shares_mass = True
     G: float = param(4.30091e-6, min=0, doc="constant of gravitation in the preset's units")
     disc_mass: float = param(4e10, min=0, doc="mass of the disc")
     disc_scale: float = param(3.0, min=1e-30, doc="scale length of the disc")
@@ -70,6 +71,10 @@ class _Galaxy(Emitter):
     bulge_scale: float = param(0.5, min=1e-30, doc="Hernquist's scale of the bulge")
     halo_mass: float = param(1e12, min=0, doc="mass of the halo")
     halo_scale: float = param(30.0, min=1e-30, doc="Hernquist's scale of the halo")
+
+    @property
+    def total_mass(self) -> float:
+        return sum(self.values[f"{part}_mass"] for part in ("disc", "bulge", "halo"))
 
     def circular_speed_squared(self, R: np.ndarray) -> np.ndarray:
         """v_c^2(R) = G M y^2 2 (I0 K0 - I1 K1) / R_d + the two Hernquist spheres, y = R / (2 R_d)."""
@@ -113,49 +118,23 @@ class ExponentialDisc(_Galaxy):
             phase = v["arms"] * (phi + log(R / scale) / tangent)
             amplitude = v["arm_strength"] * np.clip(R / scale - 0.4, 0, 1)
             phi = phi - amplitude / v["arms"] * sin(phase)
-        z = v["thickness"] * arctanh(np.clip(2 * r.uniform(3) - 1, -0.9999, 0.9999))
-        vc2, kappa, omega = self._frequencies(R)
         sigma = v["disc_mass"] / (2 * np.pi * scale * scale) * exp(-R / scale)
-        sigma_R = np.minimum(v["toomre_q"] * 3.36 * v["G"] * sigma / np.maximum(kappa, 1e-30), 0.5 * np.sqrt(vc2))
-        axis_ratio = kappa / (2 * np.maximum(omega, 1e-30))
-        mean_vphi = np.sqrt(np.maximum(vc2 + sigma_R**2 * (1 - axis_ratio**2 - 2 * R / scale), 0.05 * vc2))
-        vR, vphi = sigma_R * r.normal(4), mean_vphi + sigma_R * axis_ratio * r.normal(5)
-        vz = np.sqrt(np.pi * v["G"] * sigma * v["thickness"]) * r.normal(6)
-        c, s = cos(phi), sin(phi)
-        # y is up: the disc rotates anticlockwise seen from above (+y)
-        return {
-            "position": np.stack([R * c, z, -R * s]),
-            "velocity": np.stack([vR * c - vphi * s, vz, -vR * s - vphi * c]),
-            "mass": np.full(n, 0.0 if v["massless"] else v["disc_mass"] / n),
-        }
-
-    def _frequencies(self, R):
-        """v_c^2, the epicyclic frequency kappa and the angular frequency Omega at R."""
-        grid = np.linspace(1e-3, 1.2 * self.values["edge"], 3000) * self.values["disc_scale"]
-        vc2 = self.circular_speed_squared(grid)
-        omega2 = vc2 / grid**2
-        kappa2 = np.maximum(4 * omega2 + grid * np.gradient(omega2, grid), 0.1 * omega2)
-        return np.interp(R, grid, vc2), np.sqrt(np.interp(R, grid, kappa2)), np.sqrt(np.interp(R, grid, omega2))
+        known = frequencies(self.circular_speed_squared, scale, v["edge"], R)
+        born = disc_bodies(r, R, phi, sigma, -R / scale, known, v["thickness"], v["toomre_q"], v["G"])
+        return self.placed({**born, "mass": np.full(n, 0.0 if v["massless"] else v["disc_mass"] / n)})
 
 
-@emitter("hernquist_sphere")
-class HernquistSphere(_Galaxy):
-    """A bulge after Hernquist, with isotropic velocities from Jeans's equation in the whole galaxy's field.
+class _HernquistPart(_Galaxy):
+    """A Hernquist sphere of a galaxy, with isotropic velocities from Jeans's equation in the whole galaxy's field."""
 
-    rho ~ a / (r (r + a)^3), a = bulge_scale
-    sigma^2(r) = (1 / rho) integral from r of rho v_c^2 / r dr
-    Each velocity component is normal with this sigma; speeds are limited to 0.95 of the local escape speed.
-    The mass of each particle is bulge_mass / n.
-    Source: Hernquist (1990), ApJ 356, 359.
-    """
-
+    part = "bulge"
     edge: float = param(20.0, min=1, max=1000, doc="radius of the edge, in scale lengths")
 
     def sample(self, r, n):
         v = self.values
-        a, edge = v["bulge_scale"], v["edge"]
-        if v["bulge_mass"] <= 0:
-            raise UsageError("hernquist_sphere needs a bulge_mass above 0")
+        mass, a, edge = v[f"{self.part}_mass"], v[f"{self.part}_scale"], v["edge"]
+        if mass <= 0:
+            raise UsageError(f"{self.name} needs a {self.part}_mass above 0")
         root = np.sqrt(r.uniform(1)) * (edge / (1 + edge))
         radius = np.maximum(a * root / (1 - root), 1e-4 * a)
         grid = a * exp(np.linspace(log(1e-4), log(200 * edge), 4000))
@@ -169,8 +148,33 @@ class HernquistSphere(_Galaxy):
         velocity = sigma * np.stack([r.normal(2), r.normal(3), r.normal(4)])
         speed_limit = 0.95 * np.sqrt(2 * np.interp(radius, grid, potential_drop))
         speed = np.maximum(np.linalg.norm(velocity, axis=0), 1e-30)
-        return {
-            "position": radius * r.sphere(5),
-            "velocity": velocity * np.minimum(1.0, speed_limit / speed),
-            "mass": np.full(n, v["bulge_mass"] / n),
-        }
+        return self.placed(
+            {
+                "position": radius * r.sphere(5),
+                "velocity": velocity * np.minimum(1.0, speed_limit / speed),
+                "mass": np.full(n, mass / n),
+            }
+        )
+
+
+@emitter("hernquist_sphere")
+class HernquistSphere(_HernquistPart):
+    """The bulge of a galaxy, after Hernquist.
+
+    rho ~ a / (r (r + a)^3), a = bulge_scale
+    sigma^2(r) = (1 / rho) integral from r of rho v_c^2 / r dr, with the circular speed v_c of the whole galaxy
+    Each velocity component is normal with this sigma; speeds are limited to 0.95 of the local escape speed.
+    The mass of each particle is bulge_mass / n.
+    Source: Hernquist (1990), ApJ 356, 359.
+    """
+
+
+@emitter("galaxy_halo")
+class GalaxyHalo(_HernquistPart):
+    """The halo of a galaxy as bodies: with exponential_disc and hernquist_sphere, a galaxy without a fixed field.
+
+    The same as hernquist_sphere, with a = halo_scale and the mass halo_mass / n of each particle.
+    Source: Hernquist (1993), ApJS 86, 389.
+    """
+
+    part = "halo"

@@ -37,6 +37,7 @@ class Particles:
     id : (capacity,) int64, never reused
     source : (capacity,) int32, index into `sources`
     may_die, has_fixed : whether a particle may die, and whether one is fixed
+    last_birth : s, the latest of all births so far
     count : number of used slots, [0, count), in the order of their ids
     box : the periodic box that all positions are in between steps; None in open space
     booked : (entries, capacity) f64, J: the share of each particle in the `entries` of the ledger since its birth. It is no
@@ -60,6 +61,7 @@ class Particles:
         self.next_id = 0
         self.may_die = False
         self.has_fixed = False
+        self.last_birth = -math.inf
         self.launches = 0
         self.count_at = 0
         self._allocate(np.dtype(dtype), capacity)
@@ -116,6 +118,7 @@ class Particles:
         self.id[new] = np.arange(self.next_id, self.next_id + m)
         self.source[new] = source
         self.booked[:, new] = 0.0
+        self.last_birth = max(self.last_birth, float(np.max(birth, initial=-math.inf)))
         self.next_id += m
         self.count += m
         return new

@@ -91,6 +91,7 @@ class Snapshot:
             for column in _COLUMNS:
                 getattr(state, column)[..., : entry["count"]] = self.columns[name, column]
             state.count, state.next_id, state.may_die = entry["count"], entry["next_id"], entry["may_die"]
+            state.last_birth = float(np.max(state.birth[: state.count], initial=-np.inf))
             state.has_fixed = bool(fixed_lifetimes(state.floats[LIFETIME, : state.count]).any())
             # the dead are then removed when they would have been, which decides the order of the ledger's sums
             state.launches, state.count_at = entry.get("launches", 0), entry.get("count_at", 0)

@@ -38,10 +38,10 @@ class Stepper:
         self.precision = precision
         self._kernels: dict[bool, Callable] = {}
 
-    def _kernel(self) -> Callable:
-        """The step kernel: where nobody is born, dies or is fixed, one that takes the whole step in every lane."""
+    def _kernel(self, start: float) -> Callable:
+        """The step kernel: one of whole steps in every lane where nobody dies, is fixed or is born after `start`, s."""
         system = self.system
-        lifespans = bool(system.emitters) or system.state.may_die or system.state.has_fixed
+        lifespans = system.state.may_die or system.state.has_fixed or system.state.last_birth > start
         if lifespans not in self._kernels:
             self._kernels[lifespans] = make_step(
                 system.composition, system.scheme.kind, system.scheme.rotation, self.part_offsets[-1],
@@ -92,7 +92,7 @@ class Stepper:
         if state.count > begin:
             if self.ledger:
                 self.ledger.record_step(self.system.name, self, begin, first, dt, earliest, stage0, stage1)
-            self._kernel()(
+            self._kernel(first * dt)(
                 state.floats, state.birth, state.key, self.pair, self.scratch, self.numbers, self.scheme_numbers,
                 begin, state.count, float(first), steps, dt, earliest, stage0, stage1,
                 state.floats.ctypes.data, state.birth.ctypes.data, self.scratch.ctypes.data,

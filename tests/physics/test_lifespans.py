@@ -96,3 +96,23 @@ def test_a_constant_rate_gives_the_times_of_the_general_formula():
     for rate in (3.0, 1 / 3, 16_666.666, 1e9):
         plain, general = Rate(rate, start=0.25), Rate(((0.25, rate), (1e9, rate)), start=0.25)
         assert (plain.times(5, 4000) == general.times(5, 4000)).all()
+
+
+@pytest.mark.parametrize("emitter", [{"count": 40, "at": [0, 0.0317]}, {"rate": 300, "start": 0.021, "stop": 0.043}])
+def test_births_take_the_kernel_with_lifespans_and_nothing_after_them_does(emitter):
+    """Bit for bit as when every step has lifespans. Mutant: the other kernel for steps in which somebody is born."""
+    piece = {
+        "version": 1, "clock": {"duration": 1, "fps": 10, "step": 0.01}, "forces": {"gravity": [0, -9.81, 0], "damping": 0.5},
+        "systems": {"s": {"emitters": {"e": {**emitter, "shape": {"sphere": 1}, "velocity": {"sphere": 2}}}}},
+    }  # fmt: skip
+
+    def run(fixed, batches):
+        sim = ga.Simulation(ga.load_preset(piece))
+        sim["s"]._state.has_fixed = fixed
+        for steps in batches:
+            sim.step(steps)
+        return sim.digest(), sim._steppers["s"]._kernels.keys()
+
+    plain, kernels = run(False, [20, 20])
+    assert plain == run(True, [20, 20])[0] == run(False, [1] * 40)[0]
+    assert set(kernels) == {False, True}
