@@ -106,9 +106,7 @@ def test_a_processor_without_them_draws_the_same(tmp_path):
     assert (done.stdout.strip(), done.stderr) == (drawn(), "")
 
 
-@pytest.mark.parametrize(
-    "name, functions", [("prefetch", 1), ("pack", 1), ("lanes", 4)]
-)  # fmt: skip
+@pytest.mark.parametrize("name, functions", [("prefetch", 1), ("pack", 1), ("lanes", 4)])
 def test_the_bitcode_is_what_its_source_says(name, functions):
     """Both are read by LLVM and shown as text. Never skipped: llvmlite, which brings LLVM, is a development dependency.
 

@@ -63,10 +63,6 @@ class KuzminDisc(PlacedEmitter):
     toomre_q: float = param(1.3, min=0, max=10, doc="Toomre's Q: below 1 the disc breaks into clumps")
     edge: float = param(6.0, min=0.5, max=50, doc="radius of the edge, in scale lengths")
 
-    @property
-    def total_mass(self) -> float:
-        return self.values["mass"]
-
     def sample(self, r, n):
         v = self.values
         a = v["scale"]

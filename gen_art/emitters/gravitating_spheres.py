@@ -85,10 +85,6 @@ class GravitatingSphere(PlacedEmitter):
     edge: float = param(20.0, min=0.5, max=1000, doc="radius of the edge, in scale lengths")
     virial_ratio: float = param(1.0, min=0, max=2, doc="1 is equilibrium, 0 is at rest")
 
-    @property
-    def total_mass(self) -> float:
-        return self.values["mass"]
-
     def sample(self, r, n):
         v = self.values
         radius, speed = self._uniform(r) if v["profile"] == "uniform" else self._isotropic(r)

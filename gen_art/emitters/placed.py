@@ -52,8 +52,8 @@ class PlacedEmitter(Emitter):
 
     @property
     def total_mass(self) -> float:
-        """The mass, kg, with which it moves on the orbit."""
-        raise NotImplementedError
+        """The mass, kg, with which it moves on the orbit: its parameter `mass`, where the class says nothing else."""
+        return self.values["mass"]
 
     def prepare(self):
         if not any(self.values["axis"]):

@@ -118,19 +118,8 @@ def _splitting(terms: TileTerms, staged: bool, real):
                     # no drift between a step's last kick and the next one's first
                     still = P[FIRST_DRIFT] == 0.0 and P[P.shape[0] - 2] == 0.0
                     for step in range(steps):
-                        lane_steps(
-                            terms,
-                            L,
-                            S,
-                            at,
-                            birth,
-                            at_birth,
-                            i,
-                            (first + ti.cast(step, ti.f64)) * dt,
-                            dt,
-                            earliest,
-                            real,
-                        )
+                        number = first + ti.cast(step, ti.f64)
+                        lane_steps(terms, L, S, at, birth, at_birth, i, number * dt, dt, earliest, real)
                         if ti.static(len(terms.mass_loss_terms) > 0):
                             compute_mass_loss(terms, L, X, S, K, Q, i)
                         if ti.static(len(terms.kinds) > 0):
@@ -144,21 +133,9 @@ def _splitting(terms: TileTerms, staged: bool, real):
                                         accumulate(terms, L, X, S, K, A, Q, i, P[TIME + STAGE * g])
                                 else:
                                     accumulate(terms, L, X, S, K, A, Q, i, P[TIME + STAGE * g])
-                                number = first + ti.cast(step, ti.f64)
                                 find_gains(terms, L, F, Q, g, P[KICK + STAGE * g])
-                                kick(
-                                    terms,
-                                    L,
-                                    X,
-                                    S,
-                                    K,
-                                    Q,
-                                    i,
-                                    P[KICK + STAGE * g],
-                                    P[P.shape[0] - 1],
-                                    number,
-                                    P[TIME + STAGE * g],
-                                )
+                                time, light = P[TIME + STAGE * g], P[P.shape[0] - 1]
+                                kick(terms, L, X, S, K, Q, i, P[KICK + STAGE * g], light, number, time)
                             drift(L, X, P[DRIFT + STAGE * g])
                         if ti.static(len(terms.kinds) > 0):
                             if stage1 == (P.shape[0] - 1) // STAGE:
@@ -176,16 +153,9 @@ def _splitting(terms: TileTerms, staged: bool, real):
 
 @ti.func
 def begin_step(
-    staged: ti.template(),
-    G: ti.template(),
-    X: ti.template(),
-    L: ti.template(),
-    R: ti.template(),
-    at_scratch,
-    P: ti.template(),
-    i,
-    stage0,
-):
+    staged: ti.template(), G: ti.template(), X: ti.template(), L: ti.template(), R: ti.template(), at_scratch,
+    P: ti.template(), i, stage0,
+):  # fmt: skip
     """Copy the state at the start of the step to G: X in the first launch of a step, which stores it in R for the others."""
     if ti.static(staged):
         if stage0 < 0 or (stage0 == 0 and P[FIRST_DRIFT] == 0.0):
@@ -231,19 +201,8 @@ def _runge_kutta(terms: TileTerms, staged: bool, real):
                     L = lanes(terms)
                     load(X, L, S, at, i, PX)
                     for step in range(steps):
-                        lane_steps(
-                            terms,
-                            L,
-                            S,
-                            at,
-                            birth,
-                            at_birth,
-                            i,
-                            (first + ti.cast(step, ti.f64)) * dt,
-                            dt,
-                            earliest,
-                            real,
-                        )
+                        number = first + ti.cast(step, ti.f64)
+                        lane_steps(terms, L, S, at, birth, at_birth, i, number * dt, dt, earliest, real)
                         if ti.static(len(terms.mass_loss_terms) > 0):
                             compute_mass_loss(terms, L, X, S, K, Q, i)
                         for j in range(WIDTH):

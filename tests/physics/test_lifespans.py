@@ -46,12 +46,12 @@ def digest(name, integrator, fixed, steps=24, batch=8) -> str:
     return sim.digest()
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
-@pytest.mark.parametrize("integrator", ["leapfrog", "boris", "rk4"])
+@pytest.mark.parametrize(
+    "name, integrator",
+    [(name, one) for name in SYSTEMS for one in ("leapfrog", "boris", "rk4") if (name, one) != ("noise", "rk4")],
+)
 def test_a_step_of_particles_that_all_live_has_the_same_bits(name, integrator):
     """Mutants: an age that is half of it; the gain of half a step."""
-    if name == "noise" and integrator == "rk4":
-        pytest.skip("Runge-Kutta schemes take no noise")
     assert digest(name, integrator, fixed=False) == digest(name, integrator, fixed=True)
 
 
