@@ -52,9 +52,6 @@ class Lanes(Tile):
         if terms.lifespans:
             self.birth = impl.expr_init(make_matrix([0.0] * WIDTH, dt=ti.f64))
 
-    def all_alive(self, h, t, now, birth, i):
-        self.h, self.t, self.now, self.birth, self.i = impl.expr_init(h), impl.expr_init(t), now, birth, i
-
 
 @traced
 def lanes(terms: "TileTerms") -> Lanes:
@@ -63,8 +60,8 @@ def lanes(terms: "TileTerms") -> Lanes:
 
 @traced
 def all_alive(L: Lanes, h, t, now, birth, i):
-    """The same step h at the same time t for every lane."""
-    L.all_alive(h, t, now, birth, i)
+    """The same step h at the same time t for every lane; the times of birth are read where an age is."""
+    L.h, L.t, L.now, L.birth, L.i = impl.expr_init(h), impl.expr_init(t), now, birth, i
 
 
 @traced
@@ -102,7 +99,7 @@ def load(T: ti.template(), L: ti.template(), S: ti.template(), address, i, first
     """
     if ti.static(intrinsics.HAS_LANES and L.lifespans):
         for row, name in ti.static(enumerate(STATE.split())):
-            intrinsics.load_lanes(place_of(S, address, first + row, i), T.at(name), is_f64())
+            intrinsics.load_lanes(address_of(S, address, first + row, i), T.at(name), is_f64())
     else:
         for j in range(WIDTH):
             T.x0[j], T.x1[j], T.x2[j] = S[first, i + j], S[first + 1, i + j], S[first + 2, i + j]
@@ -114,14 +111,14 @@ def load_lifespans(L: ti.template(), S: ti.template(), address, birth: ti.templa
     """Read the times of birth and the lifetimes of a tile."""
     if ti.static(intrinsics.HAS_LANES):
         intrinsics.load_lanes(births_address + ti.cast(i, ti.i64) * 8, L.birth, True)
-        intrinsics.load_lanes(place_of(S, address, LIFETIME, i), L.lifetime, is_f64())
+        intrinsics.load_lanes(address_of(S, address, LIFETIME, i), L.lifetime, is_f64())
     else:
         for j in range(WIDTH):
             L.birth[j], L.lifetime[j] = birth[i + j], S[LIFETIME, i + j]
 
 
 @ti.func
-def place_of(S: ti.template(), address, row: ti.template(), i):
+def address_of(S: ti.template(), address, row: ti.template(), i):
     """The address of slot i in a row of S."""
     return address + (ti.cast(S.shape[1], ti.i64) * row + i) * ti.static(8 if is_f64() else 4)
 
@@ -139,7 +136,7 @@ def store(T: ti.template(), S: ti.template(), address, i, first: ti.template()):
     """Write the state of a tile to the rows of S from `first` on."""
     if ti.static(intrinsics.HAS_LANES):
         for row, name in ti.static(enumerate(STATE.split())):
-            intrinsics.store_lanes(place_of(S, address, first + row, i), T.at(name), is_f64())
+            intrinsics.store_lanes(address_of(S, address, first + row, i), T.at(name), is_f64())
     else:
         for j in range(WIDTH):
             S[first, i + j], S[first + 1, i + j], S[first + 2, i + j] = T.x0[j], T.x1[j], T.x2[j]

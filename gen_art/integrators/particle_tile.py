@@ -1,4 +1,4 @@
-"""What all step kernels share: the loops that sum a composition's terms over the lanes of a tile, and kick its velocities.
+"""What all step kernels share: each lane's own step, and the loops that sum a composition's terms over a tile.
 
 Each loop over lanes is innermost, reads global memory and writes only to local vectors, so that it vectorises; repeats
 (octaves) are run-time loops around it.
