@@ -8,9 +8,12 @@ SMALL: dict[str, dict] = {
     "galaxy": {
         "systems.bodies.emitters.disc.count": 600,
         "systems.bodies.emitters.bulge.count": 200,
-        "systems.dust.emitters.gas.count": 1500,
-        "systems.lanes.emitters.grains.count": 500,
-        "clock.preroll": 0.00051135,
+        "systems.bodies.emitters.gas.count": 700,
+        "systems.bodies.emitters.spurs.count": 500,
+        "systems.bodies.emitters.flakes.count": 300,
+        "systems.bodies.emitters.dust.count": 250,
+        "systems.bodies.emitters.threads.count": 250,
+        "clock.preroll": 0.0010227,
     },
     "charged": {
         "systems.ions.emitters.many.rate": 2e6,

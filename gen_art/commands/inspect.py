@@ -87,7 +87,7 @@ def _facts(preset, size, precision) -> dict:
             "emitters": list(system.emitters),
             "should_hold": conserved,
             "booked": booked,
-            "joules": [entry.title for entry in _entries(system)],
+            "joules": [entry.title for entry in system.ledger_entries],
         }
     return {
         "preset": preset.name,
@@ -153,11 +153,6 @@ def _expectations(preset) -> dict | None:
 
     verdict = verdict_of(preset, version())
     return verdict and {"verdict": verdict["verdict"], "claims": [claim.words for claim in claims_of(preset)]}
-
-
-def _entries(system) -> tuple:
-    """The entries of the ledger that a system's look goes by."""
-    return system.look.ledger_entries(system.particle.attributes) if system.look is not None else ()
 
 
 def _collider_text(collider) -> str:

@@ -92,7 +92,7 @@ class ExponentialDisc(_Galaxy):
     Sigma = disc_mass / (2 pi R_d^2) exp(-R / R_d), R_d = disc_scale
     across the disc sech^2(z / z_0), z_0 = thickness
     sigma_R = Q 3.36 G Sigma / kappa, sigma_phi = sigma_R kappa / (2 Omega), sigma_z^2 = pi G Sigma z_0
-    The mean rotation is reduced by the asymmetric drift. The mass of each particle is disc_mass / n, or 0 if massless.
+    The mean rotation is reduced by the asymmetric drift. The mass of each particle is share disc_mass / n, or 0 if massless: gas and stars of one disc are several emitters.
     With `arms`, the azimuths are shifted towards logarithmic spirals at constant R:
     phi += -(arm_strength / arms) sin(arms (phi - ln(R / R_d) / tan pitch))
     Source: Hernquist (1993), ApJS 86, 389; Toomre (1964), ApJ 139, 1217.
@@ -100,6 +100,7 @@ class ExponentialDisc(_Galaxy):
 
     thickness: float = param(0.3, min=0, doc="scale height z_0")
     toomre_q: float = param(1.3, min=0, max=10, doc="Toomre's Q: below 1 the disc breaks into clumps")
+    share: float = param(1.0, min=0, max=1, doc="the part of the disc's mass that these particles have together")
     massless: bool = param(False, doc="test particles without mass")
     edge: float = param(6.0, min=0.5, max=50, doc="radius of the edge, in scale lengths")
     arms: int = param(0, min=0, max=12, doc="seeded spiral arms")
@@ -121,7 +122,7 @@ class ExponentialDisc(_Galaxy):
         sigma = v["disc_mass"] / (2 * np.pi * scale * scale) * exp(-R / scale)
         known = frequencies(self.circular_speed_squared, scale, v["edge"], R)
         born = disc_bodies(r, R, phi, sigma, -R / scale, known, v["thickness"], v["toomre_q"], v["G"])
-        return self.placed({**born, "mass": np.full(n, 0.0 if v["massless"] else v["disc_mass"] / n)})
+        return self.placed({**born, "mass": np.full(n, 0.0 if v["massless"] else v["share"] * v["disc_mass"] / n)})
 
 
 class _HernquistPart(_Galaxy):

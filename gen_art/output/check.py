@@ -35,11 +35,12 @@ def check_preset(preset: "Preset") -> None:
             system.name = name
             for interaction in system.interactions:
                 interaction.check(system)
-        if spec.look is not None:
-            with _place(preset, f"systems.{name}.look"):
-                LookTables.of(spec.look, Particles(np.float32, system.attribute_names, (), 16).channels, system.entries)
-                if spec.look.picture is not None:
-                    texels(spec.look.picture.image.place)
+        channels = Particles(np.float32, system.attribute_names, (), 16).channels
+        for key, look in spec.all_looks.items():
+            with _place(preset, f"systems.{name}.{key}"):
+                LookTables.of(look, channels, system.entries)
+                if look.picture is not None:
+                    texels(look.picture.image.place)
     with _place(preset, "systems"):
         CoupledSystems.names(members)
     with _place(preset, "gallery.time"):

@@ -55,13 +55,13 @@ class Playback:
         self._shutter = self.camera.shutter if self.camera else 180.0
         dome = SkyDome.of(preset.sky) if preset.sky is not None else None
         self.painter = Painter(
-            size, self.camera, {n: s.look for n, s in preset.systems.items()}, 0.0,
+            size, self.camera, preset.looks, 0.0,
             preset.camera.supersample if preset.camera else 1, Scene.of(preset, self.sim.members.values(), dome),
             transparent,
         )  # fmt: skip
         self._precision = precision
         self._shows_acceleration = any(
-            system.look is not None and system.look.goes_by("acceleration") for system in preset.systems.values()
+            look is not None and look.goes_by("acceleration") for look in preset.looks.values()
         )
         self._steps_done, self._last_shown = 0, -1
         self.stopwatch = Stopwatch()
@@ -226,14 +226,14 @@ class Playback:
             first = max(0, clock.preroll_steps // interval - history.ribbon.points) * interval
 
             def remember(name=name, history=history):
-                history.remember(self.sim.systems[name], self.sim.time)
+                history.remember(self.painter.particles(self.sim, name), self.sim.time)
 
             for at in _steps_between(range(first, _ENDLESS, interval), self._last_shown, step):
                 yield at, remember
         for name, (interval, reach) in self._path_steps.items():
 
             def remember_path(name=name):
-                self.painter.paths[name].remember(self.sim.systems[name], self.sim.time)
+                self.painter.paths[name].remember(self.painter.particles(self.sim, name), self.sim.time)
 
             if name in self.painter.trails:
                 first = self._trail_steps.start - reach

@@ -1,6 +1,7 @@
 """Structure-of-arrays storage of one system's particles."""
 
 import math
+from copy import copy
 
 import numpy as np
 
@@ -122,6 +123,20 @@ class Particles:
         self.next_id += m
         self.count += m
         return new
+
+    def with_tags(self, tags: tuple[str, ...]) -> "Particles":
+        """The particles whose source has one of these tags, as a copy; themselves if all have."""
+        wanted = [k for k, source in enumerate(self.sources) if getattr(source, "tag", None) in tags]
+        slots = np.flatnonzero(np.isin(self.source[: self.count], wanted))
+        if len(slots) == self.count:
+            return self
+        some = copy(self)
+        some.count = some.capacity = len(slots)
+        padded = np.append(slots, np.zeros(PADDING, slots.dtype))
+        some.floats, some.birth, some.key, some.id, some.source, some.booked = (
+            np.take(column, padded, axis=-1) for column in self._arrays()
+        )
+        return some
 
     def death(self, slots=slice(None)) -> np.ndarray:
         """Times of death (f64) of the used slots."""

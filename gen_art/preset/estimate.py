@@ -69,8 +69,8 @@ class Estimate:
 
 def bytes_per_particle(system: SystemSpec, precision: str = "f32") -> int:
     """Bytes of a particle in a system's storage."""
-    booked = len(system.look.ledger_entries(system.particle.attributes)) if system.look is not None else 0
-    return (FLOAT_CHANNELS + _attributes(system)) * (8 if precision == "f64" else 4) + OTHER_COLUMNS + 8 * booked
+    numbers = (FLOAT_CHANNELS + _attributes(system)) * (8 if precision == "f64" else 4)
+    return numbers + OTHER_COLUMNS + 8 * len(system.ledger_entries)
 
 
 def _attributes(system: SystemSpec) -> int:
@@ -96,7 +96,9 @@ def estimate(preset: Preset, precision: str = "f32", until: float | None = None)
         slots = peak[name] + steady
         state += GROWTH * slots * bytes_per_particle(system, precision)
         births = max(births, BIRTH * max(steady, sudden))
-        drawing += particle_bytes(preset, name) * peak[name]
+        for look in system.all_looks.values():
+            shown = census.tagged(name, look.tag) if look.tag else peak[name]
+            drawing += particle_bytes(preset, name, look) * min(shown, peak[name])
     born = {name: float(census.born[name]) for name in preset.systems}
     drawing += fixed_bytes(preset)
     return Estimate(born, peak, size, state + max(births, drawing), pixel_bytes(preset))
@@ -115,12 +117,18 @@ class _Census:
             for tag in (emitter.tag, *(c.tag for c in emitter.choose.values()))
         }  # deaths in each slice, by system, emitter and tag
         self.alive = dict.fromkeys(self.groups, 0.0)
+        self.most = dict.fromkeys(self.groups, 0.0)  # alive at once
         self.born = dict.fromkeys(preset.systems, 0.0)
         self.peak = dict.fromkeys(preset.systems, 0.0)
         self.steady = dict.fromkeys(preset.systems, 0.0)  # the most births of one launch, by rates
         self.sudden = dict.fromkeys(preset.systems, 0.0)  # and by counts
         stepwise = any(s.interactions or any(e.source for e in s.emitters.values()) for s in preset.systems.values())
         self.batch = (1 if stepwise else BATCH) * preset.clock.step  # simulated time of a launch, s
+
+    def tagged(self, name: str, tags: tuple[str, ...]) -> float:
+        """At most so many particles of a system with one of these tags are alive at once."""
+        most = sum(n for (system, _, tag), n in self.most.items() if system == name and tag in tags)
+        return float(np.nan_to_num(most, nan=np.inf))
 
     def run(self) -> None:
         births = dict.fromkeys(self.groups, 0.0)
@@ -143,6 +151,7 @@ class _Census:
                 self.born[name] += number
                 self.peak[name] = max(self.peak[name], sum(self.alive[group] for group in groups) + number)
             for group in self.groups:
+                self.most[group] = max(self.most[group], self.alive[group] + born[group])
                 self.alive[group] += born[group] - died[group]
             births = born
 

@@ -25,6 +25,7 @@ from gen_art.preset.fields import (
     RangeValue,
     Size,
     Within,
+    Words,
 )
 from gen_art.preset.files import ImageFile, PresetFile
 from gen_art.preset.light import KeyLight
@@ -299,6 +300,9 @@ class Look(Model):
             "`surface` the smooth surface of a liquid",
         )
     )
+    tag: Words = about(
+        (), "only the particles of emitters (or choices) with one of these tags; all of them when left out"
+    )
     picture: Picture | None = about(None, "the image of `draw: picture`")
     blend: Literal["add", "alpha", "opaque"] = about(
         "add", "`add` adds light, `alpha` partly hides what is behind the sprite, `opaque` hides it completely"
@@ -423,6 +427,8 @@ class Look(Model):
             raise UsageError("draw: pixel has no size: leave out `pixels`, or give draw: disc")
         if (self.draw == "picture") != (self.picture is not None):
             raise UsageError("`draw: picture` and `picture: spark.png` need each other")
+        if self.shapes and self.tag:
+            raise UsageError(f"draw: {self.draw} shows what all particles are joined to: leave out `tag`")
         if (self.shapes or self.is_liquid) and self.blend != "add":
             raise UsageError(f"draw: {self.draw} hides what is behind it: leave out `blend`")
         if self.liquid != Liquid.model_validate({}) and not self.is_liquid:

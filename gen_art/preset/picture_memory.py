@@ -20,6 +20,7 @@ REMEMBERED = 32  # of a past position and velocity, for ribbons and streaks
 PATH = 10  # most moments that a streak's path is remembered at
 NEIGHBOURS = 260  # more, while distances to neighbours are found
 SHAPED = 32  # more, while the shapes of neighbourhoods are found
+COPIED = 70  # more, where a look draws the particles of some emitters alone
 SOLID = 200  # as a ball, or the link of a thread: its row and those of the lists of it
 WOVEN = 1400  # in a cloth: a corner and two triangles
 LIQUID = 20  # in a liquid: what it is to the camera and to the lamp
@@ -38,7 +39,7 @@ PHOTONS = 10e6  # for light that glass gathers
 def pixel_bytes(preset: Preset) -> float:
     """Bytes of a pixel while the picture is rendered."""
     camera = preset.camera or CameraSpec()
-    trails = sum(s.look is not None and s.look.trail is not None for s in preset.systems.values())
+    trails = sum(look.trail is not None for look in _looks(preset))
     averaged = (camera.supersample > 1) + (camera.subframes > 1)
     surfaces = 0
     if _shows_surfaces(preset):
@@ -55,12 +56,14 @@ def pixel_bytes(preset: Preset) -> float:
     return PICTURE + FRAMEBUFFER * averaged + camera.supersample**2 * (FRAMEBUFFER * (1 + trails) + surfaces)
 
 
-def particle_bytes(preset: Preset, name: str) -> float:
-    """Bytes of a particle of a system while it is drawn."""
-    look = preset.systems[name].look
-    if look is None:
-        return 0.0
-    glowing = GLOWING if preset.light is not None and name in preset.light.glow else 0
+def particle_bytes(preset: Preset, name: str, look: Look) -> float:
+    """Bytes of a particle of a system while a look draws it."""
+    copied = COPIED if look.tag else 0
+    return copied + _drawn_bytes(preset, look, preset.light is not None and name in preset.light.glow)
+
+
+def _drawn_bytes(preset: Preset, look: Look, glows: bool) -> float:
+    glowing = GLOWING if glows else 0
     if look.stretch is not None or look.spread is not None:
         by_neighbours = look.stretch is not None and look.stretch.by == "neighbours"
         shaped = NEIGHBOURS + SHAPED * by_neighbours if look.spread is not None or by_neighbours else 0
@@ -103,7 +106,7 @@ def fixed_bytes(preset: Preset) -> float:
 
 
 def _looks(preset: Preset) -> list[Look]:
-    return [system.look for system in preset.systems.values() if system.look is not None]
+    return [look for look in preset.looks.values() if look is not None]
 
 
 def _surfaces(preset: Preset) -> list:

@@ -50,7 +50,13 @@ def references(data: dict) -> Problems:
             yield from _impacts((*there, "from"), _mapping(emitter).get("from"), data, systems)
         for kind, interaction in _mapping(system.get("interactions")).items():
             yield from _sources((*here, "interactions", kind), interaction, systems)
-        yield from _colors((*here, "look"), _mapping(system.get("look")), tags_of(system))
+        looks: dict[tuple, Any] = {("look",): system.get("look")}
+        for key, look in _mapping(system.get("looks")).items():
+            yield from _name((*here, "looks", key), key)
+            looks["looks", key] = look
+        for path, look in looks.items():
+            yield from _colors((*here, *path), _mapping(look), tags_of(system))
+            yield from _tags((*here, *path, "tag"), _mapping(look).get("tag"), name, system)
     frame = _mapping(_mapping(data.get("camera")).get("frame"))
     subject = frame.get("of")
     for name in [subject] if isinstance(subject, str) else subject if isinstance(subject, list) else []:
@@ -125,11 +131,15 @@ def _emitter(here: tuple, emitter: dict, systems: dict, declared: dict) -> Probl
         path = (*here, "from") if isinstance(source, str) else (*here, "from", "event")
         yield path, f"there is no system '{parent}'{_choices(parent, systems)}"
         return
-    tags = _mapping(source).get("tag")
-    known = tags_of(systems[parent])
+    yield from _tags((*here, "from", "tag"), _mapping(source).get("tag"), parent, systems[parent])
+
+
+def _tags(here: tuple, tags: Any, name: str, system: Any) -> Problems:
+    """Tags must be those of a system's emitters."""
+    known = tags_of(system)
     for tag in [tags] if isinstance(tags, str) else tags if isinstance(tags, list) else []:
         if isinstance(tag, str) and tag not in known:
-            yield (*here, "from", "tag"), f"no emitter of '{parent}' has the tag '{tag}'{_choices(tag, known)}"
+            yield here, f"no emitter of '{name}' has the tag '{tag}'{_choices(tag, known)}"
 
 
 def _impacts(here: tuple, source: Any, data: dict, systems: dict) -> Problems:
@@ -175,7 +185,11 @@ def _largest_radius(system) -> float:
 def unbooked(preset) -> Problems:
     """(path, problem) of every `by` of a look that names an entry which the ledger of its system does not have."""
     for name, system in preset.systems.items():
-        wanted = system.look.ledger_ramps(system.particle.attributes) if system.look is not None else {}
+        wanted = {
+            (*key.split(".", 1), *path): entry
+            for key, look in system.all_looks.items()
+            for path, (entry, _) in look.ledger_ramps(system.particle.attributes).items()
+        }
         if not wanted:
             continue
         forces = [*(preset.forces if system.inherit_forces else ()), *system.forces]
@@ -188,11 +202,11 @@ def unbooked(preset) -> Problems:
         except UsageError:
             continue  # check_preset reports it
         rows = ledger_rows(composition, system.interactions)
-        for path, (entry, _) in wanted.items():
+        for path, entry in wanted.items():
             try:
                 check_entry(entry, rows, system.interactions)
             except UsageError as error:
-                yield ("systems", name, "look", *path, "by", *([entry.kind] if entry.name else [])), str(error)
+                yield ("systems", name, *path, "by", *([entry.kind] if entry.name else [])), str(error)
 
 
 def _sources(here: tuple, interaction: Any, systems: dict) -> Problems:

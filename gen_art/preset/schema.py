@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import PrivateAttr, model_validator
 
 from gen_art.errors import UsageError
+from gen_art.particles.entries import LedgerEntry
 from gen_art.preset.axes import Axes
 from gen_art.preset.camera import CameraSpec, Fit
 from gen_art.preset.clock import Clock
@@ -118,6 +119,21 @@ class SystemSpec(Model):
     inherit_colliders: bool = about(True, "whether the preset's shared colliders also act on this system")
     emitters: dict[str, EmitterSpec] = about({}, "the emitters of its particles")
     look: Look | None = about(None, "how the system is drawn; a system without a look is not drawn")
+    looks: dict[str, Look] = about(
+        {}, "further looks by name, each of which draws the particles once more, or those of its `tag` alone"
+    )
+
+    @property
+    def all_looks(self) -> dict[str, Look]:
+        """Its look, if it has one, and the further ones, by their keys: `look`, `looks.NAME`."""
+        first = {} if self.look is None else {"look": self.look}
+        return first | {f"looks.{name}": look for name, look in self.looks.items()}
+
+    @property
+    def ledger_entries(self) -> tuple[LedgerEntry, ...]:
+        """The entries of the ledger that its looks go by."""
+        found = (entry for look in self.all_looks.values() for entry in look.ledger_entries(self.particle.attributes))
+        return tuple(dict.fromkeys(found))
 
     @model_validator(mode="after")
     def _charged(self):
@@ -221,16 +237,24 @@ class Preset(Model):
         return self._folder
 
     @property
+    def looks(self) -> dict[str, Look | None]:
+        """The looks of all systems: SYSTEM is the look of a system, or None, and SYSTEM.NAME each of its further ones."""
+        found: dict[str, Look | None] = {}
+        for name, system in self.systems.items():
+            found |= {name: system.look, **{f"{name}.{key}": look for key, look in system.looks.items()}}
+        return found
+
+    @property
     def files(self) -> list:
         """The files that the preset names, each once: of looks in the order of the systems, then of ground and laws."""
-        looks = [system.look for system in self.systems.values()]
-        images = [look.picture.image for look in looks if look is not None and look.picture is not None]
+        looks = [look for look in self.looks.values() if look is not None]
+        images = [look.picture.image for look in looks if look.picture is not None]
         laws = [*self.forces, *self.medium.terms, *self.colliders]
         for system in self.systems.values():
             fields = system.medium.terms if system.medium is not None else ()
             laws += [*system.forces, *fields, *system.colliders]
         surfaces = [self.ground, *(law.values.get("look") for law in laws)]
-        surfaces += [look.finish for look in looks if look is not None]
+        surfaces += [look.finish for look in looks]
         maps = [file for look in surfaces if isinstance(look, Finish) for file in look.files]
         named = images + maps + [v for law in laws for v in law.values.values() if isinstance(v, PresetFile)]
         return list(dict.fromkeys(named))

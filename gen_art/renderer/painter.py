@@ -11,6 +11,7 @@ import numpy as np
 from gen_art.arguments import shown
 from gen_art.errors import PresetError, UsageError
 from gen_art.particles.rows import LIFETIME, POSITION, VELOCITY
+from gen_art.particles.storage import Particles
 from gen_art.preset.disc_shape import Stretch
 from gen_art.preset.from_script import model_of
 from gen_art.preset.light import KeyLight
@@ -20,6 +21,7 @@ from gen_art.preset.surface import Ground, ground_of
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.curved_streaks import Pieces, cut
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
+from gen_art.renderer.drawn_particles import particles_of, system_of
 from gen_art.renderer.elliptic_splat import ellipses_of_motion, ellipses_of_shapes
 from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.emitted_light import emitted_light
@@ -114,7 +116,7 @@ class _Shaded:
 class Painter:
     """Draws the systems of a simulation into a framebuffer. Keeps the tables and the trails between frames.
 
-    looks : name -> Look, or None (not drawn); a system without an entry gets white points of light 1
+    looks : SYSTEM or SYSTEM.NAME -> Look, or None (not drawn); a system without an entry gets white points of light 1
     size : (width, height)
     shutter : simulated seconds the shutter is open
     supersample : the picture is drawn this many times as wide and as high; each pixel is the mean of the block drawn for it
@@ -170,7 +172,7 @@ class Painter:
         film = self._mirror_film(sim, view, film_time)
         self.framebuffer.clear()
         shaded = self._draw_surroundings(
-            sim, list(sim.systems), view, film_time, self.shutter, 1.0, self.framebuffer, trails=self._trails, film=film
+            sim, self._names(sim), view, film_time, self.shutter, 1.0, self.framebuffer, trails=self._trails, film=film
         )
         if view.lens is not None and shaded.hidden_by is not NOTHING_HIDES:
             hidden_by = draw_through_lens(self, sim, view, film_time, shaded.smoke, shaded.emitted)
@@ -212,8 +214,8 @@ class Painter:
         return self.framebuffer.pixels, self._surfaces.depths
 
     def _surface_systems(self, sim) -> list[str]:
-        """The systems that are drawn by surfaces."""
-        looks = {name: self.looks.get(name, self._default_look) for name in sim.systems}
+        """The looks that are drawn by surfaces."""
+        looks = {name: self.looks.get(name, self._default_look) for name in self._names(sim)}
         return [name for name, look in looks.items() if look is not None and self._is_surface(look)]
 
     def _mirror_film(self, sim, view, film_time: float) -> MirrorFilm:
@@ -251,7 +253,7 @@ class Painter:
     ) -> tuple[np.ndarray, np.ndarray | None]:
         """(picture, depths of the surfaces or None) from a view behind a mirror (point, normal); overwritten by the next."""
         self.framebuffer.clear()
-        names = [name for name in sim.systems if (self.looks.get(name) or self._default_look).mirrored]
+        names = [name for name in self._names(sim) if (self.looks.get(name) or self._default_look).mirrored]
         self._draw(sim, names, view, film_time, shutter, 1.0, self.framebuffer, trails={}, mirror=mirror)
         if self.sky is not None:
             # without the sun's disc: the lamp's own highlight stands for its reflection
@@ -272,7 +274,7 @@ class Painter:
         Returns (height, width, 4) float32 for each pass. Neither trails nor ribbons are in them.
         """
         view, framebuffer = self.view(sim, film_time), FrameBuffer(self.size)
-        names = [name for name in sim.systems if not self._has_ribbon(name)]
+        names = [name for name in self._names(sim) if not self._has_ribbon(name)]
         shaded = self._draw_surroundings(
             sim, names, view, film_time, self.shutter, 1.0, framebuffer, trails={}, layers=layers
         )
@@ -292,6 +294,14 @@ class Painter:
             pixels = framebuffer.pixels
             results.append(pixels.copy() if self.supersample == 1 else box_averaged(framebuffer, self.supersample))
         return results
+
+    def _names(self, sim) -> list[str]:
+        """The names of all looks: those of the systems, with or without a look of their own, and the further looks."""
+        return list(dict.fromkeys([*sim.systems, *self.looks]))
+
+    def particles(self, sim, name: str) -> Particles:
+        """The particles that the look of this name draws."""
+        return particles_of(sim, name, self.looks.get(name))
 
     def _has_ribbon(self, name: str) -> bool:
         look = self.looks.get(name)
@@ -343,8 +353,9 @@ class Painter:
         """The legends of the simulation's current state, in the order of its systems."""
         unit = sim.preset.units.energy if sim.preset is not None else "J"
         found = []
-        for name, totals in sim.joules().items():
-            system = sim.systems[name]
+        joules = sim.joules()
+        for name in self._names(sim):
+            system, totals = self.particles(sim, name), joules.get(system_of(sim, name), {})
             tables, _ = self._tables_of(name, system)
             found.append(legend_of(tables.look, tables, totals, unit, system.attributes))
         return [legend for legend in found if legend is not None]
@@ -379,7 +390,7 @@ class Painter:
         second: dict[str, ProjectedParticles] = {}
         for name in names:
             if self.looks.get(name, self._default_look) is not None:
-                system, projected = sim.systems[name], self._projected.setdefault(name, ProjectedParticles())
+                system, projected = self.particles(sim, name), self._projected.setdefault(name, ProjectedParticles())
                 tables, raw = self._tables_of(name, system)
                 look = looks[name] = tables.look
                 if look.ribbon is not None:
@@ -416,14 +427,18 @@ class Painter:
                 columns = projected.lit[: projected.count]
                 velocities = system.floats[VELOCITY, : projected.count]
                 if look.draw == "cloth":
-                    faces = sheet_of(name, sim.members[name].interactions, system)
+                    member = sim.members[system_of(sim, name)]
+                    faces = sheet_of(name, member.interactions, system)
                     positions = system.floats[POSITION, : projected.count]
                     places = None
                     if look.finish.image is not None:
-                        places = places_on_sheet(name, sim.members[name].emitters, system)
+                        places = places_on_sheet(name, member.emitters, system)
                     sheets.append(SheetSystem(look, projected.used, columns, positions, faces, velocities, places))
                 elif solid:
-                    shapes = shapes_of(name, look.draw, sim.members[name].interactions, system) if look.shapes else None
+                    shapes = None
+                    if look.shapes:
+                        joined = sim.members[system_of(sim, name)].interactions
+                        shapes = shapes_of(name, look.draw, joined, system)
                     if look.strands and shapes is not None:
                         shapes = lay_strands(shapes, columns[shapes.particle, LIT_RADIUS], look.strands)
                     glows = name in self.scene.glow
@@ -501,7 +516,7 @@ class Painter:
             if name not in sim.systems:
                 raise UsageError(f"light.glow names '{name}', and there is no such system")
             if self.looks.get(name, self._default_look) is not None:
-                system = sim.systems[name]
+                system = self.particles(sim, name)
                 found.append((system, self._tables_of(name, system)[0], self._acceleration(name, system, sim.time)))
         return emitted_light(found, view, self.size, sim.time, film_time, weight)
 
@@ -563,7 +578,7 @@ class Painter:
     ) -> None:
         """Add every segment of a system's ribbons; without earlier positions there are none."""
         tables, projected = self._tables[name], self._projected[name]
-        for segment in self.histories[name].segments(sim.systems[name], sim.time):
+        for segment in self.histories[name].segments(self.particles(sim, name), sim.time):
             light = weight * segment.light
             q = kernel_numbers(
                 tables,
@@ -597,7 +612,7 @@ class Painter:
         """Keep the velocities of the systems whose look shows the acceleration, which is their change until the next picture."""
         for name, look in self.looks.items():
             if look is not None and look.goes_by("acceleration"):
-                system = sim.systems[name]
+                system = self.particles(sim, name)
                 n = int(system.count)
                 velocities = np.array(system.floats[VELOCITY, :n], np.float64)
                 self._previous_velocities[name] = sim.time, np.array(system.id[:n]), velocities
@@ -688,7 +703,9 @@ def render_frame(
         raise UsageError(f"sky must be a ga.Sky, such as ga.Sky(sun=30), not {shown(sky)}")
     preset = sim.preset
     shutter, film_time = 0.0, float(sim.time)
-    looks = {name: system.look for name, system in sim.members.items() if preset is not None or system.look is not None}
+    looks: dict[str, Look | None] = {n: system.look for n, system in sim.members.items() if system.look is not None}
+    if preset is not None:
+        looks = preset.looks
     looks = {name: look and look.model_copy(update={"trail": None}) for name, look in looks.items()}
     if preset is not None:
         if camera is None and preset.camera is not None:

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gen_art.particles.rows import POSITION, VELOCITY
+from gen_art.particles.storage import Particles
 from gen_art.preset.estimate import estimate, refuse_if_too_large
 from gen_art.preset.thinning import MUTUAL, galaxies, independent_systems, thinned
 from gen_art.renderer.camera import Camera, CameraView
+from gen_art.renderer.drawn_particles import particles_of, system_of
 from gen_art.renderer.look_tables import (
     AREA_OF,
     KIND,
@@ -80,9 +82,11 @@ def survey(preset: "Preset", precision: str = "f32", threads: int | None = None)
     frame = few.camera.frame if few.camera is not None else None
     subject = frame.of if frame is not None else None
     tables = {
-        name: LookTables.of(spec.look, dict(sim.systems[name].channels), sim.systems[name].entries)
-        for name, spec in few.systems.items()
-        if spec.look is not None and (subject is None or name in subject)
+        name: LookTables.of(
+            look, dict(sim.systems[system_of(sim, name)].channels), sim.systems[system_of(sim, name)].entries
+        )
+        for name, look in few.looks.items()
+        if look is not None and (subject is None or system_of(sim, name) in subject)
     }
     projected, moments, done = ProjectedParticles(), [], 0
     for step in _steps(few):
@@ -96,8 +100,9 @@ def survey(preset: "Preset", precision: str = "f32", threads: int | None = None)
         light = 2.0**few.develop.exposure
         parts = []
         for name, table in tables.items():
-            columns = _seen(sim, name, table, projected, scale, film_time, shutter, light, clock.speed)
-            share = all_born[name] / max(born[name], 1.0) if few is not preset else 1.0  # each stands for so many
+            particles, of = particles_of(sim, name, table.look), system_of(sim, name)
+            columns = _seen(sim, particles, table, projected, scale, film_time, shutter, light, clock.speed)
+            share = all_born[of] / max(born[of], 1.0) if few is not preset else 1.0  # each stands for so many
             parts.append([*columns[:3], *(share * column for column in columns[3:])])
         if parts:
             moments.append(Moment(film_time, *(np.concatenate(column) for column in zip(*parts))))
@@ -109,7 +114,7 @@ def _steps(preset: "Preset") -> list[int]:
     clock = preset.clock
     frames = {math.floor(clock.frames * (k * GOLDEN % 1.0)) for k in range(MOMENTS)} | {0, clock.frames - 1}
     steps = {clock.preroll_steps + k * clock.steps_per_frame for k in frames} | {clock.step_at(preset.poster_time)}
-    looks = [system.look for system in preset.systems.values() if system.look is not None]
+    looks = [look for look in preset.looks.values() if look is not None]
     afterglow = max((k.ribbon.length for k in looks if k.ribbon is not None), default=0.0)
     trails = [k.trail.half_life for k in looks if k.trail is not None]
     afterglow = max([afterglow, *(HALF_LIVES * half_life * clock.speed for half_life in trails)])
@@ -134,7 +139,7 @@ def _scale_at_target(camera: Camera, film_time: float) -> float:
 
 def _seen(
     sim,
-    name: str,
+    system: Particles,
     tables: LookTables,
     projected,
     scale: float,
@@ -143,11 +148,11 @@ def _seen(
     light: float,
     speed: float,
 ):
-    """The columns of a Moment for one system: those of its particles that are alive, or every so many of them.
+    """The columns of a Moment for one look: those of its particles that are alive, or every so many of them.
 
     A ribbon, a trail and a streak cover their length times their width.
     """
-    system, look = sim.systems[name], tables.look
+    look = tables.look
     rows = REFERENCE_ROWS
     view = CameraView(
         position=np.zeros(3), axes=np.eye(3), distance=1.0, fov=40.0, height=rows / scale, near=-math.inf, far=math.inf, fog=None,

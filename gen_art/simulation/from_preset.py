@@ -34,6 +34,7 @@ def system_of(preset: "Preset", name: str) -> ParticleSystem:
         medium=_medium(spec.medium if spec.medium is not None else preset.medium),
         emitters=[_emission(key, emitter, spec.particle) for key, emitter in spec.emitters.items()],
         look=spec.look,
+        booked=spec.ledger_entries,
     )
     if preset.domain is not None:
         system.enter(preset.domain.box)

@@ -38,11 +38,11 @@ def silent_parts(
         lines += _of_system(place, system, list(members.values()))
         if not system.emitters:
             lines.append(f"{place} has no emitters: no particle is ever born. Give it one, or remove the system")
-        look = given.systems[name].look
-        if look is not None and look.side != "near" and given.wormhole is None:
-            lines.append(
-                f"{place}.look.side has no effect, because there is no `wormhole`: give the preset one, or leave it out"
-            )
+        for key, look in given.systems[name].all_looks.items():
+            if look.side != "near" and given.wormhole is None:
+                lines.append(
+                    f"{place}.{key}.side has no effect, because there is no `wormhole`: give the preset one, or leave it out"
+                )
         for emitter in system.emitters:
             lines += _of_emitter(f"{place}.emitters.{emitter.name}", emitter, given.clock)
         if given.systems[name].medium is not None:
@@ -58,7 +58,7 @@ def undrawn_systems(preset: "Preset") -> list[str]:
     return [
         f"systems.{name} has no look, so it is not drawn: give it one, such as {{draw: point}}, or remove the system"
         for name, system in preset.systems.items()
-        if system.look is None and not any(name in needed for needed in _needed(preset))
+        if not system.all_looks and not any(name in needed for needed in _needed(preset))
     ]
 
 
@@ -67,8 +67,7 @@ def _needed(preset: "Preset") -> Iterator[tuple[str, ...]]:
     for other in preset.systems.values():
         yield tuple(emitter.source.system for emitter in other.emitters.values() if emitter.source is not None)
         yield tuple(one.source_system for one in other.interactions if one.source_system is not None)
-        if other.look is not None and other.look.light is not None:
-            yield other.look.light.glow
+        yield from (look.light.glow for look in other.all_looks.values() if look.light is not None)
 
 
 def _of_system(place: str, system: ParticleSystem, members: list[ParticleSystem]) -> Iterator[str]:
