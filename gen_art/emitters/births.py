@@ -212,10 +212,10 @@ def scheduled_births(emitter: ActiveEmitter, t1: float) -> list[BirthBatch]:
     serial = np.arange(first, last)
     when = emitter.schedule.times(first, last)
     keys = derive(emitter.key, serial)
-    origin = np.zeros((6, len(when)))
+    origin = np.broadcast_to(np.zeros((6, 1)), (6, len(when)))  # without memory of its own, as the next two
     if emitter.motion is not None:
-        origin[:3] = emitter.motion.at(when)
-    sign, rank = np.ones(len(when)), np.full(len(when), emitter.key)
+        origin = np.concatenate([emitter.motion.at(when), origin[3:]])
+    sign, rank = np.broadcast_to(1.0, len(when)), np.broadcast_to(np.uint64(emitter.key), len(when))
     whole = BirthBatch(
         emitter.kinds[0], emitter.first_source, when, keys, keys, keys, serial, sign, origin, rank, in_order=True
     )

@@ -8,6 +8,7 @@ Source: see gen_art/maths/series.py.
 
 import numpy as np
 
+from gen_art.maths.blocks import in_blocks
 from gen_art.maths.series import ATANH, COS, EXP, EXPM1, HALF_PI, LN2, SIN
 
 __all__ = ["arctan2", "arctanh", "cos", "exp", "expm1", "log", "sin"]
@@ -23,6 +24,7 @@ def _horner(x: np.ndarray, coefficients: tuple[float, ...]) -> np.ndarray:
     return y
 
 
+@in_blocks
 def _sine(x, quarter: int) -> np.ndarray:
     """sin(x + quarter pi/2)."""
     x = np.asarray(x, np.float64)
@@ -45,6 +47,7 @@ def cos(x) -> np.ndarray:
     return _sine(x, 1)
 
 
+@in_blocks
 def exp(x) -> np.ndarray:
     """e^x; 0 below -708, and above 709 the value there."""
     x = np.asarray(x, np.float64)
@@ -55,6 +58,7 @@ def exp(x) -> np.ndarray:
     return np.where(x < -708.0, 0.0, np.ldexp(_horner(r, EXP[True]), n.astype(np.int32)))
 
 
+@in_blocks
 def expm1(x) -> np.ndarray:
     """e^x - 1, without cancellation near 0; x up to 709."""
     y = np.clip(np.asarray(x, np.float64), -708.0, 709.0)
@@ -65,6 +69,7 @@ def expm1(x) -> np.ndarray:
     return scale * r * _horner(r, EXPM1[True]) + (scale - 1.0)
 
 
+@in_blocks
 def log(x) -> np.ndarray:
     """Natural logarithm of x > 0."""
     m, e = np.frexp(np.asarray(x, np.float64))
@@ -81,6 +86,7 @@ def arctanh(x) -> np.ndarray:
     return 0.5 * log((1 + x) / (1 - x))
 
 
+@in_blocks
 def arctan2(y, x) -> np.ndarray:
     """The angle of (x, y), rad, -pi to pi; 0 at the origin. Accurate to 1e-15 absolute."""
     y, x = np.asarray(y, np.float64), np.asarray(x, np.float64)

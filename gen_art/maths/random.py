@@ -10,6 +10,7 @@ import zlib
 import numpy as np
 
 from gen_art.backend.runtime import real, ti
+from gen_art.maths.blocks import in_blocks
 from gen_art.maths.elementary import cos, log, sin
 
 __all__ = ["channel_of", "derive", "philox", "philox_numpy", "uniform", "Stream"]
@@ -42,6 +43,7 @@ def _mixed(z):
     return z ^ (z >> np.uint64(31))
 
 
+@in_blocks
 def derive(key, number) -> np.ndarray:
     """A child key (uint64) of `key` (uint64) and a whole number of at least 0: H(key, number). Arrays broadcast.
 
@@ -54,6 +56,7 @@ def derive(key, number) -> np.ndarray:
         return _mixed((key ^ inner) + np.uint64(0x9E3779B97F4A7C15))
 
 
+@in_blocks
 def uniform(key, channel: int) -> np.ndarray:
     """Float64 in (0, 1) for each uint64 key: the value of `r.uniform(channel)` in a float64 kernel."""
     key = np.asarray(key, np.uint64)
