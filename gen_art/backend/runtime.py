@@ -171,6 +171,7 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
             offline_cache_file_path=str(folder),
             offline_cache_max_size_of_files=_CACHE_LIMIT,
             enable_fallback=False,
+            unrolling_limit=0,  # no warning of long static loops: the expansions of the tree are such
         )
     _state["config"] = (arch, count)
 

@@ -92,7 +92,8 @@ class ExponentialDisc(_Galaxy):
     Sigma = disc_mass / (2 pi R_d^2) exp(-R / R_d), R_d = disc_scale
     across the disc sech^2(z / z_0), z_0 = thickness
     sigma_R = Q 3.36 G Sigma / kappa, sigma_phi = sigma_R kappa / (2 Omega), sigma_z^2 = pi G Sigma z_0
-    The mean rotation is reduced by the asymmetric drift. The mass of each particle is share disc_mass / n, or 0 if massless: gas and stars of one disc are several emitters.
+    The mean rotation is reduced by the asymmetric drift. The mass of each particle is share disc_mass / n, or 0 if massless: gas
+    and stars of one disc are several emitters.
     With `arms`, the azimuths are shifted towards logarithmic spirals at constant R:
     phi += -(arm_strength / arms) sin(arms (phi - ln(R / R_d) / tan pitch))
     Source: Hernquist (1993), ApJS 86, 389; Toomre (1964), ApJ 139, 1217.

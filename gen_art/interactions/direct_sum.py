@@ -94,8 +94,8 @@ class DirectSum(Interaction):
     def _tree(self, targets, sources, amounts, precision, valued=False):
         from gen_art.interactions.tree_sum import sum_by_tree
 
-        softening, theta = self.values["softening"], self.values["theta"]
-        return sum_by_tree(targets, sources, amounts, softening, theta, precision, valued)
+        softening, theta, order = (self.values[key] for key in ("softening", "theta", "order"))
+        return sum_by_tree(targets, sources, amounts, softening, theta, order, precision, valued)
 
     def _to_accelerations(self, request: ForceRequest, out: np.ndarray) -> None:
         """Multiply the field in `out` by charge over mass, where it does not act on mass."""

@@ -15,10 +15,10 @@ class SelfGravity(DirectSum):
 
     G : constant of gravitation in the preset's units, 6.6743e-11 m^3/kg/s^2 when left out
     softening : m, >= 0
-    method : "direct", all pairs; "tree", distant cells as a whole: forces to about 3 parts in a thousand, momentum to round-off;
+    method : "direct", all pairs; "tree", distant cells as a whole: forces to about 2 parts in a thousand, momentum to round-off;
         "auto", the tree beyond 20,000 particles
     theta : of the tree, 0.05 to 1: largest size of two cells, seen from each other, that act as a whole; smaller is more exact
-    order : 3, of the tree's expansions
+    order : of the tree's expansions, 2 to 6
     sources : the name of another system, whose field then acts without reaction (recorded in the ledger)
     Conservative and reciprocal, unless `sources` is given. The tree's forces are not an exact gradient: they conserve energy to
     their own accuracy.
@@ -28,8 +28,8 @@ class SelfGravity(DirectSum):
     G: float = param(6.67430e-11, min=0, doc="constant of gravitation; units.G of the preset when left out")
     softening: float = param(0.0, unit="m", min=0)
     method: str = param("auto", choices=("auto", "direct", "tree"))
-    theta: float = param(0.36, min=0.05, max=1, doc="opening of the tree; less is more exact")
-    order: int = param(3, min=3, max=3, doc="of the tree's expansions; 3 is what there is")
+    theta: float = param(0.6, min=0.05, max=1, doc="opening of the tree; less is more exact")
+    order: int = param(5, min=2, max=6, doc="of the tree's expansions; more is more exact")
     sources: str = param(None, doc="another system that attracts this one, without reaction")
 
     @property

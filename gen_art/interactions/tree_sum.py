@@ -1,9 +1,8 @@
 """The inverse square law by a tree: cells act on cells, in a time proportional to the number of particles.
 
-The sources of a cell are represented by their moments up to the quadrupole. Each pair of cells that are distant relative to
-their sizes gives both cells a local expansion to third order in the distance from their centres (expansions.py). Both sides keep
-all terms up to the same order, so that the forces of a pair cancel and momentum is conserved to round-off. Near pairs are summed
-particle by particle. Every sum has a fixed order.
+The sources of a cell are represented by their moments. Each pair of cells that are distant relative to their sizes gives both
+cells a local expansion about their centres (expansions.py). Both sides keep all terms up to the same order, so that the forces
+of a pair cancel and momentum is conserved to round-off. Near pairs are summed particle by particle. Every sum has a fixed order.
 
 two cells are distant if radius_A + radius_B < theta abs(z_A - z_B)
 
@@ -12,7 +11,7 @@ Source: Dehnen (2000), ApJ 536, L39; Dehnen (2002), J. Comput. Phys. 179, 27.
 
 import numpy as np
 
-from gen_art.interactions.expansions import CENTRE, COEFFICIENTS, MOMENTS, RADIUS, moments_kernel
+from gen_art.interactions.expansions import CENTRE, RADIUS, expansion
 from gen_art.interactions.octree import LEAF, Octree, build_octree
 from gen_art.interactions.pair_sums import LANES
 from gen_art.interactions.tree_walk import LEVEL_COLUMNS, walk_kernel
@@ -30,7 +29,7 @@ class _Cells:
     The last row of moments is that of a cell without sources.
     """
 
-    def __init__(self, positions: np.ndarray, amounts: np.ndarray | None, precision: str):
+    def __init__(self, positions: np.ndarray, amounts: np.ndarray | None, order: int, precision: str):
         positions = np.ascontiguousarray(positions)
         self.tree: Octree = build_octree(positions)
         n = len(self.tree.order)
@@ -38,23 +37,34 @@ class _Cells:
         self.sorted[:3, :n] = positions[:, self.tree.order]
         if amounts is not None:
             self.sorted[3, :n] = amounts[self.tree.order]
-        self.moments = np.zeros((len(self.tree.begin) + 1, MOMENTS))
+        tree, terms = self.tree, expansion(order)
+        self.moments = np.zeros((len(tree.begin) + 1, terms.columns))
         self.moments[-1, CENTRE : CENTRE + 3] = _FAR_AWAY
-        moments_kernel(precision)(self.sorted, self.tree.begin, self.tree.end, self.moments)
+        terms.gather_kernel(precision)(self.sorted, tree.begin, tree.end, tree.links, self.moments)
+        for first, last in reversed([*zip(tree.levels, tree.levels[1:])]):
+            terms.raise_kernel()(tree.links, self.moments, first, last)
 
 
 def sum_by_tree(
-    targets: np.ndarray, sources, amounts: np.ndarray, softening: float, theta: float, precision: str, valued=False
+    targets: np.ndarray,
+    sources,
+    amounts: np.ndarray,
+    softening: float,
+    theta: float,
+    order: int,
+    precision: str,
+    valued=False,
 ):
     """The gradient of ψ at `targets`, (3, n); or, if `valued`, ψ, (n,).
 
     targets : (3, n) m
     sources : (3, m) m; None for the targets themselves, none of which then acts on itself
     amounts : (m,), mass or charge of the sources
+    order : of the expansions
     """
     same = sources is None
-    target_cells = _Cells(targets, amounts if same else None, precision)
-    source_cells = target_cells if same else _Cells(sources, amounts, precision)
+    target_cells = _Cells(targets, amounts if same else None, order, precision)
+    source_cells = target_cells if same else _Cells(sources, amounts, order, precision)
     a, b = target_cells.tree, source_cells.tree
     roots = _branches(a)
     out = np.zeros((1 if valued else 3, targets.shape[1]), targets.dtype)
@@ -65,9 +75,9 @@ def sum_by_tree(
     capacity = _SHORT
     while len(roots):
         tasks, full = len(roots), np.zeros(len(roots), np.int32)
-        walk_kernel(valued, precision)(
+        walk_kernel(valued, order, precision)(
             roots, *arrays, *(np.empty((tasks, capacity), np.int32) for _ in range(3)),
-            np.empty((tasks, levels + 1, LEVEL_COLUMNS), np.int32), np.empty((tasks, levels, COEFFICIENTS)),
+            np.empty((tasks, levels + 1, LEVEL_COLUMNS), np.int32), np.empty((tasks, levels, expansion(order).coefficients)),
             numbers, int(same), a.order, out, full,
         )  # fmt: skip
         roots, capacity = roots[full > 0], 8 * capacity

@@ -13,15 +13,7 @@ from functools import cache
 
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
-from gen_art.interactions.expansions import (
-    AMOUNT,
-    CENTRE,
-    COEFFICIENTS,
-    GRADIENT,
-    VALUE,
-    add_far_field,
-    add_shifted,
-)  # fmt: skip
+from gen_art.interactions.expansions import CENTRE, GRADIENT, MOMENTS, VALUE, expansion
 from gen_art.interactions.pair_sums import LANES, half_powers, load, spread
 
 __all__ = ["LEVEL_COLUMNS", "walk_kernel"]
@@ -32,7 +24,6 @@ _FAR = 8  # distant cells at a time
 _ROOM = (
     32  # entries that a run of up to eight cells, or the filling of the last group of distant cells, may add to a list
 )
-_MOMENTS = (AMOUNT, *range(5, 14))
 
 INTS, TABLE, CUBE = ti.types.ndarray(ti.i32, 1), ti.types.ndarray(ti.i32, 2), ti.types.ndarray(ti.i32, 3)
 NUMBERS, DOUBLE, DOUBLES = ti.types.ndarray(ti.f64, 1), ti.types.ndarray(ti.f64, 2), ti.types.ndarray(ti.f64, 3)
@@ -89,27 +80,6 @@ def _sort_open(
 
 
 @ti.func
-def _act_from_afar(
-    task, level, a, distant, far: ti.template(), M: ti.template(), N: ti.template(), C: ti.template(), q: ti.template()
-):
-    """Add the fields of the `distant` first cells in `far` to the expansion of cell a."""
-    for k in range(_FAR):
-        far[task, distant + k] = N.shape[0] - 1
-    total = [_eight(0.0) for _ in ti.static(range(COEFFICIENTS))]
-    for group in range((distant + _FAR - 1) // _FAR):
-        at = [far[task, group * _FAR + k] for k in ti.static(range(_FAR))]
-        R = [
-            _eight(M[a, CENTRE + i]) - ti.Vector([N[at[k], CENTRE + i] for k in ti.static(range(_FAR))])
-            for i in ti.static(range(3))
-        ]
-        m = [ti.Vector([N[at[k], column] for k in ti.static(range(_FAR))]) for column in ti.static(_MOMENTS)]
-        add_far_field(total, R, m, _eight(q[0]), _eight(1.0))
-    for k in ti.static(range(COEFFICIENTS)):
-        v = total[k]
-        C[task, level, k] += ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]))
-
-
-@ti.func
 def _next_cell(
     task, level, root, begin: ti.template(), end: ti.template(), links: ti.template(), levels: ti.template()
 ):
@@ -136,47 +106,74 @@ def _next_cell(
 
 
 @cache
-def walk_kernel(valued: bool, precision: str):
-    """The kernel that writes ψ, if `valued`, into row 0 of `out`, or else its gradient.
+def walk_kernel(valued: bool, order: int, precision: str):
+    """The kernel that writes ψ, if `valued`, into row 0 of `out`, or else its gradient; by expansions of an order.
 
     roots : (tasks,), the cells that the tasks own
     begin, end, links : of the target tree; s_begin, s_end, s_links : of the source tree
     A, B : (cells, 4), centres and radii of the cells of both, m
-    M, N : moments of the targets' and of the sources' cells; N has one row more: amount 0, far away
+    M, N : (cells, columns) of the targets' and of the sources' cells; N has one row more: moments of 0, far away
     P, S : (4, n + LANES) and (4, m or more), targets and sources in order
     lists, waiting, far : (tasks, capacity), the open sources of each level; those to be opened; the distant ones
     levels : (tasks, levels + 1, LEVEL_COLUMNS)
-    C : (tasks, levels, COEFFICIENTS), local expansions
+    C : (tasks, levels, coefficients), local expansions
     q : softening^2, theta^2
     same : 1 if the sources are the targets
-    order : (n,), the columns of `out` for the targets in order
+    places : (n,), the columns of `out` for the targets in order
     full : (tasks,), 1 for a task whose lists were too short: its results have no meaning
     """
     float_type = runtime.DTYPES[precision]
     matrix = ti.types.ndarray(float_type, 2)
     weight = half_powers(-1 if valued else -3)
     rows = [VALUE] if valued else [GRADIENT, GRADIENT + 1, GRADIENT + 2]
+    terms = expansion(order)
+    needed = list(range(VALUE if valued else GRADIENT, terms.coefficients))  # the value acts on nothing else
+    add_far_field, add_shifted = terms.add_far_field, terms.add_shifted
+
+    @ti.func
+    def act_from_afar(
+        task, level, a, distant, far: ti.template(), M: ti.template(), N: ti.template(), C: ti.template(), q: ti.template()
+    ):  # fmt: skip
+        """Add the fields of the `distant` first cells in `far` to the expansion of cell a."""
+        for k in range(_FAR):
+            far[task, distant + k] = N.shape[0] - 1
+        total = [_eight(0.0) for _ in ti.static(range(terms.coefficients))]
+        for group in range((distant + _FAR - 1) // _FAR):
+            at = [far[task, group * _FAR + k] for k in ti.static(range(_FAR))]
+            R = [
+                _eight(M[a, CENTRE + i]) - ti.Vector([N[at[k], CENTRE + i] for k in ti.static(range(_FAR))])
+                for i in ti.static(range(3))
+            ]
+            m = [
+                ti.Vector([N[at[k], MOMENTS + column] for k in ti.static(range(_FAR))])
+                for column in ti.static(range(terms.moments))
+            ]
+            whole = [_eight(k) for k in ti.static(range(terms.whole))]
+            add_far_field(total, R, m, _eight(q[0]), whole, needed[0])
+        for k in ti.static(needed):
+            v = total[k]
+            C[task, level, k] += ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]))
 
     @ti.func
     def act_near_by(
         task, level, a, first, last, begin: ti.template(), end: ti.template(), s_begin: ti.template(), s_end: ti.template(),
         M: ti.template(), P: ti.template(), S: ti.template(), lists: ti.template(), C: ti.template(), q: ti.template(),
-        order: ti.template(), out: ti.template(),
+        places: ti.template(), out: ti.template(),
     ):  # fmt: skip
         """Write the sums of the particles of leaf a: its expansion, and the particles of the cells lists[task, first:last]."""
         for tile in range((end[a] - begin[a] + LANES - 1) // LANES):
             i = begin[a] + tile * LANES
             X = [load(P, k, i) for k in ti.static(range(3))]
-            d = [X[k] - spread(M[a, CENTRE + k]) for k in ti.static(range(3))]
-            old = [spread(C[task, level, k]) for k in ti.static(range(COEFFICIENTS))]
-            new = [spread(0.0) for _ in ti.static(range(COEFFICIENTS))]
-            add_shifted(new, old, d, spread(1.0))
-            total = [new[k] for k in ti.static(rows)]
+            back = [spread(M[a, CENTRE + k]) - X[k] for k in ti.static(range(3))]
+            old = [spread(C[task, level, k]) for k in ti.static(range(terms.coefficients))]
+            whole = [spread(k) for k in ti.static(range(terms.whole))]
+            total = [spread(0.0) for _ in ti.static(rows)]  # ψ, or minus its gradient
+            add_shifted(total, old, back, whole, rows)
             softening2 = spread(q[0])
             for n in range(first, last):
                 s = lists[task, n]
                 for j in range(s_begin[s], s_end[s]):
-                    dx, dy, dz = spread(S[0, j]) - X[0], spread(S[1, j]) - X[1], spread(S[2, j]) - X[2]
+                    dx, dy, dz = X[0] - spread(S[0, j]), X[1] - spread(S[1, j]), X[2] - spread(S[2, j])
                     w = weight(spread(S[3, j]), dx * dx + dy * dy + dz * dz + softening2)
                     if ti.static(valued):
                         total[0] += w
@@ -187,17 +184,17 @@ def walk_kernel(valued: bool, precision: str):
             for k in ti.static(range(len(rows))):
                 for lane in ti.static(range(LANES)):
                     if i + lane < end[a]:
-                        out[k, order[i + lane]] = total[k][lane]
+                        out[k, places[i + lane]] = total[k][lane] if ti.static(valued) else -total[k][lane]
 
     @ti.kernel
     def walk(
         roots: INTS, begin: INTS, end: INTS, links: TABLE, s_begin: INTS, s_end: INTS, s_links: TABLE, A: DOUBLE, B: DOUBLE,
         M: DOUBLE, N: DOUBLE, P: matrix, S: matrix, lists: TABLE, waiting: TABLE, far: TABLE, levels: CUBE, C: DOUBLES,
-        q: NUMBERS, same: ti.i32, order: INTS, out: matrix, full: INTS,
+        q: NUMBERS, same: ti.i32, places: INTS, out: matrix, full: INTS,
     ):  # fmt: skip
         ti.loop_config(block_dim=1)
         for task in range(roots.shape[0]):
-            for k in range(COEFFICIENTS):
+            for k in range(C.shape[2]):
                 C[task, 0, k] = 0.0
             lists[task, 0] = 0
             levels[task, 0, CELL] = 0
@@ -211,10 +208,10 @@ def walk_kernel(valued: bool, precision: str):
                     level = -1
                 else:
                     if distant > 0:
-                        _act_from_afar(task, level, a, distant, far, M, N, C, q)
+                        act_from_afar(task, level, a, distant, far, M, N, C, q)
                     if links[a, 1] == 0:
                         act_near_by(
-                            task, level, a, last, kept, begin, end, s_begin, s_end, M, P, S, lists, C, q, order, out
+                            task, level, a, last, kept, begin, end, s_begin, s_end, M, P, S, lists, C, q, places, out
                         )
                     levels[task, level, FIRST_OPEN], levels[task, level, LAST_OPEN] = last, kept
                     levels[task, level, NEXT_CHILD] = 0
@@ -222,11 +219,11 @@ def walk_kernel(valued: bool, precision: str):
                 if level >= 0:
                     c, b = levels[task, level - 1, CELL], levels[task, level, CELL]
                     first, last = levels[task, level - 1, FIRST_OPEN], levels[task, level - 1, LAST_OPEN]
-                    old = [C[task, level - 1, n] for n in ti.static(range(COEFFICIENTS))]
-                    new = [ti.f64(0.0) for _ in ti.static(range(COEFFICIENTS))]
-                    d = [M[b, CENTRE + i] - M[c, CENTRE + i] for i in ti.static(range(3))]
-                    add_shifted(new, old, d, ti.f64(1.0))
-                    for n in ti.static(range(COEFFICIENTS)):
-                        C[task, level, n] = new[n]
+                    old = [C[task, level - 1, n] for n in ti.static(range(terms.coefficients))]
+                    new = [ti.f64(0.0) for _ in ti.static(needed)]
+                    back = [M[c, CENTRE + i] - M[b, CENTRE + i] for i in ti.static(range(3))]
+                    add_shifted(new, old, back, [ti.cast(k, ti.f64) for k in ti.static(range(terms.whole))], needed)
+                    for n in ti.static(range(len(needed))):
+                        C[task, level, needed[n]] = new[n]
 
     return runtime.kernel(walk, precision, vectors=True)

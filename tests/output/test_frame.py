@@ -15,7 +15,6 @@ from gen_art.commands.main import run
 from gen_art.output import job
 from gen_art.output.framing import framing_of
 from gen_art.output.read_recipe import read_recipe
-from gen_art.particles.rows import MASS
 from gen_art.preset.camera import Fit, Frame
 from gen_art.preset.load import load_preset
 from gen_art.preset.thinning import MUTUAL, galaxies, independent_systems, thinned
