@@ -1,7 +1,8 @@
 """Progress on standard error: a bar for people, JSON lines for programs, or nothing.
 
 A reporter is called with events: {"event": "frame", "frame": k, "frames": n, "particles": count, "fps": ..., "eta": s}, and
-of a film or a sequence at the end with the seconds of its stages: {"event": "times", "total": s, "simulate": s, ...}.
+of a film or a sequence at the end with the seconds of its stages: {"event": "times", "total": s, "simulate": s, ...}. Where more
+than ten seconds pass before the first picture, {"event": "wait", "steps": done, "of": n, "eta": s} tells about once a second.
 Among JSON lines a warning is one too: {"event": "warning", "text": ...}.
 """
 
@@ -29,7 +30,7 @@ def reporter(mode: str) -> Iterator[Callable[[dict], None] | None]:
         with _bar() as show:
             yield show
     elif mode == "times":
-        yield _print_times
+        yield _Lines().print
     else:
         yield None
 
@@ -37,11 +38,20 @@ def reporter(mode: str) -> Iterator[Callable[[dict], None] | None]:
 _DID = {"simulate": "simulated", "draw": "drew", "develop": "developed", "encode": "waited for the encoder"}
 
 
-def _print_times(event: dict) -> None:
-    """Print where the time went: `12.3 s: simulated 4.1, drew 6.0, developed 1.2, waited for the encoder 0.9`."""
-    if event.get("event") == "times":
-        parts = ", ".join(f"{did} {event[stage]:.1f}" for stage, did in _DID.items())
-        echo(f"{event['total']:.1f} s: {parts}", err=True)
+class _Lines:
+    """Prints how long the wait for the first picture is, once, and where the time of a film went."""
+
+    def __init__(self):
+        self._told = False
+
+    def print(self, event: dict) -> None:
+        """`110 steps until the first picture, about 0:48 left`; `12.3 s: simulated 4.1, drew 6.0, ...`."""
+        if event.get("event") == "wait" and not self._told:
+            self._told = True
+            echo(f"{event['of']:,} steps until the first picture, about {_clock(event['eta'])} left", err=True)
+        elif event.get("event") == "times":
+            parts = ", ".join(f"{did} {event[stage]:.1f}" for stage, did in _DID.items())
+            echo(f"{event['total']:.1f} s: {parts}", err=True)
 
 
 def _json(event: dict) -> None:
@@ -66,11 +76,18 @@ def _bar() -> Iterator[Callable[[dict], None]]:
         TextColumn("{task.fields[left]}"),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        lines = _Lines()
         task = progress.add_task("", total=None, particles=0, rate="", left="")
 
         def show(event: dict) -> None:
+            if event.get("event") == "wait":
+                progress.update(
+                    task, completed=0, rate=f"step {event['steps']:,} of {event['of']:,} until the first picture",
+                    left=f"{_clock(event['eta'])} left",
+                )  # fmt: skip
+                return
             if event.get("event") != "frame":
-                _print_times(event)
+                lines.print(event)
                 return
             rate, eta = event.get("fps") or 0.0, event.get("eta")
             progress.update(

@@ -1,7 +1,7 @@
 """Expansions of the inverse square law: moments of cells of sources, and local expansions about the centres of cells of targets.
 
 ψ(x) = sum_a c_a g(x - x_a), g(R) = 1 / sqrt(R^2 + softening^2). With R from the centre of the sources to that of targets,
-d = x - z_B, s = x_a - z_A, and multi-indices n and k (n! is the product of the factorials of its three numbers, abs(n) their sum):
+d = x - z_B, s = x_a - z_A, and multi-indices n and k (n! is the product of three factorials, abs(n) the sum of the three):
 
 m_k = sum_a c_a s^k / k!, the moments; F_n = (-1)^abs(n) times the n-th derivative of g at R
 K_n = sum_k m_k F_(n+k) over abs(n) + abs(k) <= order, the coefficients of the local expansion

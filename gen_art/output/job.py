@@ -201,7 +201,8 @@ def render(
     codec : h264 h265 prores ffv1 vp9 av1; the default of the file extension when None
     profile : preview, web or master: from fast and small to slow and good
     bits : bits a channel; 8 or 10 where the codec has both, 16 for FFV1, .png and .exr, 32 for .exr
-    progress : called with {"event": "frame", "frame", "frames", "particles", "fps", "eta"} after each frame
+    progress : called with {"event": "frame", "frame", "frames", "particles", "fps", "eta"} after each frame, and where more than
+        ten seconds pass before the first, with {"event": "wait", "steps", "of", "eta"}: steps done and in all, seconds left
     times : called at the end with {"event": "times", "total", "simulate", "draw", "develop", "encode"}, in seconds; "encode" is
         what the others waited for it
     max_rate : the most bits a second of H.264 and H.265; 0 for no limit beyond the profile
@@ -232,7 +233,7 @@ def render(
         )  # fmt: skip
         _render_film(target, size, spec, recipe, precision, threads, numbers, report, overwrite, times)
         return [target.path]
-    playback = Playback(spec, size, precision, threads, transparent)
+    playback = Playback(spec, size, precision, threads, transparent, progress)
     paths = [target.frame(k) if target.pattern else target.path for k in numbers]
     recipes = [make_recipe(spec, plugins=loaded_plugins, kind="still", time=k / spec.clock.fps, **job) for k in numbers]
     with background() as submit:
@@ -254,7 +255,7 @@ def _render_film(
     assert film is not None
     writer = film_writer(target.path, size, preset.clock.fps, recipe, film, recipe["max_rate"], overwrite)
     try:
-        playback = Playback(preset, size, precision, threads, film.transparent)
+        playback = Playback(preset, size, precision, threads, film.transparent, report.tell)
         for k, (linear, exposure) in zip(frames, playback.pictures([_step_of_frame(playback, k) for k in frames])):
             with playback.stopwatch.stage("develop"):
                 picture = develop(
@@ -299,7 +300,7 @@ def still(
         spec, out, time, precision=precision, size=size, scale=scale, quality=quality, overwrite=overwrite,
         transparent=transparent, bits=bits,
     )  # fmt: skip
-    playback = Playback(spec, size, precision, threads, transparent)
+    playback = Playback(spec, size, precision, threads, transparent, progress)
     linear, exposure = next(playback.pictures([playback.step_of(float(time))]))
     frame = round(float(time) * spec.clock.fps)
     recipe = make_recipe(

@@ -7,11 +7,13 @@ on the preset, so a frame does not depend on which frames were rendered before i
 import math
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
 from gen_art.errors import AdviceWarning, PresetError
 from gen_art.output.stopwatch import Stopwatch
+from gen_art.output.wait import Wait
 from gen_art.particles.rows import POSITION
 from gen_art.renderer.aovs import render_aovs
 from gen_art.renderer.auto_exposure import metered_stops, metering_ages, smoothed_exposure
@@ -41,9 +43,13 @@ class Playback:
     """A simulation of a preset and its painter, which together play the preset forwards.
 
     transparent : leave out the preset's sky, so that the pictures keep their alpha
+    tell : called with how long the first picture takes, where that is long; see gen_art.output.wait
     """
 
-    def __init__(self, preset, size, precision: str, threads: int | None, transparent: bool = False):
+    def __init__(
+        self, preset, size, precision: str, threads: int | None, transparent: bool = False,
+        tell: Callable[[dict], None] | None = None,
+    ):  # fmt: skip
         from gen_art.simulation import Simulation
 
         self.preset = preset
@@ -64,6 +70,7 @@ class Playback:
             look is not None and look.goes_by("acceleration") for look in preset.looks.values()
         )
         self._steps_done, self._last_shown = 0, -1
+        self._tell = tell
         self.stopwatch = Stopwatch()
         self._trail_steps, self._trail_interval = self._plan_trails()
         self._subframe_interval, self._subframes = self._plan_subframes()
@@ -156,9 +163,10 @@ class Playback:
         painted = [step - k * interval for k in range(self._subframes) if step >= k * interval]
         for at in painted:
             actions.setdefault(at, []).append(paint)
+        wait = Wait(self._tell, step) if self._tell is not None and self._last_shown < 0 else None
         for at in sorted(actions):
             with self.stopwatch.stage("simulate"):
-                self._advance(at - self._steps_done)
+                self._advance(at - self._steps_done, wait)
             with self.stopwatch.stage("draw"):
                 for action in actions[at]:
                     action()
@@ -243,14 +251,15 @@ class Playback:
             for at in _steps_between(range(first, _ENDLESS, interval), self._last_shown, step):
                 yield at, remember_path
 
-    def _advance(self, steps: int) -> None:
+    def _advance(self, steps: int, wait: Wait | None = None) -> None:
+        step = self.sim.step if wait is None else partial(wait.advance, self.sim.step)
         if steps > 0:
             if self._shows_acceleration:
                 if steps > 1:
-                    self.sim.step(steps - 1)
+                    step(steps - 1)
                 self.painter.remember_velocities(self.sim)
                 steps, self._steps_done = 1, self._steps_done + steps - 1
-            self.sim.step(steps)
+            step(steps)
             self._steps_done += steps
         elif self._shows_acceleration and self._steps_done == 0:
             # before the first step the acceleration comes from the first step of a second simulation
