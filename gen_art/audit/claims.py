@@ -62,15 +62,18 @@ class SumClaim:
 
 
 class QuantityClaim:
-    """A claim about a period, a value or a range."""
+    """A claim about a period, a value or a range.
 
-    def __init__(self, spec, changes: dict, clock):
+    second : label of the preset's unit of simulated time
+    """
+
+    def __init__(self, spec, changes: dict, clock, second: str = "s"):
         self.spec, self.clock, self.changes = spec, clock, changes
         self.bound, over = getattr(spec, "within", 0.0), "" if spec.over == "mean" else f"{spec.over} "
         self.unmeasured = "no particle of it lives then"
         if isinstance(spec, Period):
             self.unmeasured = "the quantity passes its middle upwards less than twice; give a longer expect.time"
-            self.words = f"period of {over}{spec.of} is {spec.is_:g} s within {spec.within:g} of it"
+            self.words = f"period of {over}{spec.of} is {spec.is_:g} {second} within {spec.within:g} of it"
         elif isinstance(spec, Value):
             at = "at the end" if spec.at is None else f"at {spec.at:g} s"
             self.words = f"{over}{spec.of} is {spec.is_:g} {at} within {spec.within:g}{' of it' if spec.is_ else ''}"
@@ -123,7 +126,7 @@ def claims_of(preset) -> list:
                 f"expect.{path[0]} is about film time {latest:g} s, but the check ends at {reached:g} s: give a longer "
                 "expect.time"
             )
-        claims.append(QuantityClaim(spec, spec.mutant or expect.mutant, preset.clock))
+        claims.append(QuantityClaim(spec, spec.mutant or expect.mutant, preset.clock, preset.units.time))
     return claims
 
 

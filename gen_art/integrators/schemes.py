@@ -50,6 +50,11 @@ class Scheme:
     energy_error: tuple[int, float] = (0, 0.0)
 
     @property
+    def is_leapfrog(self) -> bool:
+        """Whether a step is half a kick, a drift, and half a kick."""
+        return self.kind == "splitting" and self.stages == _KDK and not self.first_drift
+
+    @property
     def rotation(self) -> tuple[str, bool, bool]:
         """How a magnetic field rotates the velocity: (pusher, relativistic, exact phase)."""
         return self.pusher, self.light > 0, self.exact

@@ -80,7 +80,7 @@ class DirectSum(Interaction):
         k, n, softening = self.law
         amounts = request.sources.floats[request.sources.channels[self.amount], : request.m]
         if self.by_tree(request.n * request.m):
-            sources = None if self.source_system is None else request.source_rows[:3, : request.m]
+            sources = None if request.rows is request.source_rows else request.source_rows[:3, : request.m]
             out[:, : request.n] = k * self._tree(request.rows[:3, : request.n], sources, amounts, request.precision)
             self._to_accelerations(request, out)
             return

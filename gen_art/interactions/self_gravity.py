@@ -1,5 +1,6 @@
 """Mutual gravity."""
 
+from gen_art.errors import UsageError
 from gen_art.interactions.base import interaction
 from gen_art.interactions.direct_sum import DirectSum
 from gen_art.registry import param
@@ -19,6 +20,8 @@ class SelfGravity(DirectSum):
         "auto", the tree beyond 20,000 particles
     theta : of the tree, 0.05 to 1: largest size of two cells, seen from each other, that act as a whole; smaller is more exact
     order : of the tree's expansions, 2 to 6
+    levels : 0 for one step for all; k lets each particle halve its own step up to k times, until it lasts at most
+        0.2 sqrt(softening / abs(a_i)). Then only those whose step ends are summed. It needs a softening, and leapfrog
     sources : the name of another system, whose field then acts without reaction (recorded in the ledger)
     Conservative and reciprocal, unless `sources` is given. The tree's forces are not an exact gradient: they conserve energy to
     their own accuracy.
@@ -30,7 +33,13 @@ class SelfGravity(DirectSum):
     method: str = param("auto", choices=("auto", "direct", "tree"))
     theta: float = param(0.6, min=0.05, max=1, doc="opening of the tree; less is more exact")
     order: int = param(5, min=2, max=6, doc="of the tree's expansions; more is more exact")
+    levels: int = param(0, min=0, max=10, doc="halvings of the step for particles that need shorter ones")
     sources: str = param(None, doc="another system that attracts this one, without reaction")
+
+    def prepare(self):
+        super().prepare()
+        if self.values["levels"] and self.values["softening"] <= 0.0:
+            raise UsageError("self_gravity: levels need a softening, which says how short the steps must be")
 
     @property
     def law(self):

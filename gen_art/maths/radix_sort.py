@@ -19,7 +19,7 @@ KEYS, ORDER, TABLE = ti.types.ndarray(ti.u64, 1), ti.types.ndarray(ti.i32, 1), t
 
 
 def stable_order(keys: np.ndarray) -> np.ndarray:
-    """(n,) int32: the places of the keys, (n,) uint64, from the least to the greatest; equal ones in the order they had."""
+    """(n,) int32: the places of the keys, (n,) unsigned, from the least to the greatest; equal ones in the order they had."""
     n = len(keys)
     if n <= _FEW:
         return np.argsort(keys, kind="stable").astype(np.int32)

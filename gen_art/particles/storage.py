@@ -128,8 +128,10 @@ class Particles:
         """The particles whose source has one of these tags, as a copy; themselves if all have."""
         wanted = [k for k, source in enumerate(self.sources) if getattr(source, "tag", None) in tags]
         slots = np.flatnonzero(np.isin(self.source[: self.count], wanted))
-        if len(slots) == self.count:
-            return self
+        return self if len(slots) == self.count else self.some(slots)
+
+    def some(self, slots: np.ndarray) -> "Particles":
+        """A copy of the particles in these slots."""
         some = copy(self)
         some.count = some.capacity = len(slots)
         padded = np.append(slots, np.zeros(PADDING, slots.dtype))

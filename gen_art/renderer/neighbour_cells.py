@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen_art.maths.radix_sort import stable_order
 from gen_art.particles.rows import LIFETIME, POSITION
 
 __all__ = ["NeighbourCells"]
@@ -38,12 +39,12 @@ class NeighbourCells:
         slots = np.flatnonzero(near & (birth <= time) & (birth + life > time))
         if not len(slots):
             return None
-        slots = slots[np.argsort(system.key[0, slots] ^ system.key[1, slots], kind="stable")]
+        slots = slots[stable_order(system.key[0, slots] ^ system.key[1, slots])]
         positions = positions[:, slots]
         corner = positions.min(axis=1)
         cells = np.floor((positions - corner[:, None]) / reach).astype(np.int64) + 1
         key = (cells[2] << 42) | (cells[1] << 21) | cells[0]
-        order = np.argsort(key, kind="stable")
+        order = stable_order(key.astype(np.uint64))
         keys, first = np.unique(key[order], return_index=True)
         runs = np.empty((len(keys), 18), np.int32)
         rows = [(z << 42) + (y << 21) for z in (-1, 0, 1) for y in (-1, 0, 1)]

@@ -8,6 +8,7 @@ from gen_art.errors import UsageError
 from gen_art.interactions.base import ForceRequest, ImplicitStage
 from gen_art.particles.rows import VELOCITY
 from gen_art.registry import suggest
+from gen_art.simulation.block_steps import BlockSteps, check_blocks, parts_of
 from gen_art.simulation.stepper import Stepper
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ class CoupledSystems:
     def __init__(self, steppers: dict[str, Stepper], names: set[str], dt: float, precision: str):
         self.steppers, self.dt, self.precision = {name: steppers[name] for name in sorted(names)}, dt, precision
         self.ledger: LedgerKeeper | None = None
+        self._blocks = BlockSteps(self.steppers, dt, precision)
         self._accelerations_at = -1  # the step for whose start the stored pair accelerations are valid; -1: for none
 
     @staticmethod
@@ -42,6 +44,9 @@ class CoupledSystems:
                         f"systems '{name}' and '{other}' are coupled by a force: give both the same integrator"
                     )
                 coupled = coupled | {other}
+        if parts_of(members[name] for name in coupled) > 1:
+            for name in sorted(coupled):
+                check_blocks(name, members[name])
         return coupled
 
     def forget(self) -> None:
@@ -53,6 +58,11 @@ class CoupledSystems:
         coupled = self.steppers
         for stepper in coupled.values():
             stepper.begin()
+        if self._blocks.parts > 1:
+            self._blocks.step(first, self._accelerations_at == first)
+            colliding = any(stepper.system.composition.colliders for stepper in coupled.values())
+            self._accelerations_at = -1 if colliding else first + 1
+            return
         schemes = [stepper.system.scheme for stepper in coupled.values()]
         if any(s.first_drift for s in schemes):
             self.forget()

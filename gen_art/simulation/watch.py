@@ -13,6 +13,7 @@ import numpy as np
 from gen_art.errors import AdviceWarning, DivergedError, UsageError
 from gen_art.registry import suggest
 from gen_art.simulation.advice import system_advice
+from gen_art.simulation.block_steps import parts_of
 from gen_art.simulation.motion import MotionSample, is_smooth
 from gen_art.simulation.no_effect import silent_parts
 
@@ -130,12 +131,13 @@ class Watch:
         """Judge the states of systems whose particles act on each other since the last time."""
         sim = self._sim
         for name, sample in self._paired.items():
-            counts = sample.count_above(_TOO_FAST_PAIRED)
+            limit = _TOO_FAST_PAIRED * parts_of([sim.members[name]]) ** 2
+            counts = sample.count_above(limit)
             for k in np.flatnonzero(counts > _FEW_PAIRED * len(sample.ids)):
                 before = len(counts) - 1 - int(k)
                 time = sim.time - sim.dt * (sim.steps_done % _STRIDE + before * _STRIDE)
                 changes, slots = sample.measure(time, sim.dt, before)
-                if (changes > _TOO_FAST_PAIRED).sum() > _FEW_PAIRED * len(changes):
+                if (changes > limit).sum() > _FEW_PAIRED * len(changes):
                     self._say_too_fast(name, time, changes, slots, _STRIDE)
             sample.keep(2)
 
@@ -150,7 +152,7 @@ class Watch:
             self._judge_features(name, sample.paths(sim.dt))
             if not is_smooth(sim.members[name]):
                 continue
-            if (changes > _TOO_FAST).sum() > _FEW * len(changes):
+            if (changes > _TOO_FAST * parts_of([sim.members[name]]) ** 2).sum() > _FEW * len(changes):
                 self._say_too_fast(name, sim.time, changes, slots, 1)
             if sim.dtype == np.float32 and sim.steps_done > _SAMPLES[2]:
                 self._judge_precision(name, float(np.median(sample.rounding(slots, sim.dt))))
@@ -166,7 +168,8 @@ class Watch:
         worst = int(np.argmax(changes))
         if not math.isfinite(changes[worst]):
             return  # check_finite finds it
-        angle = math.sqrt(changes[worst]) / stride
+        parts = parts_of([system])
+        angle = math.sqrt(changes[worst]) / stride / parts
         better = _ADVISED * sim.dt / angle
         bare = [i.name for i in system.interactions if i.values.get("softening") == 0.0]
         soften = f", or give {bare[0]} a softening" if bare else ""

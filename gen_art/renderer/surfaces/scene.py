@@ -41,7 +41,8 @@ class Scene:
         colliders = tuple(collider for system in systems for collider in system.colliders)
         if preset is None:
             return cls(colliders=colliders, dome=dome)
-        return cls(preset.light, preset.ground, preset.shadows, colliders, dome, preset.wormhole)
+        everything = (*preset.colliders, *colliders)  # those of the preset are there even if no system meets them
+        return cls(preset.light, preset.ground, preset.shadows, everything, dome, preset.wormhole)
 
     @property
     def lit(self) -> bool:
