@@ -9,10 +9,17 @@ from gen_art.interactions.tree_sum import sum_by_tree
 
 bench = Bench("pairs", __doc__)
 F = np.float32
-SOFTENING, THETAS = 0.01, (0.7, 0.6, 0.57)
+SOFTENING = 0.01
+TREES = ((3, 0.7), (4, 0.7), (4, 0.9), (5, 0.6))  # order, theta
 direct_sizes, tree_sizes = ([512], [2_000]) if bench.quick else ([1024, 16_384], [100_000, 1_000_000])
 rounds = 1 if bench.quick else 7
-bench.settings = {"direct": direct_sizes, "tree": tree_sizes, "softening": SOFTENING, "theta": THETAS, "rounds": rounds}
+bench.settings = {
+    "direct": direct_sizes,
+    "tree": tree_sizes,
+    "softening": SOFTENING,
+    "order, theta": TREES,
+    "rounds": rounds,
+}
 runtime.init()
 
 
@@ -79,7 +86,10 @@ for n in tree_sizes:
     x, m = plummer(n)
     of = np.random.default_rng(1).choice(n, min(n, 1000), replace=False)
     right = exact(x, m, of)
-    things = {f"gen_art, theta {t}": lambda x=x, m=m, t=t: sum_by_tree(x, None, m, SOFTENING, t, "f32") for t in THETAS}
+    things = {
+        f"gen_art, order {p}, theta {t}": lambda x=x, m=m, p=p, t=t: sum_by_tree(x, None, m, SOFTENING, t, p, "f32")
+        for p, t in TREES
+    }
     result: dict = {}
     for name, of_tree in things.items():
         found = of_tree()
@@ -90,7 +100,7 @@ for n in tree_sizes:
         place, mass, width = x.T.astype(np.float64).copy(), m.astype(np.float64), np.full(n, 2.8 * SOFTENING)
 
         def peer(place=place, mass=mass, width=width):
-            return pytreegrav.Accel(place, mass, softening=width, theta=THETAS[0], parallel=True, method="tree")
+            return pytreegrav.Accel(place, mass, softening=width, theta=TREES[0][1], parallel=True, method="tree")
 
         result["pytreegrav"] = errors(peer()[of].T, right)
         things["pytreegrav"] = peer
@@ -115,11 +125,16 @@ n = tree_sizes[0]
 x, m = plummer(n)
 of = np.random.default_rng(1).choice(n, min(n, 1000), replace=False)
 right = exact(x, m, of)
-rows = [(f"theta, {n:,}", "bodies/s", "rms error", "median", "99%", "largest")]
-for theta in (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0):
-    e = errors(sum_by_tree(x, None, m, SOFTENING, theta, "f32")[:, of], right)
-    seconds = alternate(min(rounds, 3), tree=lambda t=theta: sum_by_tree(x, None, m, SOFTENING, t, "f32"))["tree"]
-    bench.figures.setdefault("theta", {})[theta] = {**e, "seconds": seconds}
-    rows.append((theta, f"{n / seconds / 1e6:.2f} M", *(f"{v:.1e}" for v in e.values())))
+rows = [(f"order, theta, {n:,}", "bodies/s", "rms error", "median", "99%", "largest")]
+for order in (3, 4, 5, 6):
+    for theta in (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0):
+
+        def tree(t=theta, p=order):
+            return sum_by_tree(x, None, m, SOFTENING, t, p, "f32")
+
+        e = errors(tree()[:, of], right)
+        seconds = alternate(min(rounds, 3), tree=tree)["tree"]
+        bench.figures.setdefault(f"order {order}", {})[theta] = {**e, "seconds": seconds}
+        rows.append((f"{order}, {theta}", f"{n / seconds / 1e6:.2f} M", *(f"{v:.1e}" for v in e.values())))
 bench.table(rows)
 bench.finish()
