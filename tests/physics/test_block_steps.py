@@ -65,7 +65,9 @@ def test_where_none_needs_shorter_steps_they_are_those_of_one_step_for_all():
 
 def test_where_all_need_the_shortest_steps_they_are_shared_steps_of_that_length():
     shared, blocks = (places(cluster(*of, softening=1e-7), 0.2) for of in ((0, 1e-3), (3, 8e-3)))
-    assert np.abs(shared - blocks).max() <= 1e-9 * np.abs(shared).max()  # a pair turns 1.6 times, and magnifies rounding
+    assert (
+        np.abs(shared - blocks).max() <= 1e-9 * np.abs(shared).max()
+    )  # a pair turns 1.6 times, and magnifies rounding
 
 
 def test_a_tight_pair_in_a_wide_cloud_moves_as_with_short_steps_for_all(monkeypatch):
