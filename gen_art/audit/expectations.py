@@ -161,6 +161,10 @@ def _run_mutant(preset, claim, claims: list, steps: int, threads) -> dict:
     """What the mutant of a claim gives for all claims; nothing if it left the finite numbers."""
     mutated = preset
     if claim.changes is not None:
+        if any(path.split(".")[0] == "knobs" for path in claim.changes):
+            raise UsageError(
+                f"the mutant of {preset.name} changes a knob, and knobs are filled in before: change the places where it stands"
+            )
         try:
             mutated = load_preset(preset, overrides=claim.changes)
         except PresetError as error:

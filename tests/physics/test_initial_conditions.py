@@ -140,6 +140,29 @@ def test_rings_turn_on_circles_about_their_centre():
     assert (turning @ [1, 1, 0] > 0).all()
 
 
+def test_even_rings_have_no_noise_in_any_sector():
+    """Of 16 x 16 cells of equal mass each has its share: within a few bodies instead of the square root of their number."""
+
+    def counts(**more):
+        drawn = KeplerRings(G=1.0, inner=1.0, outer=3.0, **more).arrays(65_536)
+        x, _, z = drawn["position"].T
+        cell = np.floor(2 * (x * x + z * z - 1)), np.floor((np.arctan2(-z, x) / (2 * np.pi) % 1) * 16)
+        return np.bincount((16 * np.clip(cell[0], 0, 15) + cell[1]).astype(int), minlength=256)
+
+    assert counts().std() > 12  # at random: 16
+    assert counts(even=True).std() < 4
+
+
+def test_even_circles_are_evenly_filled():
+    drawn = KeplerRings(G=1.0, inner=1.0, outer=2.0, rings=8, even=True).arrays(8 * 500)
+    x, _, z = drawn["position"].T
+    radius, angle = np.hypot(x, z), np.arctan2(-z, x) % (2 * np.pi)
+    for circle in np.unique(radius.round(4)):
+        around = np.sort(angle[np.abs(radius - circle) < 1e-3])
+        assert len(around) == 500
+        assert np.diff(around) == pytest.approx(2 * np.pi / 500, rel=1e-2)
+
+
 @pytest.mark.parametrize("eccentricity", [0.5, 1.0, 1.7])
 def test_an_encounter_comes_as_close_as_its_pericenter(eccentricity):
     """Two groups on one orbit, as points: their centre of mass rests, and their smallest distance is the pericenter."""
