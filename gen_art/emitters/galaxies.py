@@ -92,8 +92,8 @@ class ExponentialDisc(_Galaxy):
     Sigma = disc_mass / (2 pi R_d^2) exp(-R / R_d), R_d = disc_scale
     across the disc sech^2(z / z_0), z_0 = thickness
     sigma_R = Q 3.36 G Sigma / kappa, sigma_phi = sigma_R kappa / (2 Omega), sigma_z^2 = pi G Sigma z_0
-    The mean rotation is reduced by the asymmetric drift. The mass of each particle is share disc_mass / n, or 0 if massless: gas
-    and stars of one disc are several emitters.
+    The mean rotation is reduced by the asymmetric drift. The mass of each particle is that inside
+    the edge times share / n, or 0 if massless: gas and stars of one disc are several emitters.
     With `arms`, the azimuths are shifted towards logarithmic spirals at constant R:
     phi += -(arm_strength / arms) sin(arms (phi - ln(R / R_d) / tan pitch))
     Source: Hernquist (1993), ApJS 86, 389; Toomre (1964), ApJ 139, 1217.
@@ -123,7 +123,8 @@ class ExponentialDisc(_Galaxy):
         sigma = v["disc_mass"] / (2 * np.pi * scale * scale) * exp(-R / scale)
         known = frequencies(self.circular_speed_squared, scale, v["edge"], R)
         born = disc_bodies(r, R, phi, sigma, -R / scale, known, v["thickness"], v["toomre_q"], v["G"])
-        return self.placed({**born, "mass": np.full(n, 0.0 if v["massless"] else v["share"] * v["disc_mass"] / n)})
+        inside = 0.0 if v["massless"] else v["share"] * v["disc_mass"] * mass_fraction[-1]
+        return self.placed({**born, "mass": np.full(n, inside / n)})
 
 
 class _HernquistPart(_Galaxy):
@@ -154,7 +155,7 @@ class _HernquistPart(_Galaxy):
             {
                 "position": radius * r.sphere(5),
                 "velocity": velocity * np.minimum(1.0, speed_limit / speed),
-                "mass": np.full(n, mass / n),
+                "mass": np.full(n, mass * (edge / (1 + edge)) ** 2 / n),
             }
         )
 
@@ -166,7 +167,7 @@ class HernquistSphere(_HernquistPart):
     rho ~ a / (r (r + a)^3), a = bulge_scale
     sigma^2(r) = (1 / rho) integral from r of rho v_c^2 / r dr, with the circular speed v_c of the whole galaxy
     Each velocity component is normal with this sigma; speeds are limited to 0.95 of the local escape speed.
-    The mass of each particle is bulge_mass / n.
+    The mass of each particle is that inside the edge, bulge_mass (edge / (1 + edge))^2, over n.
     Source: Hernquist (1990), ApJ 356, 359.
     """
 
@@ -175,7 +176,7 @@ class HernquistSphere(_HernquistPart):
 class GalaxyHalo(_HernquistPart):
     """The halo of a galaxy as bodies: with exponential_disc and hernquist_sphere, a galaxy without a fixed field.
 
-    The same as hernquist_sphere, with a = halo_scale and the mass halo_mass / n of each particle.
+    The same as hernquist_sphere, with halo_mass and a = halo_scale.
     Source: Hernquist (1993), ApJS 86, 389.
     """
 

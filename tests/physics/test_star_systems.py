@@ -184,3 +184,47 @@ def test_forces_are_the_same_wherever_a_cluster_is_and_however_it_moves(cluster,
         found, allowed = error(places, velocity, back)
         assert found <= allowed < 5e-3
     assert rms(pulls(1.01 * x, rest, m, method, precision), right) > 5e-3  # the mutant
+
+
+def galaxy_radii(speed=1.0):
+    """Quantiles (10, 50, 90%) of the radii of disc, bulge and halo, before and after half a turn at two scale lengths.
+
+    The disc is drawn with Q = 1.2, by Jeans's equations; what these leave out is of the order of (sigma_R / v_c)^2.
+    """
+    parts = {
+        "disc": ga.emitters.ExponentialDisc(toomre_q=1.2, bulge_scale=1.0).arrays(20_000, seed=1),
+        "bulge": ga.emitters.HernquistSphere(bulge_scale=1.0).arrays(8_000, seed=2),
+        "halo": ga.emitters.GalaxyHalo(edge=15.0, bulge_scale=1.0).arrays(60_000, seed=3),
+    }
+    joined = {key: np.concatenate([part[key] for part in parts.values()]) for key in ("position", "velocity", "mass")}
+    joined["velocity"] = speed * joined["velocity"]
+    gravity = SelfGravity(G=4.30091e-6, softening=0.1, method="tree", theta=0.6, order=4)
+    sim = ga.Simulation(
+        {"stars": ga.ParticleSystem(**joined, integrator="leapfrog", interactions=[gravity])}, dt=0.001, advice="none"
+    )
+
+    def state():
+        x = np.asarray(sim["stars"].position, float)
+        r, ends = np.linalg.norm(x, axis=1), np.cumsum([len(part["mass"]) for part in parts.values()])
+        return np.array([np.quantile(one, SHARES) for one in np.split(r, ends[:-1])])
+
+    before = state()
+    sim.step(round(np.pi * 6 / 220 / 0.001))  # 220 km/s at 6 kpc
+    return before, state()
+
+
+@pytest.mark.proof
+def test_a_galaxy_of_bodies_starts_quietly():
+    """Disc and halo, and the half-mass radius of the bulge, stay over half a turn as they were drawn: within 5%.
+
+    That is (sigma_R / v_c)^2 of this disc. The innermost tenth of the bulge lies within a few softenings, and its outermost takes
+    longer than half a turn to fall. Mutant: velocities that are a tenth too large.
+    """
+
+    def largest_change(speed):
+        before, after = galaxy_radii(speed)
+        disc, bulge, halo = np.abs(after / before - 1)
+        return max(disc.max(), bulge[1], halo.max())
+
+    assert largest_change(1.0) < 0.05
+    assert largest_change(1.1) > 0.1
