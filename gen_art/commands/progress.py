@@ -30,7 +30,7 @@ def reporter(mode: str) -> Iterator[Callable[[dict], None] | None]:
         with _bar() as show:
             yield show
     elif mode == "times":
-        yield _Lines().print
+        yield _Lines().show
     else:
         yield None
 
@@ -44,7 +44,7 @@ class _Lines:
     def __init__(self):
         self._told = False
 
-    def print(self, event: dict) -> None:
+    def show(self, event: dict) -> None:
         """`110 steps until the first picture, about 0:48 left`; `12.3 s: simulated 4.1, drew 6.0, ...`."""
         if event.get("event") == "wait" and not self._told:
             self._told = True
@@ -87,7 +87,7 @@ def _bar() -> Iterator[Callable[[dict], None]]:
                 )  # fmt: skip
                 return
             if event.get("event") != "frame":
-                lines.print(event)
+                lines.show(event)
                 return
             rate, eta = event.get("fps") or 0.0, event.get("eta")
             progress.update(

@@ -18,7 +18,8 @@ class Wait:
     """
 
     def __init__(self, tell: Callable[[dict], None], steps: int):
-        self._tell, self._of, self._done, self._long = tell, steps, 0, False
+        self._tell, self._of, self._done = tell, steps, 0
+        self._long = self._seemed_long = False
 
     def advance(self, step: Callable[[int], None], steps: int) -> None:
         """Call `step` with numbers of steps that are `steps` in all."""
@@ -32,7 +33,8 @@ class Wait:
             left = taken / some * (self._of - self._done)
             if first:
                 continue  # its time is that of births and of loading kernels, too
-            self._long = self._long or left > _LONG
+            # twice: a kernel may have been loaded meanwhile
+            self._long, self._seemed_long = self._long or (self._seemed_long and left > _LONG), left > _LONG
             if self._long and taken > 0.5 * _SOON:
                 self._tell({"event": "wait", "steps": self._done, "of": self._of, "eta": left})
             some = max(1, min(2 * some, round(some * _SOON / max(taken, 1e-9))))

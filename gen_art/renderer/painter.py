@@ -297,7 +297,8 @@ class Painter:
 
     def _names(self, sim) -> list[str]:
         """The names of all looks: those of the systems, with or without a look of their own, and the further looks."""
-        return list(dict.fromkeys([*sim.systems, *self.looks]))
+        further = [name for name in self.looks if name not in sim.systems and system_of(sim, name) in sim.systems]
+        return [*sim.systems, *further]
 
     def particles(self, sim, name: str) -> Particles:
         """The particles that the look of this name draws."""
