@@ -11,7 +11,7 @@ from gen_art.errors import UsageError
 __all__ = ["command"]
 
 # size of a loop in bytes, roughly: the encoder limits the rate within the buffer of each segment only
-LARGE_LOOP, COURSE_LOOP = 680_000, 200_000
+LARGE_LOOP, COURSE_LOOP = 640_000, 125_000
 COURSE_FPS, COURSE_SECONDS = 15, 4.0  # of the course's loops, so that fifty pieces take one to two hours
 
 
