@@ -24,7 +24,17 @@ from functools import cache
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 
-__all__ = ["CENTRE", "GRADIENT", "MOMENTS", "RADIUS", "VALUE", "Expansion", "expansion"]
+__all__ = [
+    "CENTRE",
+    "GRADIENT",
+    "MOMENTS",
+    "RADIUS",
+    "VALUE",
+    "Expansion",
+    "expansion",
+    "gather_kernel",
+    "raise_kernel",
+]
 
 # columns of what is known of a cell: its centre, its radius, and its moments from MOMENTS on
 CENTRE, RADIUS, MOMENTS = 0, 3, 4
@@ -58,6 +68,8 @@ class Expansion:
     moments : the number of moments of a cell, up to order - 1: higher ones act on the value alone
     columns : the columns of a cell
     whole : how many whole numbers, from 0 on, the functions need as numbers or vectors of their kind
+    moment_powers : the steps by which `monomials` makes those of the moments
+    raised : for each moment of a cell, the pairs (moment of a child, monomial) whose products it is the sum of
     """
 
     def __init__(self, order: int):
@@ -150,90 +162,93 @@ class Expansion:
                 for of, by in ti.static(shifts[rows[to]]):
                     new[to] += old[of] * P[by]
 
-        self.add_far_field, self.add_shifted, self._monomials = add_far_field, add_shifted, monomials
-        self._raised, self._moment_powers = raised, moment_powers
-
-    @cache  # noqa: B019  (expansions of an order are made once)
-    def gather_kernel(self, precision: str):
-        """The kernel that writes the centres and radii of all cells, and the moments of leaves, into M (cells, columns).
-
-        P : (4, n), positions, m, and amounts
-        begin, end : the particles of each cell are begin to end - 1
-        links : (cells, 2), the second number is 0 for a leaf
-        A cell's centre is that of the magnitudes of its amounts, and its radius the distance of the farthest particle from there.
-        """
-        ints, double = ti.types.ndarray(ti.i32, 1), ti.types.ndarray(ti.f64, 2)
-        number, monomials, wanted = self.moments, self._monomials, self._moment_powers
-        most = self.whole
-
-        @ti.kernel
-        def gather(
-            P: ti.types.ndarray(runtime.DTYPES[precision], 2), begin: ints, end: ints,
-            links: ti.types.ndarray(ti.i32, 2), M: double,
-        ):  # fmt: skip
-            cells = begin.shape[0]
-            ti.loop_config(block_dim=1)
-            for b in range((cells + _TASK - 1) // _TASK):
-                for c in range(b * _TASK, ti.min((b + 1) * _TASK, cells)):
-                    weight, centre = ti.f64(0.0), ti.Vector([0.0, 0.0, 0.0], ti.f64)
-                    unweighted = ti.Vector([0.0, 0.0, 0.0], ti.f64)
-                    for i in range(begin[c], end[c]):
-                        x = ti.cast(ti.Vector([P[0, i], P[1, i], P[2, i]]), ti.f64)
-                        w = ti.abs(ti.cast(P[3, i], ti.f64))
-                        weight += w
-                        centre += w * x
-                        unweighted += x
-                    z = unweighted / ti.cast(end[c] - begin[c], ti.f64)
-                    if weight > 0.0:
-                        z = centre / weight
-                    radius2 = ti.f64(0.0)
-                    for i in range(begin[c], end[c]):
-                        d = ti.cast(ti.Vector([P[0, i], P[1, i], P[2, i]]), ti.f64) - z
-                        radius2 = ti.max(radius2, d.dot(d))
-                    for k in ti.static(range(3)):
-                        M[c, CENTRE + k] = z[k]
-                    M[c, RADIUS] = ti.sqrt(radius2)
-                    if links[c, 1] == 0:
-                        m = [ti.f64(0.0) for _ in ti.static(range(number))]
-                        for i in range(begin[c], end[c]):
-                            d = ti.cast(ti.Vector([P[0, i], P[1, i], P[2, i]]), ti.f64) - z
-                            whole = [ti.cast(k, ti.f64) for k in ti.static(range(most))]
-                            powers, w = monomials(d, whole, wanted), ti.cast(P[3, i], ti.f64)
-                            for k in ti.static(range(number)):
-                                m[k] += w * powers[k]
-                        for k in ti.static(range(number)):
-                            M[c, MOMENTS + k] = m[k]
-
-        return runtime.kernel(gather, precision)
-
-    @cache  # noqa: B019
-    def raise_kernel(self):
-        """The kernel that adds up the moments of the children of cells first to last - 1, in M (cells, columns)."""
-        number, monomials, wanted, raised = self.moments, self._monomials, self._moment_powers, self._raised
-        most = self.whole
-
-        @ti.kernel
-        def add_up(links: ti.types.ndarray(ti.i32, 2), M: ti.types.ndarray(ti.f64, 2), first: ti.i32, last: ti.i32):
-            ti.loop_config(block_dim=1)
-            for b in range((last - first + _TASK - 1) // _TASK):
-                for c in range(first + b * _TASK, ti.min(first + (b + 1) * _TASK, last)):
-                    if links[c, 1] > 0:
-                        m = [ti.f64(0.0) for _ in ti.static(range(number))]
-                        for child in range(links[c, 0], links[c, 0] + links[c, 1]):
-                            d = [M[child, CENTRE + i] - M[c, CENTRE + i] for i in ti.static(range(3))]
-                            whole = [ti.cast(k, ti.f64) for k in ti.static(range(most))]
-                            powers = monomials(d, whole, wanted)
-                            old = [M[child, MOMENTS + k] for k in ti.static(range(number))]
-                            for k in ti.static(range(number)):
-                                for of, by in ti.static(raised[k]):
-                                    m[k] += old[of] * powers[by]
-                        for k in ti.static(range(number)):
-                            M[c, MOMENTS + k] = m[k]
-
-        return runtime.kernel(add_up, "f64")
+        self.add_far_field, self.add_shifted, self.monomials = add_far_field, add_shifted, monomials
+        self.raised, self.moment_powers = raised, moment_powers
 
 
 @cache
 def expansion(order: int) -> Expansion:
     """The expansions of an order, from 1 on."""
     return Expansion(order)
+
+
+@cache
+def gather_kernel(order: int, precision: str):
+    """The kernel that writes the centres and radii of all cells, and the moments of leaves, into M (cells, columns).
+
+    P : (4, n), positions, m, and amounts
+    begin, end : the particles of each cell are begin to end - 1
+    links : (cells, 2), the second number is 0 for a leaf
+    A cell's centre is that of the magnitudes of its amounts, and its radius the distance of the farthest particle from there.
+    """
+    ints, double = ti.types.ndarray(ti.i32, 1), ti.types.ndarray(ti.f64, 2)
+    terms = expansion(order)
+    number, most, monomials, wanted = terms.moments, terms.whole, terms.monomials, terms.moment_powers
+
+    @ti.kernel
+    def gather(
+        P: ti.types.ndarray(runtime.DTYPES[precision], 2), begin: ints, end: ints,
+        links: ti.types.ndarray(ti.i32, 2), M: double,
+    ):  # fmt: skip
+        cells = begin.shape[0]
+        ti.loop_config(block_dim=1)
+        for b in range((cells + _TASK - 1) // _TASK):
+            for c in range(b * _TASK, ti.min((b + 1) * _TASK, cells)):
+                weight, centre = ti.f64(0.0), ti.Vector([0.0, 0.0, 0.0], ti.f64)
+                unweighted = ti.Vector([0.0, 0.0, 0.0], ti.f64)
+                for i in range(begin[c], end[c]):
+                    x = ti.cast(ti.Vector([P[0, i], P[1, i], P[2, i]]), ti.f64)
+                    w = ti.abs(ti.cast(P[3, i], ti.f64))
+                    weight += w
+                    centre += w * x
+                    unweighted += x
+                z = unweighted / ti.cast(end[c] - begin[c], ti.f64)
+                if weight > 0.0:
+                    z = centre / weight
+                radius2 = ti.f64(0.0)
+                for i in range(begin[c], end[c]):
+                    d = ti.cast(ti.Vector([P[0, i], P[1, i], P[2, i]]), ti.f64) - z
+                    radius2 = ti.max(radius2, d.dot(d))
+                for k in ti.static(range(3)):
+                    M[c, CENTRE + k] = z[k]
+                M[c, RADIUS] = ti.sqrt(radius2)
+                if links[c, 1] == 0:
+                    m = [ti.f64(0.0) for _ in ti.static(range(number))]
+                    for i in range(begin[c], end[c]):
+                        d = ti.cast(ti.Vector([P[0, i], P[1, i], P[2, i]]), ti.f64) - z
+                        whole = [ti.cast(k, ti.f64) for k in ti.static(range(most))]
+                        powers, w = monomials(d, whole, wanted), ti.cast(P[3, i], ti.f64)
+                        for k in ti.static(range(number)):
+                            m[k] += w * powers[k]
+                    for k in ti.static(range(number)):
+                        M[c, MOMENTS + k] = m[k]
+
+    return runtime.kernel(gather, precision)
+
+
+@cache
+def raise_kernel(order: int):
+    """The kernel that adds up the moments of the children of cells first to last - 1, in M (cells, columns)."""
+    terms = expansion(order)
+    number, most, monomials, wanted = terms.moments, terms.whole, terms.monomials, terms.moment_powers
+    raised = terms.raised
+
+    @ti.kernel
+    def add_up(links: ti.types.ndarray(ti.i32, 2), M: ti.types.ndarray(ti.f64, 2), first: ti.i32, last: ti.i32):
+        ti.loop_config(block_dim=1)
+        for b in range((last - first + _TASK - 1) // _TASK):
+            for c in range(first + b * _TASK, ti.min(first + (b + 1) * _TASK, last)):
+                if links[c, 1] > 0:
+                    m = [ti.f64(0.0) for _ in ti.static(range(number))]
+                    for child in range(links[c, 0], links[c, 0] + links[c, 1]):
+                        d = [M[child, CENTRE + i] - M[c, CENTRE + i] for i in ti.static(range(3))]
+                        whole = [ti.cast(k, ti.f64) for k in ti.static(range(most))]
+                        powers = monomials(d, whole, wanted)
+                        old = [M[child, MOMENTS + k] for k in ti.static(range(number))]
+                        for k in ti.static(range(number)):
+                            for of, by in ti.static(raised[k]):
+                                m[k] += old[of] * powers[by]
+                    for k in ti.static(range(number)):
+                        M[c, MOMENTS + k] = m[k]
+
+    return runtime.kernel(add_up, "f64")

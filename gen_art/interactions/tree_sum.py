@@ -11,7 +11,7 @@ Source: Dehnen (2000), ApJ 536, L39; Dehnen (2002), J. Comput. Phys. 179, 27.
 
 import numpy as np
 
-from gen_art.interactions.expansions import CENTRE, RADIUS, expansion
+from gen_art.interactions.expansions import CENTRE, RADIUS, expansion, gather_kernel, raise_kernel
 from gen_art.interactions.octree import LEAF, Octree, build_octree
 from gen_art.interactions.pair_sums import LANES
 from gen_art.interactions.tree_walk import LEVEL_COLUMNS, walk_kernel
@@ -37,12 +37,12 @@ class _Cells:
         self.sorted[:3, :n] = positions[:, self.tree.order]
         if amounts is not None:
             self.sorted[3, :n] = amounts[self.tree.order]
-        tree, terms = self.tree, expansion(order)
-        self.moments = np.zeros((len(tree.begin) + 1, terms.columns))
+        tree = self.tree
+        self.moments = np.zeros((len(tree.begin) + 1, expansion(order).columns))
         self.moments[-1, CENTRE : CENTRE + 3] = _FAR_AWAY
-        terms.gather_kernel(precision)(self.sorted, tree.begin, tree.end, tree.links, self.moments)
+        gather_kernel(order, precision)(self.sorted, tree.begin, tree.end, tree.links, self.moments)
         for first, last in reversed([*zip(tree.levels, tree.levels[1:])]):
-            terms.raise_kernel()(tree.links, self.moments, first, last)
+            raise_kernel(order)(tree.links, self.moments, first, last)
 
 
 def sum_by_tree(

@@ -1,14 +1,11 @@
 """Block time steps of self-gravity beside shared ones: the same motion, less work where only a few need short steps."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
 import gen_art as ga
 from gen_art.simulation import block_steps
+from tests.threads import digests
 
 I = ga.interactions
 
@@ -114,12 +111,7 @@ print(sim.digest())
 
 
 def test_thread_counts_give_the_same_bits():
-    runs = [
-        subprocess.run(
-            [sys.executable, "-c", SCRIPT, str(n)], capture_output=True, text=True, env=dict(os.environ), check=True
-        ).stdout
-        for n in (1, 2, 4)
-    ]
+    runs = digests(SCRIPT)
     assert runs[0] and len(set(runs)) == 1
 
 

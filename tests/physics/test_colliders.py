@@ -1,15 +1,12 @@
 """Surfaces: the exact time of impact, restitution, friction, rest, and what the ledger books of them."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
 import gen_art as ga
 from gen_art import ti
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms, collider_distances
+from tests.threads import digests
 
 C, F = ga.colliders, ga.forces
 R, G = 0.01, 9.81
@@ -448,12 +445,7 @@ print(sim.digest())
 
 
 def test_thread_counts_give_the_same_bits():
-    runs = [
-        subprocess.run(
-            [sys.executable, "-c", SCRIPT, str(n)], capture_output=True, text=True, env=dict(os.environ), check=True
-        ).stdout
-        for n in (1, 2, 4)
-    ]
+    runs = digests(SCRIPT)
     assert runs[0] and len(set(runs)) == 1
 
 

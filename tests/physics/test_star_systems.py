@@ -173,7 +173,9 @@ def test_forces_are_the_same_wherever_a_cluster_is_and_however_it_moves(cluster,
         allowed = of_method + placed + (summed + eps * np.abs(velocity).max() * np.sqrt(3) / KICK) / size
         return rms(back(found), right), allowed
 
-    same = lambda a: a  # noqa: E731
+    def same(found):
+        return found
+
     for places, velocity, back in (
         (x, rest, same),
         (x + [1000.0, -500.0, 800.0], rest, same),

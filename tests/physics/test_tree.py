@@ -1,9 +1,5 @@
 """The tree against the sum over all pairs: its errors, its momentum, its energy, its bits."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -13,6 +9,7 @@ from gen_art.backend.runtime import ti
 from gen_art.interactions import tree_sum as tree
 from gen_art.interactions.expansions import CENTRE, MOMENTS, expansion
 from gen_art.interactions.octree import build_octree
+from tests.threads import digests
 
 I = ga.interactions
 
@@ -255,12 +252,7 @@ print(sim.digest())
 
 
 def test_thread_counts_give_the_same_bits():
-    runs = [
-        subprocess.run(
-            [sys.executable, "-c", SCRIPT, str(n)], capture_output=True, text=True, env=dict(os.environ), check=True
-        ).stdout
-        for n in (1, 2, 4)
-    ]
+    runs = digests(SCRIPT)
     assert runs[0] and len(set(runs)) == 1
 
 
