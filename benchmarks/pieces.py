@@ -13,7 +13,7 @@ from _bench import ROOT, Bench
 bench = Bench("pieces", __doc__)
 SIZE = "64x36" if bench.quick else "1280x720"
 # piece: first and last frame of two films that begin alike; the longer one has more frames of the time that matters
-FILMS = {"wormhole": (90, 96, 120), "charged": (200, 206, 230), "fireworks": (90, 96, 120), "galaxy": (30, 32, 40)}
+FILMS = {"wormhole": (90, 96, 120), "charged": (120, 126, 150), "fireworks": (90, 96, 120), "galaxy": (30, 32, 40)}
 if bench.quick:
     FILMS = {"charged": (0, 1, 2)}
 bench.settings = {"size": SIZE, "frames": FILMS}

@@ -4,13 +4,14 @@ import hashlib
 import sys
 import traceback
 import types
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 from gen_art import arguments
 from gen_art.errors import GenArtError, OutputError, UsageError
 
-__all__ = ["Plugin", "load_plugin"]
+__all__ = ["Plugin", "load_plugin", "load_plugins"]
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,11 @@ def load_plugin(path: str | Path) -> Plugin:
         raise UsageError(f"plugin {_place(path, error)}{_message(error)}") from error
     plugin = _loaded[digest] = Plugin(path, digest)
     return plugin
+
+
+def load_plugins(plugins: Iterable[Plugin | str | Path]) -> tuple[Plugin, ...]:
+    """Each of them loaded; those that are loaded already stay as they are."""
+    return tuple(plugin if isinstance(plugin, Plugin) else load_plugin(plugin) for plugin in plugins)
 
 
 def _place(path: Path, error: Exception) -> str:

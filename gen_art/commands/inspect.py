@@ -37,6 +37,8 @@ def command(preset, size, scale, precision, frame, as_json, seed, settings, fps,
         f"{preset.name}: {clock['frames']} frames at {clock['fps']:g} a second, {clock['steps_per_frame']} steps of "
         f"{clock['step']:.6g} a frame, {clock['preroll_steps']} before the first; seed {preset.seed}"
     )
+    for name, knob in preset.knobs.items():
+        echo(f"knob {name}: {knob}")
     if preset.domain is not None:
         echo(f"domain: {preset.domain.box}")
     for name, system in facts["systems"].items():
@@ -101,6 +103,14 @@ def _facts(preset, size, precision) -> dict:
             "frames": clock.frames,
             "steps_per_frame": clock.steps_per_frame,
             "preroll_steps": clock.preroll_steps,
+        },
+        "knobs": {
+            name: {
+                "value": knob.value,
+                "range": None if knob.range is None else [knob.range.lo, knob.range.hi],
+                "unit": knob.unit,
+            }
+            for name, knob in preset.knobs.items()
         },
         "domain": None if preset.domain is None else {"periodic": preset.domain.box.as_dict()},
         "particles": _count(expected.particles),

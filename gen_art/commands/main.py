@@ -27,6 +27,7 @@ COMMANDS = (
     "render",
     "still",
     "rerun",
+    "sheet",
     "list",
     "show",
     "new",

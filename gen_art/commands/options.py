@@ -7,17 +7,20 @@ from typing import Any
 import click
 
 __all__ = [
+    "CELL",
     "FRAMES",
     "NOT_NEGATIVE",
     "POSITIVE",
     "SCALE",
     "SIZE",
     "film_options",
+    "grid",
     "load",
     "picture_options",
     "preset_options",
     "process_options",
     "run_options",
+    "vary_options",
 ]
 
 
@@ -118,6 +121,23 @@ class _Number(click.ParamType):
         return result
 
 
+class _Cell(click.ParamType):
+    """`3,2` as (3, 2): column and row of a sheet, from 1 on."""
+
+    name = "column,row"
+
+    def convert(self, value, parameter, context):
+        if isinstance(value, tuple):
+            return value
+        match = re.fullmatch(r"\s*(\d{1,5})\s*,\s*(\d{1,5})\s*", value)
+        if not match or not int(match[1]) or not int(match[2]):
+            self.fail(
+                f"{value!r}: write the column and the row, from 1 on, as the sheet has them: 3,2", parameter, context
+            )
+        return int(match[1]), int(match[2])
+
+
+CELL = _Cell()
 FRAMES, SIZE, SCALE, SEED = _Frames(), _Size(), _Scale(), _Seed()
 POSITIVE, NOT_NEGATIVE = _Number(), _Number(zero=True)
 
@@ -202,6 +222,25 @@ film_options = _stack(
     ),
     click.option("--bits", type=BITS, help="Bits a channel: 8 or 10 in films, 16 in .mkv and .png, 16 or 32 in .exr."),
 )
+
+
+# what differs from one picture of a sheet, or film of a sweep, to the next
+vary_options = _stack(
+    click.option("--seeds", metavar="SEEDS", help="The seeds: 0..15, or 3,7,12."),
+    click.option(
+        "--vary", multiple=True, metavar="PATH=VALUES",
+        help="A value of the preset (once or twice): PATH=FIRST..LAST..COUNT, or PATH=A,B,C.",
+    ),
+)  # fmt: skip
+
+
+def grid(seeds, vary):
+    """Rows of the variations that --seeds and --vary name; --seeds comes first, so of both it has a row for each value."""
+    from gen_art.preset.variations import grid_of, parse_seeds, parse_vary
+
+    if seeds is None and not vary:
+        raise click.UsageError("say what varies: --seeds 0..15, or --vary knobs.NAME=FIRST..LAST..COUNT")
+    return grid_of([*([parse_seeds(seeds)] if seeds is not None else []), *map(parse_vary, vary)])
 
 
 def overrides(settings, fps=None, duration=None) -> dict[str, Any]:

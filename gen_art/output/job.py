@@ -1,7 +1,5 @@
-"""The render jobs: a film or an image sequence, one still, and a picture made again from its recipe."""
+"""The render jobs: a film or an image sequence, and one still."""
 
-import tempfile
-import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -18,18 +16,14 @@ from gen_art.output.options import check_options
 from gen_art.output.partial_film import check_partial, partial_path
 from gen_art.output.playback import Playback
 from gen_art.output.progress import Report
-from gen_art.output.read_recipe import read_recipe
-from gen_art.output.recipe import find_files, make_recipe, verify
+from gen_art.output.recipe import make_recipe
 from gen_art.output.stills import write_still
 from gen_art.output.target import Target, check_size_of, check_writable, find_target
-from gen_art.preset.camera import Fit
+from gen_art.plugins import load_plugins
 from gen_art.preset.clock import MOST_FRAMES
 from gen_art.preset.estimate import Estimate, refuse_if_too_large
-from gen_art.preset.files import FOLDER
-from gen_art.preset.shipped import presets_folder
-from gen_art.renderer.fitting import fit_key, fit_of
+from gen_art.renderer.fitting import fit_of
 from gen_art.renderer.painter import check_size
-from gen_art.renderer.tone_map import develop
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -39,7 +33,7 @@ if TYPE_CHECKING:
 
     AnyPreset: TypeAlias = Preset | str | Path | Mapping[str, Any]
 
-__all__ = ["QUALITIES", "check_target", "picture_size", "plan_film", "plan_still", "render", "rerun", "still"]
+__all__ = ["QUALITIES", "check_target", "picture_size", "plan_film", "plan_still", "render", "still"]
 
 # quality -> factor on the width and height; all but "final" also choose the codec profile "preview"
 QUALITIES = {"draft": 0.5, "preview": 1.0, "final": 1.0}
@@ -128,7 +122,6 @@ def _write_picture(
     overwrite: bool,
 ) -> None:  # fmt: skip
     """Write the linear picture of frame k through `submit`: developed and with its legends and labels, or unchanged to EXR."""
-    spec = playback.preset.develop
     if joules := playback.joules():
         recipe = {**recipe, "joules": joules}
     if target.extension == ".exr":
@@ -136,21 +129,12 @@ def _write_picture(
 
         aovs = {name: np.array(values) for name, values in playback.aovs().items()}
         with playback.stopwatch.stage("encode"):
-            submit(write_exr, path, np.array(linear), aovs, target.bits, recipe, spec.exposure + exposure, overwrite)
+            stops = playback.preset.develop.exposure + exposure
+            submit(write_exr, path, np.array(linear), aovs, target.bits, recipe, stops, overwrite)
     else:
-        with playback.stopwatch.stage("develop"):
-            picture = develop(
-                linear, spec, frame=k, transparent=recipe["transparent"], bits=target.bits, exposure=exposure
-            )
-            playback.draw_over(picture)
+        picture = playback.developed(linear, exposure, k, recipe["transparent"], target.bits)
         with playback.stopwatch.stage("encode"):
             submit(write_still, path, picture, recipe, overwrite)
-
-
-def _load_plugins(plugins):
-    from gen_art.plugins import load_plugin
-
-    return tuple(p if hasattr(p, "sha256") else load_plugin(p) for p in plugins)
 
 
 def _load(preset, fps=None, quality: str = "final") -> "Preset":
@@ -213,7 +197,7 @@ def render(
         out=out, size=size, scale=scale, fps=fps, quality=quality, precision=precision, threads=threads, bits=bits,
         plugins=plugins, progress=progress, codec=codec, profile=profile,
     )  # fmt: skip
-    loaded_plugins = _load_plugins(plugins)
+    loaded_plugins = load_plugins(plugins)
     spec = _load(preset, fps, quality)
     numbers = _frame_numbers(frames, spec)
     target, size, _ = plan_film(
@@ -257,11 +241,7 @@ def _render_film(
     try:
         playback = Playback(preset, size, precision, threads, film.transparent, report.tell)
         for k, (linear, exposure) in zip(frames, playback.pictures([_step_of_frame(playback, k) for k in frames])):
-            with playback.stopwatch.stage("develop"):
-                picture = develop(
-                    linear, preset.develop, frame=k, transparent=film.transparent, bits=film.depth, exposure=exposure
-                )
-                playback.draw_over(picture)
+            picture = playback.developed(linear, exposure, k, film.transparent, film.depth)
             with playback.stopwatch.stage("encode"):
                 writer.add(picture)
             report(k, playback.particles)
@@ -293,7 +273,7 @@ def still(
         out=out, size=size, scale=scale, fps=fps, quality=quality, precision=precision, threads=threads, bits=bits,
         plugins=plugins, progress=progress, time=time,
     )  # fmt: skip
-    loaded_plugins = _load_plugins(plugins)
+    loaded_plugins = load_plugins(plugins)
     spec = _load(preset, fps, quality)
     time = spec.poster_time if time is None else time
     target, size, _ = plan_still(
@@ -315,65 +295,6 @@ def still(
 
 def _call(function, *args) -> None:
     function(*args)
-
-
-def rerun(
-    picture: str | Path, out: str | Path, *, threads: int | None = None, overwrite: bool = False,
-    progress: Callable[[dict], None] | None = None, plugins: Sequence[Any] = (), folder: str | Path | None = None,
-    other_version: bool = False,
-) -> list[Path]:  # fmt: skip
-    """Make a picture or film again from the recipe inside it: the same bytes if `out` has the same file extension.
-
-    This needs the version of gen-art that made the picture, its plugins, and the files that its preset names (the recipe
-    holds the small ones).
-
-    plugins : the recipe's plugins, with the same bytes; a plugin runs only if it is given here
-    folder : the folder of the preset's files; when None they are looked for in the current folder, the picture's folder, the
-    shipped presets and the recipe
-    other_version : accept a picture of another version, with a warning; the bytes may differ
-    Raises UsageError when there is no recipe, or when the version, the plugins or the files are not the original ones.
-    """
-    recipe = read_recipe(picture)
-    plugins = _load_plugins(plugins)
-    warning = verify(recipe, plugins, other_version)
-    if warning:
-        warnings.warn(warning, stacklevel=2)
-    folders = (Path(), Path(picture).parent, presets_folder()) if folder is None else (Path(folder),)
-    with tempfile.TemporaryDirectory(prefix="gen-art-") as scratch:
-        token = FOLDER.set(find_files(recipe, folders, Path(scratch) if folder is None else None))
-        try:
-            preset = _load({**recipe["preset"], "name": recipe["name"]}).take_verdict(recipe)
-            if recipe.get("fit") is not None:
-                preset.fits[fit_key(recipe["size"], recipe["precision"])] = Fit(
-                    tuple(recipe["fit"]["move"]), recipe["fit"]["factor"]
-                )
-        finally:
-            FOLDER.reset(token)
-        return _rerun(recipe, preset, picture, out, threads, overwrite, progress, plugins)
-
-
-def _rerun(recipe: dict, preset, picture, out, threads, overwrite, progress, plugins) -> list[Path]:
-    common = {
-        "size": tuple(recipe["size"]), "precision": recipe["precision"], "transparent": recipe["transparent"],
-        "threads": threads, "overwrite": overwrite, "progress": progress, "plugins": plugins,
-    }  # fmt: skip
-    same_extension = Path(str(out)).suffix.lower() == recipe.get("ending", Path(picture).suffix.lower())
-    bits = recipe.get("bits") if same_extension else None
-    if recipe["kind"] == "film":
-        first, last, step = recipe["frames"]
-        frames = range(first, last + 1, step)
-        codec = recipe.get("codec") if same_extension else None
-        return _run_again(
-            render, recipe, preset, out, frames=frames, bits=bits, codec=None if codec in ("gif", "webp") else codec,
-            profile=recipe.get("profile"), max_rate=recipe.get("max_rate", 0), **common,
-        )  # fmt: skip
-    return _run_again(still, recipe, preset, out, recipe["time"], bits=bits, **common)
-
-
-def _run_again(job, recipe: dict, preset, out, *args, **common) -> list[Path]:
-    """Run a job with the recipe's quality and with its size, which that quality has scaled already."""
-    scale = 1.0 / QUALITIES.get(recipe["quality"], 1.0)
-    return job(preset, out, *args, quality=recipe["quality"], scale=scale, **common)
 
 
 def _first_last_step(frames) -> list[int]:

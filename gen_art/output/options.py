@@ -10,8 +10,9 @@ __all__ = ["check_options"]
 
 
 def check_options(
-    *, out, size, scale, fps, quality, precision, threads, bits, plugins, progress, codec=None, profile=None, time=None
-) -> None:
+    *, out, size, precision, threads, plugins, progress, scale=None, fps=None, quality=None, bits=None, codec=None, profile=None,
+    time=None,
+) -> None:  # fmt: skip
     """Raise UsageError for an option that is not of its kind; None stands for an option that is left out."""
     arguments.path("out", out)
     for name, value in (("quality", quality), ("precision", precision), ("codec", codec), ("profile", profile)):

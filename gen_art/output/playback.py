@@ -26,6 +26,7 @@ from gen_art.renderer.painter import Painter, living
 from gen_art.renderer.path_history import MOMENTS
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.surfaces.scene import Scene
+from gen_art.renderer.tone_map import develop
 from gen_art.simulation.no_effect import undrawn_systems
 
 __all__ = ["Playback"]
@@ -172,6 +173,21 @@ class Playback:
                     action()
         self._last_shown = step
         return pictures[0] if len(painted) == 1 else pictures[0] / np.float32(len(painted))
+
+    def developed(
+        self, linear: np.ndarray, exposure: float, frame: int, transparent: bool = False, bits: int = 8
+    ) -> np.ndarray:
+        """The finished picture of the last linear one: (height, width, 3 or 4) uint8 or uint16, with legends, axes and labels.
+
+        exposure : stops, as `pictures` gives them
+        frame : its number, for the dither
+        """
+        with self.stopwatch.stage("develop"):
+            picture = develop(
+                linear, self.preset.develop, frame=frame, transparent=transparent, bits=bits, exposure=exposure
+            )
+            self.draw_over(picture)
+        return picture
 
     def draw_over(self, picture: np.ndarray) -> None:
         """Draw the legends, axes and labels of the last picture into it, after development.

@@ -131,6 +131,27 @@ class _Still(_Job):
     time: Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
+class _Cell(BaseModel):
+    """A cell of a sheet: its words, and what it changes in the preset of the first cell."""
+
+    model_config = ConfigDict(strict=True)
+    label: str
+    time: Annotated[float, Field(ge=0, allow_inf_nan=False)]
+    changes: list[Annotated[list, Field(min_length=2, max_length=2)]]
+
+    @field_validator("changes")
+    @classmethod
+    def _paths(cls, changes: list[list]) -> list[list]:
+        if not all(isinstance(path, list) and all(isinstance(k, (str, int)) for k in path) for path, _ in changes):
+            raise ValueError("a change is a path and a value")
+        return changes
+
+
+class _Sheet(_Job):
+    kind: Literal["sheet"]
+    cells: Annotated[list[Annotated[list[_Cell], Field(min_length=1)]], Field(min_length=1)]
+
+
 class _Film(_Job):
     kind: Literal["film"]
     frames: Annotated[list[Annotated[int, Field(ge=0, lt=10**9)]], Field(min_length=3, max_length=3)]
@@ -148,10 +169,13 @@ class _Film(_Job):
         return frames
 
 
+_JOBS: dict[str, type[_Job]] = {"film": _Film, "sheet": _Sheet, "still": _Still}
+
+
 def check_complete(recipe: dict) -> None:
     """Raise UsageError for a recipe with missing keys or values of the wrong type."""
     try:
-        (_Film if recipe.get("kind") == "film" else _Still).model_validate(recipe)
+        _JOBS.get(str(recipe.get("kind")), _Still).model_validate(recipe)
     except ValidationError as error:
         wrong = dict.fromkeys(str(item["loc"][0]) for item in error.errors())
         raise UsageError(f"the recipe is damaged: {', '.join(wrong)}") from None

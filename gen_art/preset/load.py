@@ -1,10 +1,12 @@
-"""`load_preset`: makes a validated Preset from a name, a path, `-` or a mapping."""
+"""`load_preset`: a validated Preset from a name, a path, `-` or a mapping. `PresetSource` is read once and loaded many times."""
 
 import os
 import secrets
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
+from copy import deepcopy
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +24,7 @@ from gen_art.preset.values import number, shown
 if TYPE_CHECKING:
     from gen_art.preset.schema import Preset
 
-__all__ = ["load_preset", "open_source", "validate"]
+__all__ = ["PresetSource", "load_preset", "open_source", "validate"]
 
 # beginnings of problems that are shown at the key, not at the value
 _KEY_PROBLEMS = ("unknown", "is neither a key", "a name may not", "particle.attributes declares")
@@ -39,6 +41,53 @@ def open_source(preset: str | Path) -> tuple[SourceText, str]:
     return read_file(path, path.name if shipped else str(preset)), path.stem
 
 
+@dataclass(frozen=True)
+class PresetSource:
+    """What a preset is read from, read once, so that it can be loaded many times with other values.
+
+    text : its lines and their places
+    folder : of the files that it names
+    written : its plain data before overrides and knobs are filled in
+    """
+
+    name: str
+    text: SourceText
+    folder: Path
+    written: dict
+
+    @classmethod
+    def of(cls, preset: "str | Path | Mapping[str, Any] | Preset | PresetSource") -> "PresetSource":
+        """The source of a preset: what `load_preset` takes. Raises its errors."""
+        from gen_art.preset.schema import Preset
+
+        if isinstance(preset, PresetSource):
+            return preset
+        if not isinstance(preset, (str, os.PathLike, Mapping, Preset)):
+            raise UsageError(f"a preset is a name, a path, a mapping or a Preset, not {shown(preset)}")
+        if isinstance(preset, Preset):
+            return cls(preset.name, _nowhere("preset"), preset.folder, preset.resolved())
+        if isinstance(preset, Mapping):
+            data = plain(preset)
+            return cls(str(data.pop("name", "preset")), _nowhere("preset"), FOLDER.get(), data)
+        text, name = open_source(preset)
+        return cls(name, text, Path() if str(preset) == "-" else find(str(preset)).parent, text.plain())
+
+    def load(self, overrides: Mapping[str, Any] | None = None, seed: int | str | None = None) -> "Preset":
+        """The validated Preset; the arguments are those of `load_preset`."""
+        if overrides is not None and not isinstance(overrides, Mapping):
+            raise UsageError(f"overrides must be a mapping of paths to values, not {shown(overrides)}")
+        data = deepcopy(self.written)
+        set_paths = apply(data, overrides) if overrides else []
+        if seed is not None:
+            data["seed"] = secrets.randbelow(2**31) if isinstance(seed, str) and seed == "random" else plain(seed)
+            set_paths.append(("seed",))
+        token = FOLDER.set(self.folder)
+        try:
+            return validate(data, self.name, self.text, set_paths)
+        finally:
+            FOLDER.reset(token)
+
+
 def load_preset(
     preset: "str | Path | Mapping[str, Any] | Preset",
     overrides: Mapping[str, Any] | None = None,
@@ -53,31 +102,7 @@ def load_preset(
     Raises PresetError with every problem and its place, UsageError for a name or path that does not exist, OutputError
     when the file cannot be read.
     """
-    from gen_art.preset.schema import Preset
-
-    if not isinstance(preset, (str, os.PathLike, Mapping, Preset)):
-        raise UsageError(f"a preset is a name, a path, a mapping or a Preset, not {shown(preset)}")
-    if overrides is not None and not isinstance(overrides, Mapping):
-        raise UsageError(f"overrides must be a mapping of paths to values, not {shown(overrides)}")
-    folder = FOLDER.get()
-    if isinstance(preset, Preset):
-        source, name, data, folder = _nowhere("preset"), preset.name, preset.resolved(), preset.folder
-    elif isinstance(preset, Mapping):
-        data = plain(preset)
-        source, name = _nowhere("preset"), str(data.pop("name", "preset"))
-    else:
-        source, name = open_source(preset)
-        data = source.plain()
-        folder = Path() if str(preset) == "-" else find(str(preset)).parent
-    set_paths = apply(data, overrides) if overrides else []
-    if seed is not None:
-        data["seed"] = secrets.randbelow(2**31) if isinstance(seed, str) and seed == "random" else plain(seed)
-        set_paths.append(("seed",))
-    token = FOLDER.set(folder)
-    try:
-        return validate(data, name, source, set_paths)
-    finally:
-        FOLDER.reset(token)
+    return PresetSource.of(preset).load(overrides, seed)
 
 
 def validate(data: dict, name: str, source: SourceText, set_paths: list[tuple]) -> "Preset":
@@ -88,12 +113,12 @@ def validate(data: dict, name: str, source: SourceText, set_paths: list[tuple]) 
     from gen_art.preset.registered import GRAVITATION
     from gen_art.preset.schema import Preset
 
-    filled, found = fill_knobs(data)
+    filled, knobs, found = fill_knobs(data)
     written = {"version": filled.get("version"), "seed": filled.get("seed", 0), **filled}
     preset = None
     token = GRAVITATION.set(_gravitation(filled))
     try:
-        preset = Preset.model_validate(filled).keep(name, written)
+        preset = Preset.model_validate(filled).keep(name, written, knobs)
     except ValidationError as error:
         found += [(item["loc"], friendly(item)) for item in error.errors()]
     finally:

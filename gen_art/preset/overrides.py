@@ -5,12 +5,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from gen_art.errors import UsageError
+from gen_art.preset.knobs import Knob, is_described, value_of
 from gen_art.preset.problems import dotted
 from gen_art.preset.reader import read_value
 from gen_art.preset.values import shown
 from gen_art.registry import suggest
 
-__all__ = ["apply", "fill_knobs", "parse_setting", "plain"]
+__all__ = ["apply", "fill_knobs", "parse_setting", "plain", "split_path"]
 
 _NAMED = ("systems", "emitters", "choose", "knobs")  # mappings whose keys are names that the preset defines
 _PART = re.compile(r"([^.\[\]]+)|\[(\d+)\]")
@@ -52,12 +53,13 @@ def apply(data: dict, overrides: Mapping[str, Any], convert: bool = True) -> lis
     """
     set_paths: list[tuple] = []
     for key, value in overrides.items():
-        path = _split(str(key))
+        path = split_path(str(key))
         _set(data, path, plain(value) if convert else value, merge="." not in str(key), set_paths=set_paths)
     return set_paths
 
 
-def _split(text: str) -> tuple:
+def split_path(text: str) -> tuple:
+    """`a.b[2]` -> ("a", "b", 2). Raises UsageError for other text."""
     path = tuple(int(m[2]) if m[2] else m[1] for m in _PART.finditer(text))
     if not path or dotted(path) != text:
         raise UsageError(f"{shown(text)} is not a path: write keys with dots between, systems.flame.emitters.base.rate")
@@ -78,8 +80,11 @@ def _set(data: dict, path: tuple, value: Any, merge: bool, set_paths: list[tuple
         for key, item in value.items():
             _set(data, (*path, key), item, True, set_paths)
     else:
-        if here and here[-1] == "knobs" and last not in node:
-            raise UsageError(f"{dotted(path)}: there is no knob '{last}'{suggest(last, node)}")
+        if here == ("knobs",):
+            if last not in node:
+                raise UsageError(f"{dotted(path)}: there is no knob '{last}'{suggest(last, node)}")
+            if is_described(node[last]) and not is_described(value):  # its range and unit stay
+                node, last, path = node[last], "value", (*path, "value")
         node[last] = value
         set_paths.append(path)
 
@@ -112,18 +117,27 @@ def _not_a_mapping(here: tuple, node: Any) -> str:
     return f"{dotted(here)} is {shown(node)} and has no keys; set {dotted(here)} as a whole"
 
 
-def fill_knobs(data: dict) -> tuple[dict, list[tuple[tuple, str]]]:
-    """(the data without `knobs:` and with each `$name` replaced by its knob's value, problems)."""
-    knobs = data.get("knobs")
+def fill_knobs(data: dict) -> tuple[dict, dict[str, Knob], list[tuple[tuple, str]]]:
+    """(the data without `knobs:` and with each `$name` replaced by its knob's value, the knobs, problems)."""
+    written = data.get("knobs")
     problems: list[tuple[tuple, str]] = []
-    if knobs is None:
-        knobs = {}
-    if not isinstance(knobs, dict):
-        problems.append((("knobs",), f"must be a mapping of names to values, not {shown(knobs)}"))
-        knobs = {}
-    for name, value in knobs.items():
+    if written is None:
+        written = {}
+    if not isinstance(written, dict):
+        problems.append((("knobs",), f"must be a mapping of names to values, not {shown(written)}"))
+        written = {}
+    knobs = {}
+    for name, entry in written.items():
+        try:
+            knobs[name] = Knob.of(entry)
+        except UsageError as error:
+            problems.append((("knobs", name), str(error)))
+            knobs[name] = Knob(value_of(entry))
+        place, value = ("knobs", name, "value") if is_described(entry) else ("knobs", name), knobs[name].value
         if isinstance(value, str) and value.startswith("$"):
-            problems.append((("knobs", name), "a knob must have a value, not another knob"))
+            problems.append((place, "a knob must have a value, not another knob"))
+        elif knobs[name].range is not None and knobs[name].number is None:
+            problems.append((place, f"has a range, so it must be a number, not {shown(value)}"))
 
     def fill(value: Any, path: tuple) -> Any:
         if isinstance(value, dict):
@@ -132,10 +146,10 @@ def fill_knobs(data: dict) -> tuple[dict, list[tuple[tuple, str]]]:
             return [fill(item, (*path, k)) for k, item in enumerate(value)]
         if isinstance(value, str) and value.startswith("$"):
             if value[1:] in knobs:
-                return plain(knobs[value[1:]])
+                return plain(knobs[value[1:]].value)
             names = [f"${knob}" for knob in knobs]
             near = suggest(value, names) or ("; there are " + ", ".join(names) if names else "")
             problems.append((path, f"there is no knob {shown(value)}{near}"))
         return value
 
-    return {key: fill(item, (key,)) for key, item in data.items() if key != "knobs"}, problems
+    return {key: fill(item, (key,)) for key, item in data.items() if key != "knobs"}, knobs, problems

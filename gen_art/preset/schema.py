@@ -17,6 +17,7 @@ from gen_art.preset.emitter import EmitterSpec, ParticleSpec
 from gen_art.preset.expect import Expect
 from gen_art.preset.fields import NotNegative, NotNegativeRange, Number, Parsed, Positive
 from gen_art.preset.files import FOLDER, PresetFile
+from gen_art.preset.knobs import Knob
 from gen_art.preset.labels import Label
 from gen_art.preset.light import KeyLight
 from gen_art.preset.look import Look
@@ -186,6 +187,7 @@ class Preset(Model):
     expect: Expect | None = about(None, "what must hold of its motion; `gen-art check` runs it")
     _name: str = PrivateAttr("preset")
     _written: dict = PrivateAttr(default_factory=dict)
+    _knobs: dict[str, Knob] = PrivateAttr(default_factory=dict)
     _folder: Path = PrivateAttr(Path())
     _verdict: dict | None = PrivateAttr(None)
     _fits: dict[tuple[int, int, str], Fit] = PrivateAttr(default_factory=dict)
@@ -204,17 +206,36 @@ class Preset(Model):
 
     @classmethod
     def describe(cls, properties):
-        properties["knobs"] = {"type": "object", "description": "named values; `$name` stands for one elsewhere"}
+        described = {
+            "type": "object",
+            "description": "a value with what a slider needs",
+            "properties": {
+                "value": {"description": "what `$name` stands for"},
+                "range": {"type": "string", "description": "the values worth trying: 900..2200"},
+                "unit": {"type": "string", "description": "the unit, as text: K"},
+            },
+            "required": ["value"],
+        }
+        properties["knobs"] = {
+            "type": "object",
+            "description": "named values; `$name` stands for one elsewhere",
+            "additionalProperties": {"anyOf": [{"not": {"type": "object", "required": ["value"]}}, described]},
+        }
 
     @property
     def name(self) -> str:
         """The preset's name, from its file."""
         return self._name
 
-    def keep(self, name: str, written: dict) -> "Preset":
-        """Store the name, the folder that is being read and the plain data from which this was made."""
-        self._name, self._written, self._folder = name, written, FOLDER.get()
+    def keep(self, name: str, written: dict, knobs: dict[str, Knob]) -> "Preset":
+        """Store the name, the folder that is being read, the plain data from which this was made, and the knobs filled in."""
+        self._name, self._written, self._folder, self._knobs = name, written, FOLDER.get(), knobs
         return self
+
+    @property
+    def knobs(self) -> dict[str, Knob]:
+        """The knobs of the file that it was loaded from; none in a preset that is loaded from plain data without them."""
+        return self._knobs
 
     @property
     def verdict(self) -> dict | None:

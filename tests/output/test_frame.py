@@ -15,6 +15,7 @@ from gen_art.commands.main import run
 from gen_art.output import job
 from gen_art.output.framing import framing_of
 from gen_art.output.read_recipe import read_recipe
+from gen_art.output.rerun import rerun
 from gen_art.preset.camera import Fit, Frame
 from gen_art.preset.load import load_preset
 from gen_art.preset.thinning import MUTUAL, galaxies, independent_systems, thinned
@@ -158,7 +159,7 @@ def test_rerun_takes_the_fit_of_the_recipe(tmp_path, monkeypatch):
     assert read_recipe(path)["fit"] == {"move": list(fit.move), "factor": fit.factor}
     assert "fit" not in read_recipe(job.still(piece(False), tmp_path / "plain.png", 0.7)[0])
     monkeypatch.setattr(fitting, "survey", None)  # nothing may run ahead
-    assert digest(job.rerun(path, tmp_path / "again.png")[0]) == digest(path)
+    assert digest(rerun(path, tmp_path / "again.png")[0]) == digest(path)
 
 
 def test_a_damaged_fit_is_a_sentence(tmp_path):

@@ -16,6 +16,7 @@ from gen_art.errors import MemoryRefused, OutputError, UsageError
 from gen_art.output import job
 from gen_art.output.probe import probe
 from gen_art.output.read_recipe import read_recipe
+from gen_art.output.rerun import rerun
 from tests.output.piece import piece
 from tests.output.test_video import exact
 
@@ -68,16 +69,16 @@ def test_trails_last_their_half_life_whatever_the_fps(tmp_path):
 
 
 def test_rerun_makes_the_same_bytes(sequence, tmp_path):
-    assert digest(job.rerun(sequence[6], tmp_path / "again.png")[0]) == digest(sequence[6])
+    assert digest(rerun(sequence[6], tmp_path / "again.png")[0]) == digest(sequence[6])
     for name, bits in (("a.png", 16), ("a.jpg", 8), ("a.webp", 8)):
         (path,) = job.still(piece(seed=8), tmp_path / name, 0.2, size=(60, 40), bits=bits, quality="draft")
-        assert digest(job.rerun(path, tmp_path / f"again_{name}")[0]) == digest(path), name
+        assert digest(rerun(path, tmp_path / f"again_{name}")[0]) == digest(path), name
 
 
 def test_a_rerun_is_refused_what_does_not_fit_in_memory(sequence, tmp_path, monkeypatch):
     monkeypatch.setattr("gen_art.preset.estimate.available_memory", lambda: 1e8)
     with pytest.raises(MemoryRefused, match="need about"):
-        job.rerun(sequence[6], tmp_path / "again.png")
+        rerun(sequence[6], tmp_path / "again.png")
 
 
 def test_a_recipe_that_is_nested_too_deeply_is_refused(tmp_path, monkeypatch):
@@ -86,7 +87,7 @@ def test_a_recipe_that_is_nested_too_deeply_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(stills, "encode", lambda recipe: '{"preset":' * 50_000 + "1" + "}" * 50_000)
     path = stills.write_still(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), {})
     with pytest.raises(UsageError, match="no recipe inside"):
-        job.rerun(path, tmp_path / "b.png")
+        rerun(path, tmp_path / "b.png")
 
 
 FILMS = [
@@ -102,7 +103,7 @@ def test_films_repeat_and_hold_their_recipe(tmp_path, extension, asked):
     (path,) = job.render(piece(), tmp_path / f"a.{extension}", frames=range(1, 6), quality="preview", **asked)
     recipe = read_recipe(path)
     assert recipe["frames"] == [1, 5, 1] and recipe["preset"] == piece().resolved() and recipe["size"] == [96, 54]
-    assert digest(job.rerun(path, tmp_path / f"b.{extension}")[0]) == digest(path)
+    assert digest(rerun(path, tmp_path / f"b.{extension}")[0]) == digest(path)
     assert sorted(p.name for p in tmp_path.iterdir()) == [f"a.{extension}", f"b.{extension}"], "nothing else is left"
 
 
@@ -120,7 +121,7 @@ def test_recipes_say_what_the_encoder_was_asked(tmp_path):
     ):
         target, _ = job.check_target(piece(), tmp_path / "b.mp4", quality=quality, profile=profile)
         assert target.film.profile == found
-    (other,) = job.rerun(path, tmp_path / "b.mkv")
+    (other,) = rerun(path, tmp_path / "b.mkv")
     assert read_recipe(other)["codec"] == "ffv1", "another extension has its own codec"
 
 
@@ -181,7 +182,7 @@ def test_a_draft_draws_each_pixel_once(tmp_path):
     ]
     draft, small, averaged = (np.asarray(Image.open(path)) for path in paths)
     assert np.array_equal(draft, small) and not np.array_equal(draft, averaged)
-    assert np.array_equal(np.asarray(Image.open(job.rerun(paths[0], tmp_path / "again.png")[0])), draft)
+    assert np.array_equal(np.asarray(Image.open(rerun(paths[0], tmp_path / "again.png")[0])), draft)
 
 
 def test_sizes_scale_and_draft_halves(tmp_path):
@@ -281,15 +282,15 @@ def test_recipes_of_other_versions_or_without_their_plugins_are_refused(tmp_path
     ):
         changed = write_still(tmp_path / f"{words}.png", np.zeros((4, 4, 3), np.uint8), {**recipe, **change})
         with pytest.raises(UsageError, match=words):
-            job.rerun(changed, tmp_path / "out.png")
+            rerun(changed, tmp_path / "out.png")
     Image.new("RGB", (4, 4)).save(tmp_path / "bare.png")
     with pytest.raises(UsageError, match="no recipe"):
-        job.rerun(tmp_path / "bare.png", tmp_path / "out.png")
+        rerun(tmp_path / "bare.png", tmp_path / "out.png")
     (tmp_path / "no.png").write_bytes(b"no picture")
     with pytest.raises(UsageError, match="cannot be read"):
-        job.rerun(tmp_path / "no.png", tmp_path / "out.png")
+        rerun(tmp_path / "no.png", tmp_path / "out.png")
     with pytest.raises(OutputError, match="no such file"):
-        job.rerun(tmp_path / "none.png", tmp_path / "out.png")
+        rerun(tmp_path / "none.png", tmp_path / "out.png")
 
 
 @pytest.fixture
@@ -309,21 +310,21 @@ def test_recipes_name_the_preset_s_files_and_rerun_finds_them(tmp_path, pictured
     (path,) = job.still(pictured, tmp_path / "a.png", 0.3)
     (entry,) = read_recipe(path)["files"]
     assert (entry["path"], entry["sha256"]) == ("spark.png", digest(pictured.parent / "spark.png"))
-    again = job.rerun(path, tmp_path / "b.png", folder=pictured.parent)[0]
+    again = rerun(path, tmp_path / "b.png", folder=pictured.parent)[0]
     assert digest(again) == digest(path)
     monkeypatch.chdir(pictured.parent)
-    assert digest(job.rerun(path, tmp_path / "c.png")[0]) == digest(path)
+    assert digest(rerun(path, tmp_path / "c.png")[0]) == digest(path)
     (film,) = job.render("pictured.yaml", pictured.parent / "d.mkv", frames=range(2))
     monkeypatch.chdir(tmp_path)
-    assert digest(job.rerun(film, tmp_path / "e.mkv")[0]) == digest(film), "beside the picture"
+    assert digest(rerun(film, tmp_path / "e.mkv")[0]) == digest(film), "beside the picture"
 
 
 def test_small_files_travel_in_the_recipe(tmp_path, pictured):
     (path,) = job.still(pictured, tmp_path / "a.png", 0.3)
     (pictured.parent / "spark.png").unlink()
-    assert digest(job.rerun(path, tmp_path / "b.png")[0]) == digest(path)
+    assert digest(rerun(path, tmp_path / "b.png")[0]) == digest(path)
     with pytest.raises(UsageError, match=r"spark\.png, which is not in .* give --folder"):
-        job.rerun(path, tmp_path / "c.png", folder=pictured.parent)
+        rerun(path, tmp_path / "c.png", folder=pictured.parent)
 
 
 def test_a_file_that_several_systems_name_travels_once(tmp_path, pictured):
@@ -346,7 +347,7 @@ def test_a_damaged_file_in_a_recipe_is_refused(tmp_path, pictured, damage):
     recipe["files"][0] |= damage
     write_still(path, np.zeros((4, 4, 3), np.uint8), recipe)
     with pytest.raises(UsageError):
-        job.rerun(path, tmp_path / "b.png")
+        rerun(path, tmp_path / "b.png")
     assert sorted(p.name for p in tmp_path.iterdir() if p.suffix == ".png") == ["a.png"]
 
 
@@ -356,10 +357,10 @@ def test_a_large_sprite_that_changed_or_is_gone_is_a_sentence(tmp_path, pictured
     (path,) = job.still(pictured, tmp_path / "a.png", 0.3)
     assert "data" not in read_recipe(path)["files"][0]
     with pytest.raises(UsageError, match=r"spark\.png, which is not in .* give --folder"):
-        job.rerun(path, tmp_path / "b.png")
+        rerun(path, tmp_path / "b.png")
     Image.new("RGBA", (8, 8), "red").save(pictured.parent / "spark.png")
     with pytest.raises(UsageError, match=r"spark\.png is not the file that the picture was made with \(sha256"):
-        job.rerun(path, tmp_path / "b.png", folder=pictured.parent)
+        rerun(path, tmp_path / "b.png", folder=pictured.parent)
     assert not (tmp_path / "b.png").exists()
 
 
@@ -370,9 +371,9 @@ def test_a_picture_of_another_version_is_made_on_request(tmp_path, sequence):
         tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), {**read_recipe(sequence[2]), "gen_art": "0.0.9"}
     )
     with pytest.raises(UsageError, match=r"made by gen-art 0\.0\.9; .* --other-version"):
-        job.rerun(older, tmp_path / "b.png")
+        rerun(older, tmp_path / "b.png")
     with pytest.warns(UserWarning, match=r"made by gen-art 0\.0\.9"):
-        job.rerun(older, tmp_path / "b.png", other_version=True)
+        rerun(older, tmp_path / "b.png", other_version=True)
     assert digest(tmp_path / "b.png") == digest(sequence[2])
     assert run(["rerun", str(older), "-o", str(tmp_path / "c.png"), "--other-version"]) == 0
     assert digest(tmp_path / "c.png") == digest(sequence[2])
@@ -424,7 +425,7 @@ def test_damaged_recipes_are_refused(tmp_path, sequence, change):
     damaged = {**read_recipe(sequence[0]), **change}
     path = write_still(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), damaged)
     with pytest.raises(GenArtError):
-        job.rerun(path, tmp_path / "b.png")
+        rerun(path, tmp_path / "b.png")
     assert not (tmp_path / "b.png").exists()
 
 

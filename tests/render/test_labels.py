@@ -13,6 +13,7 @@ import gen_art as ga
 from gen_art.commands.main import run
 from gen_art.font import FOLDER, characters, font, missing, text_size
 from gen_art.output import job
+from gen_art.output.rerun import rerun
 from gen_art.preset.axes import Axes
 from gen_art.preset.labels import Label
 from gen_art.preset.load import load_preset
@@ -124,7 +125,7 @@ def test_the_same_bytes_in_stills_films_ranges_and_reruns(tmp_path):
     film = job.render(preset, tmp_path / "a_##.png")
     part = job.render(preset, tmp_path / "b_##.png", frames=[7, 8])
     (still,) = job.still(preset, tmp_path / "s.png", 0.7)
-    (again,) = job.rerun(still, tmp_path / "r.png")
+    (again,) = rerun(still, tmp_path / "r.png")
     digests = [hashlib.sha256(path.read_bytes()).hexdigest() for path in (*film[7:9], *part, still, again)]
     assert digests[0] == digests[2] == digests[4] == digests[5] and digests[1] == digests[3]
     (movie,) = job.render(preset, tmp_path / "a.gif", frames=range(8))

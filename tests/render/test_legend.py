@@ -14,6 +14,7 @@ import gen_art as ga
 from gen_art.commands.main import run
 from gen_art.output import job
 from gen_art.output.read_recipe import read_recipe
+from gen_art.output.rerun import rerun
 from gen_art.particles.entries import LedgerEntry
 from gen_art.preset.load import load_preset
 from gen_art.renderer.legend import PLATE, DrawnLegend, draw_legends, joules_text, legend_of
@@ -137,7 +138,7 @@ def test_the_legend_of_every_frame_is_that_of_its_time(tmp_path):
 def test_rerun_and_show(tmp_path, capsys):
     for name, bits in (("a.png", 8), ("a.png", 16), ("a.webp", 8)):
         (path,) = job.still(piece(), tmp_path / name, 0.1, bits=bits, overwrite=True)
-        assert digest(job.rerun(path, tmp_path / f"again_{name}", overwrite=True)[0]) == digest(path)
+        assert digest(rerun(path, tmp_path / f"again_{name}", overwrite=True)[0]) == digest(path)
     total = read_recipe(path)["joules"][0]["total"]
     assert run(["show", str(path)]) == 0
     assert f"# dust: dissipated by drag: {total:.6g} J in all" in capsys.readouterr().out
