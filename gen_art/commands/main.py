@@ -28,6 +28,7 @@ COMMANDS = (
     "still",
     "rerun",
     "sheet",
+    "studio",
     "list",
     "show",
     "new",

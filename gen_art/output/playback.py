@@ -8,6 +8,7 @@ import math
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,6 +30,9 @@ from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.tone_map import develop
 from gen_art.simulation.no_effect import undrawn_systems
 
+if TYPE_CHECKING:
+    from gen_art.simulation import Simulation
+
 __all__ = ["Playback"]
 
 _HALF_LIVES = 16  # a trail starts this many half-lives before frame 0: light from earlier has faded
@@ -45,11 +49,13 @@ class Playback:
 
     transparent : leave out the preset's sky, so that the pictures keep their alpha
     tell : called with how long the first picture takes, where that is long; see gen_art.output.wait
+    sim : a simulation of the preset to go on with from where it is; a new one when None. Trails, ribbons and subframes then
+        hold only what comes after
     """
 
     def __init__(
         self, preset, size, precision: str, threads: int | None, transparent: bool = False,
-        tell: Callable[[dict], None] | None = None,
+        tell: Callable[[dict], None] | None = None, sim: "Simulation | None" = None,
     ):  # fmt: skip
         from gen_art.simulation import Simulation
 
@@ -57,7 +63,7 @@ class Playback:
         for sentence in undrawn_systems(preset):
             warnings.warn(sentence, AdviceWarning, stacklevel=2)
         fit = fit_of(preset, size, precision, threads)
-        self.sim = Simulation(preset, precision=precision, threads=threads)
+        self.sim = Simulation(preset, precision=precision, threads=threads) if sim is None else sim
         self.camera = Camera.from_spec(preset.camera, fit) if preset.camera else None
         self._shutter = self.camera.shutter if self.camera else 180.0
         dome = SkyDome.of(preset.sky) if preset.sky is not None else None
@@ -70,7 +76,7 @@ class Playback:
         self._shows_acceleration = any(
             look is not None and look.goes_by("acceleration") for look in preset.looks.values()
         )
-        self._steps_done, self._last_shown = 0, -1
+        self._last_shown = self.sim.steps_done if sim is not None else -1
         self._tell = tell
         self.stopwatch = Stopwatch()
         self._trail_steps, self._trail_interval = self._plan_trails()
@@ -167,7 +173,7 @@ class Playback:
         wait = Wait(self._tell, step) if self._tell is not None and self._last_shown < 0 else None
         for at in sorted(actions):
             with self.stopwatch.stage("simulate"):
-                self._advance(at - self._steps_done, wait)
+                self._advance(at - self.sim.steps_done, wait)
             with self.stopwatch.stage("draw"):
                 for action in actions[at]:
                     action()
@@ -274,10 +280,9 @@ class Playback:
                 if steps > 1:
                     step(steps - 1)
                 self.painter.remember_velocities(self.sim)
-                steps, self._steps_done = 1, self._steps_done + steps - 1
+                steps = 1
             step(steps)
-            self._steps_done += steps
-        elif self._shows_acceleration and self._steps_done == 0:
+        elif self._shows_acceleration and self.sim.steps_done == 0:
             # before the first step the acceleration comes from the first step of a second simulation
             from gen_art.simulation import Simulation
 
@@ -287,7 +292,7 @@ class Playback:
 
     def _film_time(self) -> float:
         clock = self.preset.clock
-        return (self._steps_done - clock.preroll_steps) * clock.step / clock.speed
+        return (self.sim.steps_done - clock.preroll_steps) * clock.step / clock.speed
 
     @property
     def particles(self) -> int:

@@ -7,9 +7,10 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
-from gen_art.preset.overrides import apply
+from gen_art.errors import UsageError
+from gen_art.preset.overrides import apply, split_path
 
-__all__ = ["changed_text", "yaml_text"]
+__all__ = ["changed_text", "text_without", "yaml_text"]
 
 _WIDTH = 100_000  # so that no line of the author's is broken
 _SHORT = 100  # mappings and lists up to this many characters are written on one line
@@ -37,6 +38,23 @@ def changed_text(text: str, overrides: Mapping[str, Any]) -> str:
     """
     data = _yaml().load(text)
     apply(data, {path: _laid_out(value) for path, value in overrides.items()}, convert=False)
+    return _written(data)
+
+
+def text_without(text: str, path: str) -> str:
+    """The text of a preset without the key at a dotted path and what is below it; the rest stays as it is.
+
+    Raises UsageError for a path that does not exist.
+    """
+    data = _yaml().load(text)
+    *parents, last = split_path(path)
+    node = data
+    try:
+        for part in parents:
+            node = node[part]
+        del node[last]
+    except (KeyError, IndexError, TypeError):
+        raise UsageError(f"{path} is not in the preset") from None
     return _written(data)
 
 

@@ -398,27 +398,37 @@ class Simulation:
         write(self, path, self._unprocessed_ids, None if self._ledger is None else self._ledger.saved())
 
     @classmethod
-    def restore(cls, path: str | os.PathLike) -> "Simulation":
+    def restore(cls, path: str | os.PathLike, preset: "Preset | None" = None) -> "Simulation":
         """The simulation of a snapshot. It continues with the same bits as the simulation that was saved.
 
-        Raises OutputError when the file cannot be read, UsageError when it is not a snapshot.
+        preset : go on with this preset in place of the saved one, from the saved particles; its systems, emitters and
+            interactions must have the same names. Births go on by its own schedule, from the saved time on
+        Raises OutputError when the file cannot be read, UsageError when it is not a snapshot, or not one of such a preset.
         """
         from gen_art.simulation.snapshot import read
 
         snapshot = read(path)
         try:
-            sim = cls(
-                snapshot.definition,
-                dt=snapshot.dt,
-                seed=snapshot.seed,
-                precision=snapshot.precision,
-                domain=snapshot.domain,
-            )
+            if preset is None:
+                sim = cls(
+                    snapshot.definition,
+                    dt=snapshot.dt,
+                    seed=snapshot.seed,
+                    precision=snapshot.precision,
+                    domain=snapshot.domain,
+                )
+            else:
+                sim = cls(preset, precision=snapshot.precision)
+                snapshot.check_members(sim.members)
             if snapshot.ledger is not None:
                 sim.keep_ledger(snapshot.ledger)
             sim.steps_done = snapshot.steps_done
             snapshot.restore_systems(sim.members, sim.time)
             sim._unprocessed_ids = snapshot.unprocessed_ids
+            if preset is not None:
+                for emitter in (e for system in sim.members.values() for e in system.emitters):
+                    if emitter.schedule is not None:
+                        emitter.done = emitter.schedule.until(sim.time)
         except GenArtError:
             raise
         except (TypeError, ValueError, LookupError, AttributeError, OverflowError) as error:

@@ -79,6 +79,19 @@ class Snapshot:
         """The space of systems that are not a preset's; None where it is open, or the preset has it."""
         return self.head.get("domain")
 
+    def check_members(self, members) -> None:
+        """Raise UsageError unless these systems can take the saved particles: the same names and rows, emitter for emitter."""
+        if list(members) != list(self.head["systems"]):
+            raise UsageError("the snapshot has other systems")
+        for name, entry in self.head["systems"].items():
+            system, state = members[name], members[name].state
+            same_parts = len(system.emitters) == len(entry["done"])
+            same_parts &= len(system.interactions) == len(self.saved_arrays[name])
+            if not same_parts or list(state.attributes) != list(entry["attributes"]):
+                raise UsageError(f"system '{name}' of the snapshot has other emitters, interactions or attributes")
+            if bool(state.entries) != (name in self.booked):
+                raise UsageError(f"system '{name}' of the snapshot has other shares of the ledger")
+
     def restore_systems(self, members, time: float) -> None:
         """Put the saved particles into systems that were built from `definition`.
 

@@ -1,0 +1,178 @@
+"""The preset that the studio edits: its text, the values set since, its problems, undo and redo, and its file.
+
+A value that is set is known at once to the next picture; the text takes it over when the change is done (`settle`), because
+writing YAML with its comments takes longer than a picture.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gen_art.errors import GenArtError, OutputError, PresetError, UsageError
+from gen_art.files import beside
+from gen_art.preset.load import PresetSource
+from gen_art.preset.reader import read_text
+from gen_art.preset.shipped import find, presets_folder
+from gen_art.preset.writing import changed_text, text_without
+
+if TYPE_CHECKING:
+    from gen_art.preset.schema import Preset
+
+__all__ = ["LARGEST_TEXT", "Document"]
+
+LARGEST_TEXT = 1_000_000  # bytes of a preset
+MOST_UNDO = 500
+
+
+class Document:
+    """A preset's text and what has been set in it.
+
+    path : its file; None where it is shipped and cannot be saved
+    preset : the last one that was valid
+    problems : [{line, column, path, text}] of the text and values as they are now; empty if they are valid
+    """
+
+    def __init__(self, name: str):
+        path = find(name)
+        self.path: Path | None = None if path.is_relative_to(presets_folder()) else path
+        source = PresetSource.of(name)
+        self.name, self.folder = source.name, source.folder
+        self.text = self.saved_text = "\n".join(source.text.lines)
+        self._source = source
+        self._overrides: dict[str, Any] = {}
+        self._undone: list[str] = []
+        self._done: list[str] = []
+        self.problems: list[dict] = []
+        self.preset: Preset = source.load()
+
+    @property
+    def data(self) -> dict:
+        """The plain data as written, with the values set since, `$knobs` as they stand."""
+        from gen_art.preset.overrides import apply
+
+        data = self._source.text.plain()
+        apply(data, self._overrides)
+        return data
+
+    @property
+    def is_saved(self) -> bool:
+        """Whether the file holds the text as it is."""
+        return self.text == self.saved_text and not self._overrides
+
+    @property
+    def state(self) -> dict:
+        """What the page shows of it."""
+        return {
+            "name": self.name, "text": self.text, "data": self.data, "problems": self.problems, "saved": self.is_saved,
+            "file": None if self.path is None else self.path.name, "undo": bool(self._done), "redo": bool(self._undone),
+            "knobs": {
+                name: {
+                    "value": knob.value, "unit": knob.unit,
+                    "range": None if knob.range is None else [knob.range.lo, knob.range.hi],
+                }
+                for name, knob in self.preset.knobs.items()
+            },
+        }  # fmt: skip
+
+    def set(self, values: dict[str, Any]) -> bool:
+        """Set values by dotted path; whether the preset is valid with them. `settle` takes them into the text."""
+        before = dict(self._overrides)
+        for path, value in values.items():
+            self._overrides.pop(path, None)
+            self._overrides[path] = value
+        valid = self._load()
+        if not valid:
+            self._overrides = before
+        return valid
+
+    def settle(self) -> bool:
+        """Take the values that were set into the text; whether there were any."""
+        if not self._overrides:
+            return False
+        text = changed_text(self.text, self._overrides)
+        self._overrides = {}
+        return self.write(text)
+
+    def remove(self, path: str) -> bool:
+        """Remove a key with what is below it; whether the preset is valid without."""
+        self.settle()
+        return self.write(text_without(self.text, path))
+
+    def write(self, text: str) -> bool:
+        """Replace the text; whether it is valid. The text before can be undone to."""
+        if len(text.encode("utf-8", "replace")) > LARGEST_TEXT:
+            raise UsageError(f"a preset has at most {LARGEST_TEXT:,} bytes")
+        if text != self.text:
+            self._done = [*self._done, self.text][-MOST_UNDO:]
+            self._undone = []
+        return self._take(text)
+
+    def undo(self) -> bool:
+        """Go back to the text before; whether it is valid."""
+        self.settle()
+        if not self._done:
+            return not self.problems
+        self._undone.append(self.text)
+        return self._take(self._done.pop())
+
+    def redo(self) -> bool:
+        """Take back an undo; whether the text is valid."""
+        if not self._undone:
+            return not self.problems
+        self._done.append(self.text)
+        return self._take(self._undone.pop())
+
+    def reload(self) -> bool:
+        """Read the file again, as it was changed elsewhere; whether it is valid. Raises OutputError if it is gone."""
+        if self.path is None:
+            return not self.problems
+        try:
+            text = self.path.read_text(encoding="utf-8")
+        except (OSError, ValueError) as error:
+            raise OutputError(f"cannot read {self.path.name}: {getattr(error, 'strerror', None) or error}") from error
+        self.saved_text = "\n".join(text.split("\n"))
+        self._overrides = {}
+        return self.write(text)
+
+    def save(self) -> Path:
+        """Write the text to its file. Raises UsageError for a shipped preset, or while there are problems."""
+        self.settle()
+        if self.path is None:
+            raise UsageError(
+                f"'{self.name}' is a preset of gen-art and cannot be saved: `gen-art new mine --from {self.name}` makes a copy "
+                "of your own"
+            )
+        if self.problems:
+            raise UsageError("the preset has problems; correct them before it is saved")
+        with beside(self.path, True) as temporary:
+            temporary.write_text(self.text, encoding="utf-8")
+        self.saved_text = self.text
+        return self.path
+
+    def _take(self, text: str) -> bool:
+        self.text, self._overrides = text, {}
+        try:
+            parsed = read_text(text, f"{self.name}.yaml")
+        except PresetError as error:
+            self.problems = _listed(error)
+            return False
+        self._source = PresetSource(self.name, parsed, self.folder, parsed.plain())
+        return self._load()
+
+    def _load(self) -> bool:
+        try:
+            self.preset = self._source.load(self._overrides)
+        except GenArtError as error:
+            self.problems = _listed(error)
+            return False
+        self.problems = []
+        return True
+
+
+def _listed(error: GenArtError) -> list[dict]:
+    found: Sequence = getattr(error, "problems", None) or ()
+    if not found:
+        return [{"line": 0, "column": 0, "path": "", "text": str(error)}]
+    from gen_art.preset.problems import dotted
+
+    return [{"line": p.line, "column": p.column, "path": dotted(p.path), "text": p.text} for p in found]

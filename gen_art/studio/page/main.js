@@ -1,0 +1,172 @@
+// The studio's page: one document, its controls, its text and its picture, kept in step with the server, which knows what is true.
+
+import { CameraHandle } from "./camera.js";
+import { Connection, fetchSchema } from "./connection.js";
+import { Controls } from "./controls.js";
+import { Editor } from "./editor.js";
+import { Plots } from "./plots.js";
+import { Schema } from "./schema.js";
+import { View } from "./view.js";
+
+const $ = (id) => document.getElementById(id);
+
+class Studio {
+  data = null;
+  #document = null;
+  #connection = new Connection();
+  #view = new View(this.#connection);
+  #editor = new Editor(this);
+  #plots = new Plots();
+  #controls = null;
+  #waiting = null; // values set since the last turn of the screen
+  #noticed = 0;
+
+  async start() {
+    this.#controls = new Controls(this, new Schema(await fetchSchema()));
+    new CameraHandle(this);
+    const on = (type, take) => this.#connection.addEventListener(type, (event) => take(event.detail));
+    on("hello", (hello) => this.#greet(hello));
+    on("document", (state) => this.#take(state));
+    on("lost", () => this.notice("the studio does not answer; trying again", true));
+    on("connected", () => this.notice(""));
+    on("said", (message) => this.notice(message.text));
+    on("warning", (message) => this.#problem(message.text));
+    on("error", (message) => this.#problem(message.text));
+    on("status", (status) => this.notice(status.anew === null ? "" : `computing the motion anew: ${Math.round(100 * status.anew)}%`, true));
+    on("final", (message) => this.#download(message));
+    this.#view.addEventListener("shown", (event) => this.#shown(event.detail));
+    this.#buttons();
+    this.#tabs();
+    document.addEventListener("keydown", (event) => this.#key(event));
+    this.#connection.open();
+  }
+
+  // Values by path. Those of one turn of the screen go together; with `done` the text takes them over.
+  set(values, done) {
+    if (this.#waiting === null) requestAnimationFrame(() => this.#flush());
+    this.#waiting = { values: { ...this.#waiting?.values, ...values }, done: done || (this.#waiting?.done ?? false) };
+    if (done) this.#flush();
+  }
+
+  settle() { this.set({}, true); }
+  remove(path) { this.#connection.send({ type: "remove", path }); }
+  write(text) { this.#connection.send({ type: "text", text }); }
+
+  notice(words, stays = false) {
+    $("notice").textContent = words;
+    $("notice").hidden = words === "";
+    clearTimeout(this.#noticed);
+    if (words && !stays) this.#noticed = setTimeout(() => { $("notice").hidden = true; }, 3000);
+  }
+
+  #flush() {
+    if (this.#waiting === null) return;
+    this.#connection.send({ type: "set", ...this.#waiting });
+    this.#waiting = null;
+  }
+
+  #greet(hello) {
+    document.body.dataset.editor = hello.editor;
+    if (!hello.editor) this.notice("another page edits this preset; this one watches", true);
+    if (this.#document === null) this.#view.frame = hello.frame;
+    this.#view.renew();
+  }
+
+  #take(state) {
+    this.#document = state;
+    this.data = state.data;
+    $("name").textContent = state.name;
+    document.title = `${state.name} - Gen Art studio`;
+    $("saved").textContent = state.file === null ? "a preset of gen-art, not saved" : state.saved ? `${state.file}, saved` : `${state.file}, changed`;
+    $("save").disabled = state.saved;
+    $("undo").disabled = !state.undo;
+    $("redo").disabled = !state.redo;
+    this.#problem(state.problems.map((one) => `${one.path ? `${one.path}: ` : ""}${one.text}`).join("\n"));
+    this.#editor.show(state.text, state.problems);
+    this.#controls.show(state);
+    this.#view.take(state.data);
+  }
+
+  #shown(shown) {
+    document.body.dataset.exact = shown.exact;
+    if (!shown.exact) this.notice("the particles go on from where they were");
+    this.#plots.take(shown, $("picture"));
+  }
+
+  #problem(words) {
+    $("problem").textContent = words;
+    $("problem").hidden = words === "";
+  }
+
+  #buttons() {
+    for (const type of ["undo", "redo", "save"]) $(type).onclick = () => { this.#flush(); this.#connection.send({ type }); };
+    const choose = (id, action) => { $(id).onclick = () => { $("export").open = false; action(); }; };
+    choose("final", () => this.#connection.send({ type: "final", frame: this.#view.frame }));
+    choose("copy-yaml", () => this.#copy(this.#document.text, "the YAML"));
+    choose("copy-command", () => this.#copy(this.#command(), "the command"));
+    choose("copy-python", () => this.#copy(this.#python(), "the Python lines"));
+  }
+
+  #time() { return Number((this.#view.frame / (Number(this.data.clock?.fps) || 30)).toFixed(6)); }
+  #source() { return this.#document.file ?? this.#document.name; }
+  #command() { return `gen-art still ${this.#source()} --time ${this.#time()} -o ${this.#document.name}.png`; }
+  #python() { return `import gen_art as ga\n\nga.render("${this.#source()}", "${this.#document.name}.png", frames=${this.#view.frame})`; }
+
+  async #copy(text, what) {
+    try {
+      await navigator.clipboard.writeText(text);
+      this.notice(`copied ${what}`);
+    } catch {
+      this.#problem(`the browser lets nothing be copied; here is ${what}:\n${text}`);
+    }
+  }
+
+  #download(message) {
+    const bytes = Uint8Array.from(atob(message.png), (letter) => letter.charCodeAt(0));
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([bytes], { type: "image/png" }));
+    link.download = message.name;
+    link.click();
+    this.notice(`rendered ${message.name}`);
+  }
+
+  #tabs() {
+    const tabs = [...document.querySelectorAll("[role=tab]")];
+    const choose = (tab) => {
+      for (const one of tabs) {
+        one.setAttribute("aria-selected", one === tab);
+        one.tabIndex = one === tab ? 0 : -1;
+        $(one.getAttribute("aria-controls")).hidden = one !== tab;
+      }
+      this.#connection.send({ type: "view", diagnosed: this.#plots.isOpen });
+      this.#plots.clear();
+    };
+    for (const tab of tabs) {
+      tab.onclick = () => choose(tab);
+      tab.onkeydown = (event) => {
+        const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+        if (step === undefined) return;
+        const next = tabs[(tabs.indexOf(tab) + step + tabs.length) % tabs.length];
+        choose(next);
+        next.focus();
+        event.preventDefault();
+        event.stopPropagation();
+      };
+    }
+  }
+
+  #key(event) {
+    const control = event.ctrlKey || event.metaKey;
+    if (control && event.key === "s") { event.preventDefault(); $("save").click(); return; }
+    if (event.target.matches("input, textarea, select, button, summary, [role=tab]")) return;
+    const actions = {
+      " ": () => this.#view.toggle(), ArrowLeft: () => this.#view.go(this.#view.frame - 1), ArrowRight: () => this.#view.go(this.#view.frame + 1),
+      Home: () => this.#view.go(0), End: () => this.#view.go(this.#view.frames - 1),
+    };
+    if (control && event.key === "z") { event.preventDefault(); $("undo").click(); }
+    else if (control && event.key === "y") { event.preventDefault(); $("redo").click(); }
+    else if (!control && !event.shiftKey && actions[event.key]) { event.preventDefault(); actions[event.key](); }
+  }
+}
+
+new Studio().start();

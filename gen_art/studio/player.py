@@ -1,0 +1,284 @@
+"""Plays a preset for the studio: any frame, in any size, soon after any change.
+
+What a change needs is decided by the paths that it touches: the picture developed again, drawn again, or the motion computed
+again. While somebody turns a knob of the motion, the particles go on from where they are with the new values (`is_exact` is
+then False); `settle` computes the motion anew from its start, a slice at a time. Snapshots of frames that were passed make
+going back quick.
+"""
+
+import math
+import tempfile
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gen_art.errors import UsageError
+from gen_art.output.check import check_preset
+from gen_art.output.playback import Playback
+from gen_art.preset.camera import CameraSpec
+from gen_art.preset.estimate import refuse_if_too_large
+from gen_art.simulation import Simulation
+
+if TYPE_CHECKING:
+    from gen_art.preset.schema import Preset
+
+__all__ = ["Player", "Shown", "Superseded"]
+
+SLICE = 0.05  # s that is computed between two looks at whether there is something better to do
+SNAPSHOT_PAUSE = 0.5  # s of computing between two snapshots
+MOST_SNAPSHOTS = 512_000_000  # bytes of all of them
+DEVELOPED = ("develop", "labels", "axes", "gallery", "expect")  # keys that change nothing before the linear picture
+DRAWN = ("camera", "sky", "light", "ground", "shadows", "wormhole")  # keys that change no motion
+DRAWN_PARTS = ("look", "looks")  # of a system
+FADED = 5.0  # half-lives after which a trail is seen no more
+
+
+class Superseded(Exception):
+    """A picture is not wanted any more: what it was computed for has changed."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A picture of a frame.
+
+    picture : (height, width, 3) uint8
+    is_exact : whether it is the frame of the preset as it is, not one whose motion began with other values
+    seconds : that it took, by stage
+    """
+
+    picture: np.ndarray
+    frame: int
+    is_exact: bool
+    particles: int
+    seconds: dict[str, float]
+
+
+class Player:
+    """The pictures of a preset that changes.
+
+    precision, threads : as for Simulation
+    superseded : asked between slices of a long computation; where it says yes, `Superseded` is raised, and what was computed
+        is kept
+    Its files lie in a folder of its own until `close`.
+    """
+
+    def __init__(
+        self, precision: str = "f32", threads: int | None = None, superseded: Callable[[], bool] = lambda: False
+    ):
+        self.precision, self.threads = precision, threads
+        self.preset: Preset | None = None
+        self.sim: Simulation | None = None
+        self.is_exact = True
+        self._superseded = superseded
+        self._folder = tempfile.TemporaryDirectory(prefix="gen-art-studio-")
+        self._playback: Playback | None = None
+        self._key: tuple = ()  # (size, whether with history) of the playback
+        self._linear: tuple | None = None  # (frame, size, linear picture, exposure) of the last one drawn
+        self._snapshots: dict[int, Path] = {}  # by steps done
+        self._computed = 0.0  # s since the last snapshot
+
+    @property
+    def frames(self) -> int:
+        """The frames of the film."""
+        return self.preset.clock.frames if self.preset is not None else 0
+
+    def close(self) -> None:
+        self._folder.cleanup()
+
+    def change(self, preset: "Preset") -> str:
+        """Go on with this preset; what that needs: "nothing", "develop", "draw" or "motion".
+
+        Raises PresetError for one of which no picture can be made, MemoryRefused for one that does not fit into memory; the
+        one before then stays.
+        """
+        before = self.preset
+        if before is not None and before == preset:
+            return "nothing"
+        check_preset(preset)
+        refuse_if_too_large(preset, self.precision, preset.camera.size if preset.camera else CameraSpec().size)
+        need = "motion" if before is None else _need(before, preset)
+        if before is not None and _frame_of(before) == _frame_of(preset):
+            preset.fits.update(before.fits)  # of a motion that changed: until it is computed anew
+        self.preset = preset
+        if need == "develop":
+            if self._playback is not None:
+                self._playback.preset = preset
+            return need
+        self._playback = self._linear = None
+        if need == "motion":
+            self._drop_snapshots()
+            self.is_exact = not self._carry_over(same_clock=before is not None and before.clock == preset.clock)
+        elif self.sim is not None:
+            self.sim.preset = preset
+        return need
+
+    def show(self, frame: int, size: tuple[int, int], whole: bool = True) -> Shown:
+        """The picture of a frame, from 0 on. Raises the errors of gen_art.errors.
+
+        whole : with all of its trails, ribbons and motion blur, for which a few frames before it may have to be played again
+        """
+        assert self.preset is not None
+        frame = min(max(0, frame), self.preset.clock.frames - 1)
+        started = time.perf_counter()
+        if self._linear is None or self._linear[:3] != (frame, size, whole):
+            step = self._step_of(frame)
+            playback = self._playback_before(step, size, whole)
+            linear, exposure = next(playback.pictures([step]))
+            self._linear = frame, size, whole, np.array(linear), exposure
+            self._computed += time.perf_counter() - started
+            self._keep_snapshot()
+        assert self._playback is not None
+        drawn = time.perf_counter()
+        picture = self._playback.developed(self._linear[3], self._linear[4], frame)
+        seconds = {"draw": drawn - started, "develop": time.perf_counter() - drawn}
+        return Shown(picture[..., :3], frame, self.is_exact, self._playback.particles, seconds)
+
+    def settle(self, frame: int) -> Iterator[float]:
+        """Compute the motion of a frame from its start, a slice at each turn; yields the part that is done, 0..1.
+
+        Afterwards the pictures are exact. A caller that has something better to do drops the iterator.
+        """
+        if self.is_exact:
+            return
+        assert self.preset is not None
+        anew = self._start()
+        target = self._history_of(self._step_of(frame))
+        while anew.steps_done < target:
+            self._slice(anew, target)
+            yield anew.steps_done / target
+        self.preset.fits.clear()
+        self.sim, self.is_exact = anew, True
+        self._playback = self._linear = None
+
+    def _step_of(self, frame: int) -> int:
+        assert self.preset is not None
+        return self.preset.clock.preroll_steps + frame * self.preset.clock.steps_per_frame
+
+    def _history_of(self, step: int) -> int:
+        """The step from which a picture after `step` steps has to be played, so that its trails and ribbons are whole."""
+        assert self.preset is not None
+        clock, longest = self.preset.clock, 0.0
+        for look in self.preset.looks.values():
+            if look is not None:
+                longest = max(longest, FADED * look.trail.half_life * clock.speed if look.trail else 0.0)
+                longest = max(longest, look.ribbon.length if look.ribbon else 0.0)
+                longest = max(longest, (look.length or clock.speed / clock.fps) if look.draw == "streak" else 0.0)
+                longest = max(longest, clock.step if look.goes_by("acceleration") else 0.0)
+        if self.preset.camera is not None and self.preset.camera.subframes > 1:
+            longest = max(longest, clock.speed / clock.fps)
+        return max(0, step - math.ceil(longest / clock.step))
+
+    def _playback_before(self, step: int, size: tuple[int, int], whole: bool) -> Playback:
+        """A Playback that can play on to a step, with all that the step's picture needs if it is to be whole."""
+        assert self.preset is not None
+        playback = self._playback
+        if playback is not None and self._key == (size, whole) and playback.sim.steps_done < step:
+            return playback
+        first = self._history_of(step) if whole else step
+        if self.sim is None or self.sim.steps_done > first:
+            if self.sim is not None and not self.is_exact and self.sim.steps_done <= step:
+                first = self.sim.steps_done  # there is no state before this one: what follows has its history alone
+            else:
+                self.sim, self.is_exact = self._nearest(first), True
+        while self.sim.steps_done < first:
+            self._slice(self.sim, first)
+            self._keep_snapshot()
+            if self._superseded():
+                raise Superseded
+        if first < step:
+            self._keep_snapshot()
+        self._key = size, whole
+        self._playback = Playback(self.preset, size, self.precision, self.threads, sim=self.sim)
+        return self._playback
+
+    def _start(self) -> Simulation:
+        assert self.preset is not None
+        return Simulation(self.preset, precision=self.precision, threads=self.threads)
+
+    def _nearest(self, step: int) -> Simulation:
+        """The simulation at the latest snapshot that is not after `step`, or at its start."""
+        earlier = [at for at in self._snapshots if at <= step]
+        return Simulation.restore(self._snapshots[max(earlier)], self.preset) if earlier else self._start()
+
+    def _slice(self, sim: Simulation, target: int) -> None:
+        """Advance a simulation towards a step for about SLICE seconds."""
+        started, count = time.perf_counter(), 1
+        while sim.steps_done < target and time.perf_counter() < started + SLICE:
+            sim.step(min(count, target - sim.steps_done))
+            count = min(2 * count, 16)
+        self._computed += time.perf_counter() - started
+
+    def _carry_over(self, same_clock: bool) -> bool:
+        """Let the particles go on under the preset of now; whether they can, or the motion has to start anew."""
+        carried, self.sim = self.sim, None
+        if carried is None or carried.steps_done == 0 or not same_clock:
+            return False
+        path = Path(self._folder.name) / "carried.gas"
+        try:
+            carried.save(path)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # they are said when the motion is computed anew
+                self.sim = Simulation.restore(path, self.preset)
+        except UsageError:  # its systems are others
+            return False
+        return True
+
+    def _keep_snapshot(self) -> None:
+        assert self.sim is not None
+        step = self.sim.steps_done
+        if not self.is_exact or self._computed < SNAPSHOT_PAUSE or step in self._snapshots:
+            return
+        path = Path(self._folder.name) / f"{step}.gas"
+        self.sim.save(path)
+        self._snapshots[step] = path
+        self._computed = 0.0
+        while len(self._snapshots) > 2 and sum(p.stat().st_size for p in self._snapshots.values()) > MOST_SNAPSHOTS:
+            steps = sorted(self._snapshots)  # the one whose neighbours are nearest to each other is missed least
+            least = min(range(1, len(steps) - 1), key=lambda k: steps[k + 1] - steps[k - 1])
+            self._snapshots.pop(steps[least]).unlink()
+
+    def _drop_snapshots(self) -> None:
+        for path in self._snapshots.values():
+            path.unlink()
+        self._snapshots = {}
+
+
+def _frame_of(preset: "Preset"):
+    return None if preset.camera is None else preset.camera.frame
+
+
+def _need(before: "Preset", after: "Preset") -> str:
+    """What has to be done when a preset becomes another: "develop", "draw" or "motion"."""
+    entries = [{name: system.ledger_entries for name, system in preset.systems.items()} for preset in (before, after)]
+    if entries[0] != entries[1]:
+        return "motion"
+    old, new = before.resolved(), after.resolved()
+    changed = [key for key in {**old, **new} if old.get(key) != new.get(key)]
+    need = "develop"
+    for key in changed:
+        if key in DEVELOPED:
+            continue
+        if not (
+            key in DRAWN or (key in ("systems", "clock") and _only_drawn(key, old.get(key) or {}, new.get(key) or {}))
+        ):
+            return "motion"
+        need = "draw"
+    return need
+
+
+def _only_drawn(key: str, old: dict, new: dict) -> bool:
+    """Whether a change of the systems, or of the clock, changes no motion."""
+    if key == "clock":
+        return {**old, "duration": None} == {**new, "duration": None}
+    if list(old) != list(new):
+        return False
+
+    def moving(system: dict) -> dict:
+        return {part: value for part, value in system.items() if part not in DRAWN_PARTS}
+
+    return all(moving(old[name]) == moving(new[name]) for name in old)

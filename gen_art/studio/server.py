@@ -1,0 +1,292 @@
+"""The studio's server: a page, its modules, and one websocket, for this machine alone.
+
+Every request must name this host; the page, the schema and the socket need the token that is in the printed address; a socket
+must come from the page itself. The page names no path: it edits the one preset that was opened.
+"""
+
+import asyncio
+import base64
+import json
+import secrets
+import socket
+import struct
+from collections.abc import Sequence
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.middleware import Middleware
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import FileResponse, JSONResponse, PlainTextResponse
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from gen_art.errors import GenArtError
+from gen_art.preset.schema import json_schema
+from gen_art.studio.document import LARGEST_TEXT, Document
+from gen_art.studio.worker import Worker, final_picture
+
+__all__ = ["LARGEST_MESSAGE", "Studio", "listening_socket", "serve"]
+
+PAGE = Path(__file__).parent / "page"
+LARGEST_MESSAGE = 2 * LARGEST_TEXT  # bytes of a message from the page
+LARGEST_PICTURE = 4096  # pixels of a side
+POLICY = (  # of what the page may load: its own files, and pictures that it was sent
+    "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
+    "frame-ancestors 'none'"
+)
+
+
+class Studio:
+    """One preset, one worker, and the page that edits it; further pages watch."""
+
+    def __init__(self, document: Document, plugins: Sequence = (), precision: str = "f32", threads: int | None = None):
+        self.document, self.plugins = document, tuple(plugins)
+        self.precision, self.threads = precision, threads
+        self.token = secrets.token_urlsafe(24)
+        self.hosts: frozenset[str] = frozenset()
+        self._pages: list[WebSocket] = []  # the first one edits
+        self._queues: dict[WebSocket, asyncio.Queue] = {}
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self.worker = Worker(self._deliver, self._tell, precision, threads)
+
+    @property
+    def app(self) -> Starlette:
+        routes = [
+            Route("/", self._page),
+            Route("/schema.json", self._schema),
+            WebSocketRoute("/ws", self._socket),
+            Mount("/page", StaticFiles(directory=PAGE)),
+        ]
+        return Starlette(routes=routes, middleware=[Middleware(_Guard, studio=self)], lifespan=self._lifespan)
+
+    @asynccontextmanager
+    async def _lifespan(self, app):
+        self._loop = asyncio.get_running_loop()
+        self.worker.start()
+        self.worker.want(preset=self.document.preset, frame=self._poster_frame())
+        yield
+        self.worker.stop()
+        await asyncio.to_thread(self.worker.join, 10.0)
+
+    def _poster_frame(self) -> int:
+        preset = self.document.preset
+        return round(preset.poster_time * preset.clock.fps)
+
+    def knows(self, connection: HTTPConnection) -> bool:
+        """Whether a request has the token."""
+        return secrets.compare_digest(connection.query_params.get("token", ""), self.token)
+
+    async def _page(self, request: Request):
+        if not self.knows(request):
+            return PlainTextResponse("The address needs its token, as `gen-art studio` printed it.", 403)
+        return FileResponse(PAGE / "index.html", headers={"Cache-Control": "no-store"})
+
+    async def _schema(self, request: Request):
+        if not self.knows(request):
+            return PlainTextResponse("The address needs its token.", 403)
+        return JSONResponse(json_schema())
+
+    async def _socket(self, page: WebSocket):
+        if not self.knows(page):
+            await page.close(4403)
+            return
+        await page.accept()
+        queue: asyncio.Queue = asyncio.Queue()
+        self._queues[page] = queue
+        self._pages.append(page)
+        sender = asyncio.create_task(self._send_all(page, queue))
+        try:
+            self._put(page, {"type": "hello", "editor": self._pages[0] is page, "frame": self._poster_frame()})
+            self._put(page, {"type": "document", **self.document.state})
+            self.worker.reconnected()
+            while True:
+                message = await page.receive_text()
+                if len(message) > LARGEST_MESSAGE:
+                    await page.close(1009)
+                    break
+                await self._take(page, message)
+        except WebSocketDisconnect:
+            pass
+        finally:
+            sender.cancel()
+            was_editor = self._pages[0] is page
+            self._pages.remove(page)
+            del self._queues[page]
+            if was_editor and self._pages:
+                self._put(self._pages[0], {"type": "hello", "editor": True, "frame": self._poster_frame()})
+                self.worker.reconnected()
+            if not self._pages:
+                self.worker.want(playing=False, moving=False)
+
+    async def _send_all(self, page: WebSocket, queue: asyncio.Queue) -> None:
+        while True:
+            message = await queue.get()
+            if isinstance(message, bytes):
+                await page.send_bytes(message)
+            else:
+                await page.send_text(json.dumps(message))
+
+    def _put(self, page: WebSocket, message: dict | bytes) -> None:
+        self._queues[page].put_nowait(message)
+
+    def _tell_all(self, message: dict | bytes) -> None:
+        for page in self._pages:
+            self._put(page, message)
+
+    def _deliver(self, header: dict, picture: bytes) -> None:
+        """From the worker: length of the header (4 bytes, big-endian), header as JSON, JPEG."""
+        head = json.dumps(header).encode()
+        self._from_worker(struct.pack(">I", len(head)) + head + picture)
+
+    def _tell(self, message: dict) -> None:
+        self._from_worker(message)
+
+    def _from_worker(self, message: dict | bytes) -> None:
+        if self._loop is not None and not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(self._tell_all, message)
+
+    async def _take(self, page: WebSocket, text: str) -> None:
+        """Do what a message of the page says; what cannot be meant is answered by a sentence."""
+        try:
+            message = json.loads(text)
+            kind = message["type"]
+            if kind == "shown":
+                if page is self._pages[0]:
+                    self.worker.shown()
+                return
+            if page is not self._pages[0]:
+                self._put(page, {"type": "error", "text": "another page edits this preset; this one watches"})
+                return
+            await getattr(self, f"_on_{kind}")(message)
+        except GenArtError as error:
+            self._put(page, {"type": "error", "text": str(error)})
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+            self._put(
+                page, {"type": "error", "text": f"the page sent what cannot be understood: {type(error).__name__}"}
+            )
+
+    async def _on_view(self, message: dict) -> None:
+        changes: dict[str, Any] = {}
+        if "frame" in message:
+            changes["frame"] = max(0, int(message["frame"]))
+        if "size" in message:
+            width, height = (min(LARGEST_PICTURE, max(16, int(side))) for side in message["size"])
+            changes["size"] = (width, height)
+        changes |= {key: bool(message[key]) for key in ("playing", "moving", "diagnosed") if key in message}
+        self.worker.want(**changes)
+
+    async def _on_set(self, message: dict) -> None:
+        """Values by path; with `done` the text takes them over."""
+        valid = self.document.set(dict(message["values"])) if message["values"] else not self.document.problems
+        problems = self.document.problems
+        if valid:
+            self.worker.want(preset=self.document.preset, moving=not message.get("done", True))
+        if message.get("done", True):
+            self.document.settle()
+            self._show_document(None if valid else problems)
+
+    async def _on_remove(self, message: dict) -> None:
+        self._edited(self.document.remove(str(message["path"])))
+
+    async def _on_text(self, message: dict) -> None:
+        self._edited(self.document.write(str(message["text"])))
+
+    async def _on_undo(self, message: dict) -> None:
+        self._edited(self.document.undo())
+
+    async def _on_redo(self, message: dict) -> None:
+        self._edited(self.document.redo())
+
+    async def _on_save(self, message: dict) -> None:
+        path = self.document.save()
+        self._show_document()
+        self._tell_all({"type": "said", "text": f"saved {path.name}"})
+
+    async def _on_final(self, message: dict) -> None:
+        frame, preset = int(message["frame"]), self.document.preset
+
+        def make() -> None:
+            self._tell({"type": "said", "text": "rendering the final picture"})
+            name, data = final_picture(preset, frame, self.precision, self.threads, self.plugins)
+            self._tell({"type": "final", "name": name, "png": base64.b64encode(data).decode("ascii")})
+
+        self.worker.do(make)
+
+    def _edited(self, valid: bool) -> None:
+        if valid:
+            self.worker.want(preset=self.document.preset, moving=False)
+        self._show_document()
+
+    def _show_document(self, problems: list[dict] | None = None) -> None:
+        state = self.document.state
+        self._tell_all(
+            {"type": "document", **state, "problems": problems if problems is not None else state["problems"]}
+        )
+
+    def file_changed(self) -> None:
+        """The preset's file was saved elsewhere, or is gone."""
+        try:
+            self._edited(self.document.reload())
+        except GenArtError as error:
+            self._tell_all({"type": "error", "text": str(error)})
+
+
+class _Guard:
+    """Refuses requests that do not name this host, and sockets that do not come from its page."""
+
+    def __init__(self, app, studio: Studio):
+        self.app, self.studio = app, studio
+
+    async def __call__(self, scope, receive, send):
+        if scope["type"] not in ("http", "websocket"):
+            await self.app(scope, receive, send)
+            return
+        connection = HTTPConnection(scope)
+        host, origin = connection.headers.get("host", ""), connection.headers.get("origin")
+        allowed = host in self.studio.hosts
+        if scope["type"] == "websocket":
+            allowed = allowed and origin in {f"http://{name}" for name in self.studio.hosts}
+            if not allowed:
+                await send({"type": "websocket.close", "code": 4403})
+                return
+        elif not allowed:
+            await PlainTextResponse("This is a page of this machine alone.", 403)(scope, receive, send)
+            return
+
+        async def with_policy(message):
+            if message["type"] == "http.response.start":
+                message["headers"] = [
+                    *message["headers"], (b"content-security-policy", POLICY.encode()),
+                    (b"x-content-type-options", b"nosniff"), (b"referrer-policy", b"no-referrer"),
+                ]  # fmt: skip
+            await send(message)
+
+        await self.app(scope, receive, with_policy)
+
+
+def listening_socket(port: int) -> socket.socket:
+    """A socket of this machine alone; port 0 takes a free one. Raises OSError for one that is taken."""
+    found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        found.bind(("127.0.0.1", port))
+    except OSError:
+        found.close()
+        raise
+    return found
+
+
+def serve(studio: Studio, found: socket.socket) -> None:
+    """Serve until the process is stopped."""
+    import uvicorn
+
+    port = found.getsockname()[1]
+    studio.hosts = frozenset({f"127.0.0.1:{port}", f"localhost:{port}"})
+    config = uvicorn.Config(
+        studio.app, log_level="error", ws_max_size=LARGEST_MESSAGE, ws="websockets-sansio", lifespan="on",
+        timeout_graceful_shutdown=2,
+    )  # fmt: skip
+    uvicorn.Server(config).run(sockets=[found])

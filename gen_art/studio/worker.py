@@ -1,0 +1,224 @@
+"""The thread that makes the studio's pictures: it always works on the newest wish, and drops what is no longer wanted.
+
+Everything that computes runs in this one thread. It is told what is wanted (`want`) and calls back with pictures and words.
+"""
+
+import tempfile
+import threading
+import time
+import traceback
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from PIL import Image
+
+from gen_art.errors import GenArtError
+from gen_art.studio.player import Player, Shown, Superseded
+
+if TYPE_CHECKING:
+    from gen_art.preset.schema import Preset
+
+__all__ = ["IN_FLIGHT", "Wish", "Worker", "final_picture"]
+
+IN_FLIGHT = 2  # pictures that are on their way to the page; no more are made before it has shown them
+REST = 0.15  # s without a change after which the picture is drawn in full
+JPEG_QUALITY = 88
+COARSE, COARSE_FROM = 2, 200  # while something moves, a picture of so many rows is drawn so much smaller
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What the page wants to see.
+
+    preset : None before the first
+    size : (width, height) of the picture at rest
+    moving : whether somebody holds a slider or the camera
+    diagnosed : whether energy and momentum are wanted with each picture
+    """
+
+    preset: "Preset | None" = None
+    frame: int = 0
+    size: tuple[int, int] = (640, 360)
+    playing: bool = False
+    moving: bool = False
+    diagnosed: bool = False
+
+
+class Worker(threading.Thread):
+    """Makes pictures until `stop`.
+
+    deliver : called with (header, bytes of a JPEG)
+    tell : called with messages: {"type": "status", ...}, {"type": "warning", "text"}, {"type": "error", "text"}
+    """
+
+    def __init__(
+        self, deliver: Callable[[dict, bytes], None], tell: Callable[[dict], None], precision: str = "f32",
+        threads: int | None = None,
+    ):  # fmt: skip
+        super().__init__(name="studio", daemon=True)
+        self._deliver, self._tell = deliver, tell
+        self._precision, self._threads = precision, threads
+        self._changed = threading.Condition()
+        self._wish = Wish()
+        self._version = 0  # of the wish
+        self._credits = IN_FLIGHT
+        self._jobs: list[Callable[[], None]] = []
+        self._stopping = False
+        self._frame = self._wished_frame = 0
+        self._seen = self._failed = -1  # versions of the wish: the one worked on, and one that ended in an error
+        self._changed_at = 0.0
+        self._settling: Iterator[float] | None = None
+        self._is_whole = False  # the last picture: drawn in full, with its trails
+
+    def want(self, **changes: Any) -> None:
+        """Change the wish."""
+        with self._changed:
+            self._wish = replace(self._wish, **changes)
+            self._version += 1
+            self._changed.notify()
+
+    def shown(self) -> None:
+        """The page has shown a picture."""
+        with self._changed:
+            self._credits = min(IN_FLIGHT, self._credits + 1)
+            self._changed.notify()
+
+    def reconnected(self) -> None:
+        """Another page has come: nothing is on its way to it, and it has seen nothing."""
+        with self._changed:
+            self._credits = IN_FLIGHT
+            self._version += 1
+            self._changed.notify()
+
+    def do(self, job: Callable[[], None]) -> None:
+        """Run a job in this thread, before the next picture."""
+        with self._changed:
+            self._jobs.append(job)
+            self._changed.notify()
+
+    def stop(self) -> None:
+        with self._changed:
+            self._stopping = True
+            self._changed.notify()
+
+    def run(self) -> None:
+        warnings.showwarning = self._warn  # of this process, which is the studio's alone
+        self._player = Player(self._precision, self._threads, self._is_superseded)
+        try:
+            while not self._stopping:
+                self._turn()
+        finally:
+            self._player.close()
+
+    def _warn(self, message, category, filename, lineno, file=None, line=None) -> None:
+        if issubclass(category, UserWarning):
+            self._tell({"type": "warning", "text": str(message)})
+
+    def _is_superseded(self) -> bool:
+        return self._stopping or bool(self._jobs) or self._version != self._seen
+
+    def _turn(self) -> None:
+        """Wait until there is something to do, and do it."""
+        with self._changed:
+            step, pause = self._next_step()
+            if step is None:
+                self._changed.wait(pause)
+                return
+            if self._jobs:
+                step = self._jobs.pop(0)
+        try:
+            step()
+        except Superseded:
+            pass
+        except GenArtError as error:
+            self._failed = self._seen
+            self._tell({"type": "error", "text": str(error)})
+        except Exception as error:
+            self._failed = self._seen
+            traceback.print_exc()
+            self._tell({"type": "error", "text": f"this is a bug: {type(error).__name__}: {error}"})
+
+    def _next_step(self) -> tuple[Callable[[], None] | None, float | None]:
+        """(what to do now, or None; then how many seconds to wait at most)."""
+        wish, is_new = self._wish, self._seen != self._version
+        if self._jobs or self._stopping:
+            return self._nothing, None
+        if wish.preset is None or self._failed == self._version or self._credits <= 0:
+            return None, None
+        if is_new:
+            self._take_wish()
+            return self._draw_now, None
+        if wish.playing:
+            self._frame = (self._frame + 1) % max(1, self._player.frames)
+            return self._draw_now, None
+        if wish.moving:
+            return None, None
+        rest = self._changed_at + REST - time.monotonic()
+        if rest > 0.0:
+            return None, rest
+        if not self._player.is_exact:
+            return self._settle, None
+        return (None, None) if self._is_whole else (self._draw_whole, None)
+
+    def _take_wish(self) -> None:
+        wish = self._wish
+        if not wish.playing or wish.frame != self._wished_frame:
+            self._frame = wish.frame
+        self._wished_frame = wish.frame
+        self._seen, self._changed_at = self._version, time.monotonic()
+        self._settling, self._is_whole = None, False
+
+    def _nothing(self) -> None:
+        pass
+
+    def _draw_now(self) -> None:
+        """The picture as soon as it can be: small while something moves, and without the trails of frames before."""
+        wish = self._wish
+        assert wish.preset is not None
+        self._player.change(wish.preset)
+        width, height = wish.size
+        if wish.moving and min(width, height) >= COARSE_FROM:
+            width, height = width // COARSE, height // COARSE
+        self._send(self._player.show(self._frame, (width, height), whole=wish.playing))
+
+    def _draw_whole(self) -> None:
+        self._send(self._player.show(self._frame, self._wish.size, whole=True))
+        self._is_whole = True
+
+    def _settle(self) -> None:
+        """One slice of the motion computed anew."""
+        self._settling = self._settling or self._player.settle(self._frame)
+        part = next(self._settling, None)
+        self._tell({"type": "status", "anew": part})
+
+    def _send(self, shown: Shown) -> None:
+        data = BytesIO()
+        Image.fromarray(shown.picture).save(data, "JPEG", quality=JPEG_QUALITY, subsampling=0)
+        height, width = shown.picture.shape[:2]
+        header = {
+            "type": "picture", "version": self._seen, "frame": shown.frame, "frames": self._player.frames, "width": width,
+            "height": height, "exact": shown.is_exact, "particles": shown.particles, "seconds": shown.seconds,
+        }  # fmt: skip
+        if self._wish.diagnosed and self._player.sim is not None:
+            found = self._player.sim.diagnostics()
+            header["diagnostics"] = {
+                "energy": float(found.energy), "kinetic": float(found.kinetic_energy),
+                "momentum": [float(x) for x in found.momentum], "count": int(found.count),
+            }  # fmt: skip
+        with self._changed:
+            self._credits -= 1
+        self._deliver(header, data.getvalue())
+
+
+def final_picture(preset: "Preset", frame: int, precision: str, threads: int | None, plugins) -> tuple[str, bytes]:
+    """(file name, bytes) of a frame as `gen-art still` writes it."""
+    from gen_art.output import job
+
+    with tempfile.TemporaryDirectory(prefix="gen-art-studio-") as folder:
+        path = Path(folder) / f"{preset.name}.png"
+        job.still(preset, path, frame / preset.clock.fps, precision=precision, threads=threads, plugins=plugins)
+        return path.name, path.read_bytes()
