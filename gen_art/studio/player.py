@@ -208,9 +208,11 @@ class Player:
     def _slice(self, sim: Simulation, target: int) -> None:
         """Advance a simulation towards a step for about SLICE seconds."""
         started, count = time.perf_counter(), 1
-        while sim.steps_done < target and time.perf_counter() < started + SLICE:
+        while sim.steps_done < target:
             sim.step(min(count, target - sim.steps_done))
             count = min(2 * count, 16)
+            if time.perf_counter() >= started + SLICE:
+                break
         self._computed += time.perf_counter() - started
 
     def _carry_over(self, same_clock: bool) -> bool:

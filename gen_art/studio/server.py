@@ -26,6 +26,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from gen_art.errors import GenArtError
 from gen_art.preset.schema import json_schema
 from gen_art.studio.document import LARGEST_TEXT, Document
+from gen_art.studio.token import kept_token
 from gen_art.studio.worker import Worker, final_picture
 
 __all__ = ["LARGEST_MESSAGE", "Studio", "listening_socket", "serve"]
@@ -45,7 +46,7 @@ class Studio:
     def __init__(self, document: Document, plugins: Sequence = (), precision: str = "f32", threads: int | None = None):
         self.document, self.plugins = document, tuple(plugins)
         self.precision, self.threads = precision, threads
-        self.token = secrets.token_urlsafe(24)
+        self.token = kept_token()
         self.hosts: frozenset[str] = frozenset()
         self._pages: list[WebSocket] = []  # the first one edits
         self._queues: dict[WebSocket, asyncio.Queue] = {}
@@ -273,6 +274,7 @@ def listening_socket(port: int) -> socket.socket:
     found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         found.bind(("127.0.0.1", port))
+        found.listen(64)  # so that who reads the address can connect at once
     except OSError:
         found.close()
         raise

@@ -1,0 +1,151 @@
+"""The player of the studio: which change needs what, and pictures that are those of a film of the preset as it is now."""
+
+import numpy as np
+import pytest
+
+from gen_art.errors import PresetError
+from gen_art.output.playback import Playback
+from gen_art.preset.load import load_preset
+from gen_art.preset.reader import read_text
+from gen_art.studio.player import Player, Superseded
+from tests.studio.piece import TEXT, THROUGH_TARGET, TRAILED
+
+SIZE = (96, 54)
+
+
+def preset(text=TEXT, **changes):
+    return load_preset(
+        read_text(text, "piece").plain(), overrides={key.replace("__", "."): value for key, value in changes.items()}
+    )
+
+
+def frame_of(piece, frame: int) -> np.ndarray:
+    """The frame as a film has it: all frames from the first on are played."""
+    playback = Playback(piece, SIZE, "f32", None)
+    clock = piece.clock
+    for k in range(frame + 1):
+        linear, exposure = next(playback.pictures([clock.preroll_steps + k * clock.steps_per_frame]))
+    return playback.developed(linear, exposure, frame)[..., :3]
+
+
+@pytest.fixture
+def player():
+    player = Player()
+    yield player
+    player.close()
+
+
+@pytest.mark.parametrize(
+    ("changes", "need"),
+    [
+        ({"develop__exposure": 2.0}, "develop"),
+        ({"develop__tone": "aces"}, "develop"),
+        ({"camera__fov": 30}, "draw"),
+        ({"knobs__glow": 5}, "draw"),
+        ({"systems__drops__look__draw": "point"}, "draw"),
+        ({"sky": {"color": "#102040"}}, "draw"),
+        ({"clock__duration": 1}, "draw"),
+        ({"knobs__push": 11}, "motion"),
+        ({"seed": 6}, "motion"),
+        ({"clock__step": "1/240"}, "motion"),
+        ({"forces__drag": {"linear": 0.1}}, "motion"),
+        ({"systems__drops__emitters__nozzle__rate": 500}, "motion"),
+        ({}, "nothing"),
+    ],
+)
+def test_what_a_change_needs(player, changes, need):
+    player.change(preset())
+    player.show(20, SIZE)
+    after = preset(**changes)
+    assert player.change(after) == need
+    list(player.settle(20))
+    assert np.array_equal(player.show(20, SIZE).picture, frame_of(after, 20))
+
+
+@pytest.mark.parametrize("text", [TEXT, TRAILED])
+def test_any_order_of_frames_shows_the_film(player, text, monkeypatch):
+    monkeypatch.setattr("gen_art.studio.player.SNAPSHOT_PAUSE", 0.0)  # a snapshot at each turn
+    piece = preset(text)
+    player.change(piece)
+    wanted = {k: frame_of(piece, k) for k in (0, 3, 4, 11, 30, 59)}
+    for k in (11, 3, 4, 59, 30, 0, 59, 3):
+        found = player.show(k, SIZE).picture.astype(int)
+        # a trail's light of more than five half-lives before is left out: 1/32 of it
+        assert np.abs(found - wanted[k]).max() <= (0 if text is TEXT else 8), k
+    assert np.array_equal(player.show(999, SIZE).picture, player.show(59, SIZE).picture), "the last frame"
+
+
+def test_another_size_is_the_same_moment(player):
+    player.change(preset())
+    player.show(20, SIZE)
+    small = player.show(20, (48, 27)).picture
+    assert small.shape == (27, 48, 3)
+    assert np.array_equal(player.show(20, SIZE).picture, frame_of(preset(), 20))
+
+
+def test_particles_go_on_while_a_knob_of_the_motion_turns(player):
+    player.change(preset())
+    before = player.show(20, SIZE)
+    after = preset(knobs__push=13)
+    assert before.is_exact and player.change(after) == "motion"
+    carried = player.show(20, SIZE, whole=False)
+    assert not carried.is_exact and np.array_equal(carried.picture, before.picture), "the same particles"
+    later = player.show(30, SIZE, whole=False)
+    assert not later.is_exact and not np.array_equal(later.picture, frame_of(preset(), 30)), "new drops are faster"
+    parts = list(player.settle(30))
+    assert parts == sorted(parts) and parts[-1] == 1.0 and player.is_exact
+    assert np.array_equal(player.show(30, SIZE).picture, frame_of(after, 30))
+
+
+def test_births_go_on_by_the_new_rate_without_a_burst(player):
+    player.change(preset())
+    count = player.show(20, SIZE).particles
+    player.change(preset(systems__drops__emitters__nozzle__rate=3000))
+    assert player.show(20, SIZE, whole=False).particles == count
+    born = player.show(21, SIZE, whole=False).particles - count
+    assert 80 <= born <= 100, "3000 a second for a thirtieth of one, less those that die"
+
+
+def test_systems_of_other_names_start_anew(player):
+    player.change(preset())
+    player.show(20, SIZE)
+    data = preset().resolved()
+    data["systems"]["sparks"] = data["systems"].pop("drops")
+    renamed = load_preset(data)
+    assert player.change(renamed) == "motion" and player.is_exact
+    assert np.array_equal(player.show(20, SIZE).picture, frame_of(renamed, 20))
+
+
+def test_a_preset_of_which_no_picture_can_be_made_leaves_the_one_before(player):
+    player.change(preset())
+    before = player.show(5, SIZE).picture
+    with pytest.raises(PresetError, match="camera"):
+        player.change(preset(THROUGH_TARGET))
+    assert np.array_equal(player.show(5, SIZE).picture, before)
+
+
+def test_what_is_not_wanted_any_more_is_left(monkeypatch):
+    monkeypatch.setattr("gen_art.studio.player.SLICE", 0.0)
+    asked = []
+
+    def superseded():
+        asked.append(True)
+        return len(asked) > 1
+
+    player = Player(superseded=superseded)
+    player.change(preset(clock__preroll=20))
+    with pytest.raises(Superseded):
+        player.show(0, SIZE)
+    assert 0 < player.sim.steps_done < 2400, "what was computed is kept"
+    player.close()
+
+
+def test_snapshots_are_thinned(player, monkeypatch):
+    monkeypatch.setattr("gen_art.studio.player.SNAPSHOT_PAUSE", 0.0)
+    monkeypatch.setattr("gen_art.studio.player.MOST_SNAPSHOTS", 200_000)
+    player.change(preset())
+    for k in range(0, 60, 2):
+        player.show(k, SIZE)
+    files = list(player._snapshots.values())
+    assert 2 < len(files) < 30 and sum(path.stat().st_size for path in files) < 300_000
+    assert min(player._snapshots) < 80 and max(player._snapshots) > 250, "from the first to the last"
