@@ -1,7 +1,8 @@
 """`gen-art`: runs a command, and turns every error into a message and an exit status.
 
-0 success, 1 a bug, 2 wrong usage, 3 a wrong preset or numbers that are no longer finite, 4 not enough memory, 5 input or
-output failed, 6 the encoder failed; stopped by a signal: 130 (Ctrl+C), 143 (SIGTERM), 129 (SIGHUP).
+0 success, 1 a bug, 2 wrong usage or no Taichi of the right version, 3 a wrong preset or numbers that are no longer finite,
+4 not enough memory, 5 input or output failed, 6 the encoder failed; stopped by a signal: 130
+(Ctrl+C), 143 (SIGTERM), 129 (SIGHUP).
 """
 
 import contextlib
@@ -38,6 +39,7 @@ COMMANDS = (
     "digests",
     "gallery",
     "bench",
+    "doctor",
 )
 _MAX_PROBLEMS = 8  # problems of a preset that commands other than validate print
 
