@@ -22,11 +22,12 @@ import click
 from gen_art.commands.terminal import echo
 from gen_art.errors import GenArtError, OutputError, PresetError, UsageError
 
-__all__ = ["cli", "main", "run"]
+__all__ = ["cli", "main", "print_error", "run"]
 
 COMMANDS = (
     "render",
     "still",
+    "watch",
     "rerun",
     "list",
     "show",
@@ -135,7 +136,7 @@ def run(arguments: list[str]) -> int:
             status = cli.main(arguments, prog_name="gen-art", standalone_mode=False)
         return status if isinstance(status, int) else 0
     except BaseException as error:
-        status = _status(error)
+        status = print_error(error)
         original = (
             error.__cause__ if isinstance(error, click.Abort) else error
         )  # click turns KeyboardInterrupt into Abort
@@ -168,7 +169,7 @@ def _on_signals():
     return lambda: [signal.signal(number, handler) for number, handler in before.items()]
 
 
-def _status(error: BaseException) -> int:
+def print_error(error: BaseException) -> int:
     """Print an error and return its exit status."""
     if isinstance(error, click.exceptions.Exit):
         return error.exit_code
