@@ -120,6 +120,19 @@ def test_another_version_of_taichi(gen_art, tmp_path, monkeypatch):
     )
 
 
+def test_without_taichi(gen_art, tmp_path, monkeypatch):
+    environment_of(
+        monkeypatch, tmp_path, sitecustomize="import importlib.metadata as m\nreal = m.version\n"
+        "def version(name):\n    if name == 'taichi':\n        raise m.PackageNotFoundError(name)\n    return real(name)\nm.version = version\n",
+    )  # fmt: skip
+    ((what, remedy),) = problems(result := gen_art("doctor"))
+    assert result.status == 2 and re.search(r"^Taichi +not installed$", result.out, re.M)
+    assert (what, remedy) == (
+        "this version needs taichi 1.7.4, which is not installed",
+        "run pip install 'taichi==1.7.4'",
+    )
+
+
 @pytest.mark.parametrize(
     ("taichi", "words"),
     [

@@ -27,10 +27,21 @@ def preset(tmp_path):
 
 
 def waited(watch, change):
-    """What `wait` returns while another thread makes a change, again and again until it is seen."""
-    seen = threading.Event()
+    """What `wait` returns while another thread makes a change, again and again until it is seen.
+
+    It begins when the watch has looked once, so that something must wake the watch for another look.
+    """
+    seen, looked, look = threading.Event(), threading.Event(), watch.changed
+
+    def changed():
+        found = look()
+        looked.set()
+        return found
+
+    watch.changed = changed
 
     def work():
+        looked.wait()
         for k in range(TRIES):
             change(k)
             if seen.wait(0.1):
