@@ -11,7 +11,6 @@ import contextlib
 import importlib.metadata
 import json
 import os
-import sys
 import tempfile
 
 from gen_art.errors import InstallationError, OutputError
@@ -34,15 +33,13 @@ def run() -> None:
     except InstallationError as error:
         what, _, remedy = str(error).partition(": ")
         _print(error=what, remedy=remedy or REINSTALL, status=error.exit_code)
-    except OSError as error:
-        words = error.strerror or str(error)
+    except OutputError as error:
         remedy = "set TMPDIR to a folder that can be written and has space left"
-        _print(error=f"temporary files cannot be written ({words})", remedy=remedy, status=OutputError.exit_code)
+        _print(error=str(error), remedy=remedy, status=error.exit_code)
     except Exception as error:
         words = " ".join(str(error).split())[:300]
         what = f"Taichi fails with {type(error).__name__}: {words}"
         _print(error=what, remedy=REINSTALL, status=InstallationError.exit_code)
-    sys.stdout.flush()
     os._exit(0)  # Taichi may fail while a process ends
 
 
@@ -85,7 +82,7 @@ def _kernel() -> None:
         for i in range(x.shape[0]):
             x[i] = 2.0 * ti.cast(i, ti.f32) + 1.0
 
-    with tempfile.TemporaryDirectory(prefix="gen-art-trial-") as folder:
+    with _temporary_folder() as folder:
         os.environ["GEN_ART_CACHE"] = folder
         runtime.init()
         found = np.zeros(_LENGTH, np.float32)
@@ -94,6 +91,13 @@ def _kernel() -> None:
             raise InstallationError("a kernel ran and wrote wrong numbers")
         runtime.finish()
     _print(threads=runtime.threads())
+
+
+def _temporary_folder() -> tempfile.TemporaryDirectory:
+    try:
+        return tempfile.TemporaryDirectory(prefix="gen-art-trial-", ignore_cleanup_errors=True)
+    except OSError as error:
+        raise OutputError(f"temporary files cannot be written ({error.strerror or error})") from None
 
 
 if __name__ == "__main__":

@@ -19,10 +19,7 @@ __all__ = ["FileWatch", "check_watchfiles"]
 _LOOK = 1.0  # s between two looks without a message
 _QUIET = 0.05  # s without a change, after which a file counts as saved
 _GONE = 0.3  # s after which a missing file counts as deleted: some editors delete a file and write it anew
-_STEP, _DEBOUNCE = (
-    20,
-    200,
-)  # ms for which the system's messages are collected: a quiet step ends it, and the longest time
+_STEP, _LONGEST = 20, 200  # ms: messages are collected until a step without one, for this time at most
 
 
 def check_watchfiles() -> None:
@@ -109,7 +106,7 @@ class FileWatch:
 
         try:
             for _ in watch(
-                *folders, watch_filter=None, debounce=_DEBOUNCE, step=_STEP, stop_event=stop, rust_timeout=1000, recursive=False,
+                *folders, watch_filter=None, debounce=_LONGEST, step=_STEP, stop_event=stop, rust_timeout=1000, recursive=False,
                 ignore_permission_denied=True,
             ):  # fmt: skip
                 self._woken.set()

@@ -137,6 +137,7 @@ def test_without_taichi(gen_art, tmp_path, monkeypatch):
     ("taichi", "words"),
     [
         ("raise ImportError('GLIBC_2.99 not found')", "Taichi fails with ImportError: GLIBC_2.99 not found"),
+        ("raise OSError('libc.so: cannot open')", "Taichi fails with OSError: libc.so: cannot open"),
         ("import os, signal; os.kill(os.getpid(), signal.SIGILL)", "Taichi ended the process by the signal SIGILL"),
         (
             "import os, sys; print('no GPU here', file=sys.stderr, flush=True); os._exit(3)",
