@@ -3,7 +3,6 @@
 import argparse
 import importlib.metadata
 import json
-import os
 import platform
 import sys
 import time
@@ -69,12 +68,6 @@ class Bench:
 
 def machine() -> dict:
     """Processor, cores and versions: what figures depend on."""
-    cpu = platform.processor() or platform.machine()
-    info = Path("/proc/cpuinfo")
-    if info.exists():
-        cpu = next(
-            (row.split(":")[1].strip() for row in info.read_text().splitlines() if row.startswith("model name")), cpu
-        )
     versions = {}
     for package in _PACKAGES:
         try:
@@ -82,10 +75,10 @@ def machine() -> dict:
         except importlib.metadata.PackageNotFoundError:
             continue
     import gen_art
+    from gen_art.backend import processor
 
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     return {
-        "cpu": cpu, "cores": cores, "system": platform.system(), "python": platform.python_version(),
+        "cpu": processor.name(), "cores": processor.cores(), "system": platform.system(), "python": platform.python_version(),
         "gen_art": gen_art.__version__, **versions,
     }  # fmt: skip
 

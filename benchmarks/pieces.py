@@ -10,6 +10,8 @@ from pathlib import Path
 
 from _bench import ROOT, Bench
 
+from gen_art.backend.processor import cores
+
 bench = Bench("pieces", __doc__)
 SIZE = "64x36" if bench.quick else "1280x720"
 # piece: first and last frame of two films that begin alike; the longer one has more frames of the time that matters
@@ -17,7 +19,7 @@ FILMS = {"wormhole": (90, 96, 120), "charged": (120, 126, 150), "fireworks": (90
 if bench.quick:
     FILMS = {"charged": (0, 1, 2)}
 bench.settings = {"size": SIZE, "frames": FILMS}
-CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+CORES = cores()
 
 
 def taken(*arguments: str) -> tuple[float, float]:

@@ -1,6 +1,5 @@
 """Do the stages of a film overlap? A million small particles at 1920 x 1080 as H.264 `web`, against its stages' core-seconds."""
 
-import os
 import tempfile
 import time
 from pathlib import Path
@@ -8,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from _bench import Bench
 
-from gen_art.backend import runtime
+from gen_art.backend import processor, runtime
 from gen_art.output import job
 from gen_art.output.formats import find_format
 from gen_art.output.playback import Playback
@@ -23,7 +22,7 @@ from gen_art.renderer.tone_map import develop
 
 bench = Bench("pipeline", __doc__)
 count, (width, height), seconds, rounds = (5_000, (320, 180), 2, 1) if bench.quick else (1_000_000, (1920, 1080), 6, 3)
-cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+cores = processor.cores()
 FPS, STILLS = 30, 4 if bench.quick else 30
 PRESET = load_preset({
     "version": 1, "name": "pipeline", "clock": {"duration": seconds, "fps": FPS, "step": "1/60"},

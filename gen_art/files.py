@@ -5,18 +5,32 @@ import hashlib
 import os
 import secrets
 import stat
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import lru_cache, wraps
 from pathlib import Path, PurePosixPath
-from typing import BinaryIO
+from typing import Any, BinaryIO, TypeAlias, TypeVar
 
 from gen_art.errors import OutputError, UsageError
 
-__all__ = ["LARGEST_INPUT", "beside", "below", "check_input", "create", "replaces", "sha256"]
+__all__ = [
+    "LARGEST_INPUT",
+    "Stamp",
+    "beside",
+    "below",
+    "cached_by_file",
+    "check_input",
+    "create",
+    "replaces",
+    "sha256",
+    "stamp",
+]
 
 # O_NOFOLLOW and O_NONBLOCK do not exist on Windows, which has neither such links nor pipes in folders
 _CREATE = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
 
+Stamp: TypeAlias = tuple[int, int, int]
+T = TypeVar("T")
 LARGEST_INPUT = 2**30  # bytes of a file that is read; a grid of the most vectors has 0.4 GB
 
 
@@ -55,6 +69,32 @@ def sha256(path: Path) -> str:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise OutputError(f"cannot read {path}: {error.strerror or error}") from error
+
+
+def stamp(path: Path) -> Stamp | None:
+    """(time of the last change in ns, bytes, number on its disk) of a file: another one once it is saved. None without a file."""
+    try:
+        found = os.stat(path)
+    except (OSError, ValueError):
+        return None
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
+def cached_by_file(most: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
+    """Like `lru_cache(most)`, for a function whose first argument is a file's path; once the file is saved, it is read again."""
+
+    def decorate(function: Callable[..., T]) -> Callable[..., T]:
+        @lru_cache(most)
+        def read(saved: Stamp | None, path: Path, *args: Any) -> T:
+            return function(path, *args)
+
+        @wraps(function)
+        def cached(path: Path, *args: Any) -> T:
+            return read(stamp(path), path, *args)
+
+        return cached
+
+    return decorate
 
 
 def create(path: Path) -> BinaryIO:

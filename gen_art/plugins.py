@@ -1,6 +1,9 @@
 """Plugins: Python files of the user that register forces and emitters when they are loaded."""
 
 import hashlib
+import importlib.util
+import io
+import linecache
 import sys
 import traceback
 import types
@@ -11,7 +14,7 @@ from pathlib import Path
 from gen_art import arguments
 from gen_art.errors import GenArtError, OutputError, UsageError
 
-__all__ = ["Plugin", "load_plugin", "load_plugins"]
+__all__ = ["Plugin", "load_plugin", "load_plugins", "unload_plugin"]
 
 
 @dataclass(frozen=True)
@@ -46,15 +49,17 @@ def load_plugin(path: str | Path) -> Plugin:
     digest = hashlib.sha256(text).hexdigest()
     if digest in _loaded:
         return _loaded[digest]
-    name = f"gen_art_plugin_{path.stem}_{digest[:8]}"
     if path.suffix != ".py":
         raise UsageError(f"plugin {path}: is not a Python file (its name must end with .py)")
+    name = _module_name(path, digest)
     module = types.ModuleType(name)
     module.__file__ = str(path.resolve())
     sys.modules[name] = module
     try:
         # exec runs exactly the text that was hashed, and writes no bytecode beside the user's file
-        exec(compile(text, module.__file__, "exec"), module.__dict__)
+        code = compile(text, module.__file__, "exec")
+        _keep_source(module.__file__, text)
+        exec(code, module.__dict__)
     except Exception as error:
         del sys.modules[name]
         raise UsageError(f"plugin {_place(path, error)}{_message(error)}") from error
@@ -65,6 +70,31 @@ def load_plugin(path: str | Path) -> Plugin:
 def load_plugins(plugins: Iterable[Plugin | str | Path]) -> tuple[Plugin, ...]:
     """Each of them loaded; those that are loaded already stay as they are."""
     return tuple(plugin if isinstance(plugin, Plugin) else load_plugin(plugin) for plugin in plugins)
+
+
+def unload_plugin(plugin: Plugin) -> None:
+    """Forget that a plugin has been loaded, so that its text runs again. What it has registered stays registered."""
+    if _loaded.pop(plugin.sha256, None) is not None:
+        sys.modules.pop(_module_name(plugin.path, plugin.sha256), None)
+
+
+def _module_name(path: Path, digest: str) -> str:
+    return f"gen_art_plugin_{path.stem}_{digest[:8]}"
+
+
+def _keep_source(file: str, text: bytes) -> None:
+    """Make this text the source of the file for the life of the process, also when the file is saved again.
+
+    Kernels are compiled from their source when they first run, and by then the file may have other lines.
+    """
+    source = importlib.util.decode_source(text)
+    lines = io.StringIO(source if source.endswith("\n") else source + "\n").readlines()
+    linecache.cache[file] = (
+        len(source),
+        None,
+        lines,
+        file,
+    )  # without a time, linecache does not look at the file again
 
 
 def _place(path: Path, error: Exception) -> str:

@@ -4,7 +4,7 @@ import platform
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from gen_art.backend import runtime
+from gen_art.backend import processor
 from gen_art.errors import UsageError
 
 __all__ = ["STEPS", "differences", "state_digests"]
@@ -38,12 +38,7 @@ def state_digests(
                 sim.step(step - sim.steps_done)
                 moments[str(step)] = {name: sim.digest(name) for name in sim.members}
     system = f"{platform.system()} {platform.machine()}"
-    return {"format": FORMAT, "processor": _processor(), "system": system, "digests": found}
-
-
-def _processor() -> str:
-    names = [line.split(":", 1)[1].strip() for line in runtime.processor() if line.startswith("model name")]
-    return names[0] if names else platform.processor() or "unknown"
+    return {"format": FORMAT, "processor": processor.name(), "system": system, "digests": found}
 
 
 def differences(ours: dict, theirs: dict) -> list[str]:

@@ -22,7 +22,12 @@ def _check_version(installed: str) -> None:
         )
 
 
-_check_version(importlib.metadata.version("taichi"))
+try:
+    _check_version(importlib.metadata.version("taichi"))
+except importlib.metadata.PackageNotFoundError:
+    raise InstallationError(
+        f"this version needs taichi {TAICHI_VERSION}, which is not installed: run pip install 'taichi=={TAICHI_VERSION}'"
+    ) from None
 os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 if not HAS_HOME:  # Taichi ends the process where HOME is not set, though it then writes nothing there

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-__all__ = ["available_memory", "out_of_memory"]
+__all__ = ["available_memory", "installed_memory", "out_of_memory"]
 
 _UNLIMITED = 2**60  # bytes; version 1 writes a number of this order for "no limit"
 _UNKNOWN = 8e9  # bytes assumed where nothing is known
@@ -31,6 +31,13 @@ def available_memory(root: Path = Path("/")) -> float:
     return max(0.0, min(limits)) if limits else _UNKNOWN
 
 
+def installed_memory() -> float:
+    """Bytes of the machine's memory; 0 where that is not known."""
+    with suppress(OSError, ValueError, AttributeError):
+        return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
+    return 0.0
+
+
 def out_of_memory(error: BaseException) -> bool:
     """Whether an error of any library says that there is no memory."""
     words = str(error).lower()
@@ -43,8 +50,8 @@ def _machine(root: Path) -> Iterator[float]:
             if line.startswith("MemAvailable"):
                 yield float(line.split()[1]) * 1024
                 return
-    with suppress(OSError, ValueError, AttributeError):
-        yield float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
+    if total := installed_memory():
+        yield total
 
 
 def _groups(root: Path) -> Iterator[float]:

@@ -16,8 +16,6 @@ import os
 import platform
 import tempfile
 import warnings
-from functools import lru_cache
-from itertools import takewhile
 from pathlib import Path
 
 if not STOCK_TAICHI:
@@ -30,6 +28,7 @@ from taichi.lang.expr import make_expr_group
 from taichi.lang.matrix import make_matrix
 
 from gen_art.arguments import shown, whole
+from gen_art.backend import processor
 from gen_art.backend.compile_errors import as_sentences
 from gen_art.errors import OutputError, UsageError
 
@@ -41,10 +40,12 @@ if not STOCK_TAICHI:
     real_function_patch.install()
 
 __all__ = [
+    "CACHE_LIMIT",
     "DTYPES",
     "INDEX_MASK",
     "aligned",
     "cache_folder",
+    "cache_problem",
     "call_bitcode",
     "compilations",
     "finish",
@@ -53,7 +54,6 @@ __all__ = [
     "is_f64",
     "kernel",
     "make_matrix",
-    "processor",
     "real",
     "threads",
     "ti",
@@ -61,18 +61,10 @@ __all__ = [
 
 DTYPES = {"f32": ti.f32, "f64": ti.f64}
 _ALIGNMENT = 128  # bytes: a vector of sixteen float64
-_CACHE_LIMIT = (
+CACHE_LIMIT = (
     1 << 30
 )  # bytes; the shipped presets take a tenth of it, and Taichi's own limit of 100 MiB forgot some of theirs
 _state: dict = {"config": None, "kernels": [], "lock": None}
-
-
-@lru_cache(1)
-def processor() -> list[str]:
-    """The lines of /proc/cpuinfo with the first processor's name and instruction sets ("flags"); none on other systems."""
-    with contextlib.suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as lines:
-        return [line for line in takewhile(str.strip, lines) if line.startswith(("model name", "flags"))]
-    return []
 
 
 def cache_folder(arch: str) -> Path | None:
@@ -84,9 +76,21 @@ def cache_folder(arch: str) -> Path | None:
     if not base and not shared and not HAS_HOME:
         return None
     root = Path(base) if base else Path(shared or Path.home() / ".cache") / "gen-art"
-    cpu = platform.machine() + platform.processor() + "".join(processor())
+    cpu = platform.machine() + platform.processor() + "".join(processor.lines())
     tag = hashlib.sha256(cpu.encode()).hexdigest()[:12]
     return root / f"taichi-{'.'.join(map(str, ti.__version__))}-{arch}-{tag}"
+
+
+def cache_problem(arch: str) -> str | None:
+    """Why the cache folder cannot be used; None where it can, and this process then shares it with others."""
+    folder = cache_folder(arch)
+    if folder is None:
+        return "HOME is not set"
+    try:
+        _share_cache(folder)
+    except OSError as error:
+        return f"the cache folder {folder} cannot be used ({error.strerror})"
+    return None
 
 
 def _usable_cache(arch: str) -> Path:
@@ -94,14 +98,9 @@ def _usable_cache(arch: str) -> Path:
 
     Taichi ends the process when it cannot write to its cache.
     """
-    folder = cache_folder(arch)
-    try:
-        if folder is None:
-            raise OSError("HOME is not set")
-        _share_cache(folder)
+    folder, problem = cache_folder(arch), cache_problem(arch)
+    if folder is not None and problem is None:
         return folder
-    except OSError as error:
-        problem = f"the cache folder {folder} cannot be used ({error.strerror})" if folder else str(error)
     try:
         own = tempfile.TemporaryDirectory(prefix="gen-art-cache-", ignore_cleanup_errors=True)
     except OSError as error:
@@ -153,9 +152,7 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
                 f"arch={arch!r}, threads={threads} needs a process of its own"
             )
         return
-    count = (
-        threads or len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else threads or os.cpu_count() or 1
-    )
+    count = threads or processor.cores()
     folder = _usable_cache(arch)
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(
@@ -169,7 +166,7 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
             fast_math=False,  # the arithmetic of a particle must be the same in every lane and in every kernel
             offline_cache=True,
             offline_cache_file_path=str(folder),
-            offline_cache_max_size_of_files=_CACHE_LIMIT,
+            offline_cache_max_size_of_files=CACHE_LIMIT,
             enable_fallback=False,
             unrolling_limit=0,  # no warning of long static loops: the expansions of the tree are such
         )

@@ -1,7 +1,8 @@
 """`gen-art`: runs a command, and turns every error into a message and an exit status.
 
-0 success, 1 a bug, 2 wrong usage, 3 a wrong preset or numbers that are no longer finite, 4 not enough memory, 5 input or
-output failed, 6 the encoder failed; stopped by a signal: 130 (Ctrl+C), 143 (SIGTERM), 129 (SIGHUP).
+0 success, 1 a bug, 2 wrong usage or no Taichi of the right version, 3 a wrong preset or numbers that are no longer finite,
+4 not enough memory, 5 input or output failed, 6 the encoder failed; stopped by a signal: 130
+(Ctrl+C), 143 (SIGTERM), 129 (SIGHUP).
 """
 
 import contextlib
@@ -21,11 +22,12 @@ import click
 from gen_art.commands.terminal import echo
 from gen_art.errors import GenArtError, OutputError, PresetError, UsageError
 
-__all__ = ["cli", "main", "run"]
+__all__ = ["cli", "main", "print_error", "run"]
 
 COMMANDS = (
     "render",
     "still",
+    "watch",
     "rerun",
     "sheet",
     "studio",
@@ -40,6 +42,7 @@ COMMANDS = (
     "digests",
     "gallery",
     "bench",
+    "doctor",
 )
 _MAX_PROBLEMS = 8  # problems of a preset that commands other than validate print
 
@@ -135,7 +138,7 @@ def run(arguments: list[str]) -> int:
             status = cli.main(arguments, prog_name="gen-art", standalone_mode=False)
         return status if isinstance(status, int) else 0
     except BaseException as error:
-        status = _status(error)
+        status = print_error(error)
         original = (
             error.__cause__ if isinstance(error, click.Abort) else error
         )  # click turns KeyboardInterrupt into Abort
@@ -168,7 +171,7 @@ def _on_signals():
     return lambda: [signal.signal(number, handler) for number, handler in before.items()]
 
 
-def _status(error: BaseException) -> int:
+def print_error(error: BaseException) -> int:
     """Print an error and return its exit status."""
     if isinstance(error, click.exceptions.Exit):
         return error.exit_code

@@ -13,6 +13,7 @@ __all__ = [
     "POSITIVE",
     "SCALE",
     "SIZE",
+    "TRANSPARENT",
     "film_options",
     "grid",
     "load",
@@ -20,6 +21,7 @@ __all__ = [
     "preset_options",
     "process_options",
     "run_options",
+    "size_options",
     "vary_options",
 ]
 
@@ -190,7 +192,7 @@ run_options = _stack(
 )
 
 # the size and quality of the picture
-picture_options = _stack(
+size_options = _stack(
     click.option("--size", type=SIZE, help="Width and height in pixels: 1280x720."),
     click.option("--scale", type=SCALE, help="Scale the preset's size: 50%."),
     click.option(
@@ -200,8 +202,15 @@ picture_options = _stack(
         show_default=True,
         help="draft halves the size and leaves supersample out; draft and preview encode films faster.",
     ),
+)
+
+TRANSPARENT = click.option("--transparent", is_flag=True, help="Leave the background out, if the format supports it.")
+
+# how a picture is made
+picture_options = _stack(
+    size_options,
     click.option("--overwrite", is_flag=True, help="Replace output that exists."),
-    click.option("--transparent", is_flag=True, help="Leave the background out, if the format supports it."),
+    TRANSPARENT,
     click.option("--dry-run", is_flag=True, help="Check everything and print what would be made, but write nothing."),
 )
 

@@ -20,11 +20,13 @@ __all__ = ["command"]
 def command(preset, port, no_browser, plugins, precision, threads):
     """Show PRESET in a page of the browser while it is changed: sliders for its knobs, its YAML, its film.
 
-    The address is printed, with a token, and works on this machine alone. Ctrl+C ends it.
+    The address is printed, with a token, and works on this machine alone. A PRESET or plugin that is saved elsewhere is read
+    again. Ctrl+C ends it.
     """
-    from gen_art.plugins import load_plugins
+    from gen_art.output.live_plugins import LivePlugins
 
-    loaded = load_plugins(plugins)
+    live = LivePlugins(plugins)
+    live.load()
     try:
         from gen_art.studio.document import Document
         from gen_art.studio.server import Studio, listening_socket, serve
@@ -37,7 +39,7 @@ def command(preset, port, no_browser, plugins, precision, threads):
         found = listening_socket(port)
     except OSError as error:
         raise OutputError(f"port {port}: {error.strerror or error}; --port 0 takes a free one") from None
-    studio = Studio(document, loaded, precision, threads)
+    studio = Studio(document, live, precision, threads)
     address = f"http://127.0.0.1:{found.getsockname()[1]}/?token={studio.token}"
     echo(address)
     if not no_browser:

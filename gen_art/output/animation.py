@@ -14,6 +14,7 @@ import av
 from av.filter import Graph
 
 from gen_art.output.containers import open_film, read_film
+from gen_art.output.formats import CODECS
 from gen_art.output.recipe import encode
 from gen_art.output.stills import exif
 
@@ -102,7 +103,7 @@ def _encode(path: Path, muxer: str, codec: str, frames, pixels: str, fps: float,
 
 def write_gif(film: BinaryIO, path: Path, fps: float, recipe: dict | None) -> None:
     """Write the film as a GIF that repeats for ever, with the recipe as its comment."""
-    _encode(path, "gif", "gif", _reduced(film, _palette(film)), "pal8", fps, _CENTISECONDS, {})
+    _encode(path, "gif", CODECS["gif"].second_encoder, _reduced(film, _palette(film)), "pal8", fps, _CENTISECONDS, {})
     if recipe is not None:
         data = path.read_bytes()
         # the comment goes after the screen descriptor and the global colour table
@@ -117,7 +118,7 @@ def write_webp(film: BinaryIO, path: Path, fps: float, recipe: dict | None, prof
     quality, effort = _WEBP[profile]
     options = {"quality": quality, "compression_level": effort}
     pixels = "bgra"
-    _encode(path, "webp", "libwebp_anim", _frames(film, pixels), pixels, fps, _MILLISECONDS, options)
+    _encode(path, "webp", CODECS["webp"].second_encoder, _frames(film, pixels), pixels, fps, _MILLISECONDS, options)
     if recipe is not None:
         data = path.read_bytes()
         text = exif(encode(recipe)).tobytes()

@@ -49,6 +49,7 @@ class Codec:
     """One way to encode a film.
 
     encoder : FFmpeg's name of the encoder; for `gif` and `webp`, of the lossless film that they are made from
+    second_encoder : of `gif` and `webp`, the encoder of the animation itself
     pixels : bits a channel -> pixel format; the first is the default
     alpha : the same for transparent films
     options : encoder options that every profile uses
@@ -72,6 +73,7 @@ class Codec:
     options: Mapping[str, str] = field(default_factory=dict)
     options_for_size: Callable[[int, int], Mapping[str, str]] = lambda width, height: {}
     tag: str = ""
+    second_encoder: str = ""
     memory: int = 300
     threads: int = 4
     seconds: float = 2.0
@@ -125,12 +127,12 @@ CODECS: dict[str, Codec] = {
         ),
         Codec(
             "gif", "GIF", "ffv1", (".gif",), {8: "bgr0"}, _NO_PROFILES, options={**_LOSSLESS, "coder": "rice"},
-            options_for_size=_ffv1, seconds=0.5, least=2, memory=335,
+            options_for_size=_ffv1, second_encoder="gif", seconds=0.5, least=2, memory=335,
         ),
         Codec(
             "webp", "WebP", "ffv1", (".webp",), {8: "bgr0"}, _NO_PROFILES, alpha={8: "bgra"},
-            options={**_LOSSLESS, "coder": "rice"}, options_for_size=_ffv1, seconds=0.5, least=2, widest=16383,
-            highest=16383, memory=105,
+            options={**_LOSSLESS, "coder": "rice"}, options_for_size=_ffv1, second_encoder="libwebp_anim", seconds=0.5, least=2,
+            widest=16383, highest=16383, memory=105,
         ),
     )
 }  # fmt: skip

@@ -21,7 +21,7 @@ from gen_art.preset.surface import SurfaceLook
 from gen_art.preset.values import Range, number, shown, vector
 from gen_art.registry import Bounds, Parameter, Parametric, Registry, suggest
 
-__all__ = ["GRAVITATION", "Many", "One", "build", "class_schema", "parameters", "registry"]
+__all__ = ["GRAVITATION", "KINDS", "Many", "One", "build", "class_schema", "parameters", "registry"]
 
 GRAVITATION: ContextVar[float | None] = ContextVar("units.G", default=None)  # units.G of the preset that is being read
 
@@ -33,6 +33,7 @@ _REGISTRIES = {  # kind -> package with the built-in classes, module and name of
     "velocities": ("gen_art.emitters", "gen_art.emitters.base", "VELOCITIES"),
     "emitters": ("gen_art.emitters", "gen_art.emitters.base", "EMITTERS"),
 }
+KINDS = tuple(_REGISTRIES)
 
 
 def registry(kind: str) -> Registry:

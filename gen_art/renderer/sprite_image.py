@@ -8,12 +8,12 @@ The one-letter names in kernels are in docs/glossary.md.
 """
 
 import math
-from functools import lru_cache
 
 import numpy as np
 
 from gen_art.backend.runtime import aligned, kernel, ti
 from gen_art.errors import UsageError
+from gen_art.files import cached_by_file
 from gen_art.maths.elementary import cos, sin
 from gen_art.pictures import read_picture
 from gen_art.renderer.colour import to_linear
@@ -54,7 +54,7 @@ F1, F2, F3 = (ti.types.ndarray(ti.f32, n) for n in (1, 2, 3))
 H2 = ti.types.ndarray(ti.i16, 2)
 
 
-@lru_cache(16)
+@cached_by_file(16)
 def texels(place) -> tuple[np.ndarray, float, tuple[float, float]]:
     """Of an image file: its mipmap chain, its mean coverage, and its width and height as parts of the square.
 

@@ -27,14 +27,15 @@ MOST_UNDO = 500
 class Document:
     """A preset's text and what has been set in it.
 
-    path : its file; None where it is shipped and cannot be saved
+    file : what it was read from
+    path : the file that it is saved to; None where it is shipped
     preset : the last one that was valid
     problems : [{line, column, path, text}] of the text and values as they are now; empty if they are valid
     """
 
     def __init__(self, name: str):
-        path = find(name)
-        self.path: Path | None = None if path.is_relative_to(presets_folder()) else path
+        self.file = find(name)
+        self.path: Path | None = None if self.file.is_relative_to(presets_folder()) else self.file
         source = PresetSource.of(name)
         self.name, self.folder = source.name, source.folder
         self.text = self.saved_text = "\n".join(source.text.lines)
@@ -124,13 +125,13 @@ class Document:
 
     def reload(self) -> bool:
         """Read the file again, as it was changed elsewhere; whether it is valid. Raises OutputError if it is gone."""
-        if self.path is None:
-            return not self.problems
         try:
-            text = self.path.read_text(encoding="utf-8")
+            text = self.file.read_text(encoding="utf-8")
         except (OSError, ValueError) as error:
-            raise OutputError(f"cannot read {self.path.name}: {getattr(error, 'strerror', None) or error}") from error
-        self.saved_text = "\n".join(text.split("\n"))
+            raise OutputError(f"cannot read {self.file.name}: {getattr(error, 'strerror', None) or error}") from error
+        if text == self.saved_text:  # it was saved from here, or only a file that it names has changed
+            return self._take(self.text) if not self._overrides else self._load()
+        self.saved_text = text
         self._overrides = {}
         return self.write(text)
 

@@ -90,6 +90,11 @@ class Player:
     def close(self) -> None:
         self._folder.cleanup()
 
+    def forget(self) -> None:
+        """Start anew at the next change, also with an equal preset: its files or plugins are others."""
+        self.preset = self.sim = self._playback = self._linear = None
+        self._drop_snapshots()
+
     def change(self, preset: "Preset") -> str:
         """Go on with this preset; what that needs: "nothing", "develop", "draw" or "motion".
 

@@ -10,6 +10,7 @@ import json
 import secrets
 import socket
 import struct
+import threading
 from collections.abc import Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -24,6 +25,9 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from gen_art.errors import GenArtError
+from gen_art.output.dependencies import dependencies
+from gen_art.output.file_watch import FileWatch
+from gen_art.output.live_plugins import LivePlugins
 from gen_art.preset.schema import json_schema
 from gen_art.studio.document import LARGEST_TEXT, Document
 from gen_art.studio.token import kept_token
@@ -43,8 +47,10 @@ POLICY = (  # of what the page may load: its own files, and pictures that it was
 class Studio:
     """One preset, one worker, and the page that edits it; further pages watch."""
 
-    def __init__(self, document: Document, plugins: Sequence = (), precision: str = "f32", threads: int | None = None):
-        self.document, self.plugins = document, tuple(plugins)
+    def __init__(
+        self, document: Document, plugins: LivePlugins, precision: str = "f32", threads: int | None = None
+    ):  # fmt: skip
+        self.document, self._plugins = document, plugins
         self.precision, self.threads = precision, threads
         self.token = kept_token()
         self.hosts: frozenset[str] = frozenset()
@@ -68,9 +74,23 @@ class Studio:
         self._loop = asyncio.get_running_loop()
         self.worker.start()
         self.worker.want(preset=self.document.preset, frame=self._poster_frame())
-        yield
+        with FileWatch() as watch:
+            watching = threading.Thread(target=self._watch_files, args=(watch,), daemon=True)
+            watching.start()
+            yield
         self.worker.stop()
         await asyncio.to_thread(self.worker.join, 10.0)
+
+    def _watch_files(self, watch: FileWatch) -> None:
+        """In a thread of its own: wait for the files of the preset and of the plugins to be saved."""
+        stamps = dependencies(self.document.file, {}, self._plugins.paths)
+        while True:
+            watch.follow(stamps)
+            changed = watch.wait()
+            if not changed or self._loop is None:
+                return
+            stamps = dependencies(self.document.file, {}, self._plugins.paths)  # before they are read
+            asyncio.run_coroutine_threadsafe(self._files_changed(changed), self._loop).result()
 
     def _poster_frame(self) -> int:
         preset = self.document.preset
@@ -207,11 +227,11 @@ class Studio:
         self._tell_all({"type": "said", "text": f"saved {path.name}"})
 
     async def _on_final(self, message: dict) -> None:
-        frame, preset = int(message["frame"]), self.document.preset
+        frame, preset, plugins = int(message["frame"]), self.document.preset, self._plugins.load()
 
         def make() -> None:
             self._tell({"type": "said", "text": "rendering the final picture"})
-            name, data = final_picture(preset, frame, self.precision, self.threads, self.plugins)
+            name, data = final_picture(preset, frame, self.precision, self.threads, plugins)
             self._tell({"type": "final", "name": name, "png": base64.b64encode(data).decode("ascii")})
 
         self.worker.do(make)
@@ -227,9 +247,12 @@ class Studio:
             {"type": "document", **state, "problems": problems if problems is not None else state["problems"]}
         )
 
-    def file_changed(self) -> None:
-        """The preset's file was saved elsewhere, or is gone."""
+    async def _files_changed(self, paths: Sequence[Path]) -> None:
+        """Files were saved elsewhere, or are gone: what is seen is made anew."""
         try:
+            if set(paths) != {self.document.file}:
+                self._plugins.load()
+                self.worker.do(self.worker.forget)
             self._edited(self.document.reload())
         except GenArtError as error:
             self._tell_all({"type": "error", "text": str(error)})

@@ -94,6 +94,10 @@ class Worker(threading.Thread):
             self._version += 1
             self._changed.notify()
 
+    def forget(self) -> None:
+        """Make everything anew at the next picture. To be run by `do`."""
+        self._player.forget()
+
     def do(self, job: Callable[[], None]) -> None:
         """Run a job in this thread, before the next picture."""
         with self._changed:

@@ -209,3 +209,55 @@ def test_the_token_is_kept_for_the_next_start(studio):
     again = start(studio.path)
     assert again.token == studio.token and again.port != studio.port
     again.stop()
+
+
+def test_a_file_that_is_saved_elsewhere_is_seen(studio):
+    with studio.socket() as socket:
+        received(socket, "picture")
+        studio.path.write_text(TEXT.replace("exposure: 0.5", "exposure: 2"), encoding="utf-8")
+        document = received(socket, "document", lambda state: "exposure: 2" in state["text"])
+        assert document["saved"] and document["undo"]
+        received(socket, "picture")
+        studio.path.write_text(TEXT.replace("fov: 40", "fov: 400"), encoding="utf-8")
+        assert received(socket, "document", lambda state: state["problems"])["problems"][0]["path"] == "camera.fov"
+        studio.path.unlink()
+        assert "cannot read mine.yaml" in received(socket, "error")["text"]
+        studio.path.write_text(TEXT, encoding="utf-8")
+        assert received(socket, "document", lambda state: state["text"] == TEXT)["problems"] == []
+
+
+PLUGIN = '''\
+import gen_art as ga
+from gen_art import ti
+
+
+@ga.force("lift")
+class Lift(ga.Force):
+    """A push upwards. a = strength y; strength in m/s^2."""
+
+    strength: float = ga.param(0.0, unit="m/s^2")
+
+    @ti.func
+    def acceleration(self, p, t, q):
+        return ti.Vector([0.0, q.strength, 0.0])
+'''
+
+
+def test_a_plugin_that_is_saved_is_loaded_again(tmp_path):
+    plugin, path = tmp_path / "lift.py", tmp_path / "mine.yaml"
+    plugin.write_text(PLUGIN, encoding="utf-8")
+    path.write_text(TEXT.replace("forces:\n", "forces:\n  lift: {strength: 5}\n"), encoding="utf-8")
+    running = start(path, "--plugin", str(plugin))
+    try:
+        with running.socket() as socket:
+            send(socket, type="view", size=[160, 90], frame=30)
+            first = received(socket, "picture", lambda picture: picture["width"] == 160 and picture["frame"] == 30)
+            plugin.write_text(PLUGIN.replace("0.0, q.strength, 0.0", "q.strength, 0.0, 0.0"), encoding="utf-8")
+            other = received(socket, "picture", lambda picture: picture["version"] > first["version"])
+            assert other["jpeg"] != first["jpeg"]
+            plugin.write_text("import nothing_of_this_name", encoding="utf-8")
+            assert "lift.py:1" in received(socket, "error")["text"]
+            plugin.write_text(PLUGIN, encoding="utf-8")
+            assert received(socket, "picture", lambda picture: picture["jpeg"] == first["jpeg"])
+    finally:
+        running.stop()

@@ -8,8 +8,9 @@ know a function by its file and name: one that changes needs another name.
 import platform
 from pathlib import Path
 
+from gen_art.backend import processor
 from gen_art.backend.kernel_views import traced
-from gen_art.backend.runtime import STOCK_TAICHI, call_bitcode, processor
+from gen_art.backend.runtime import STOCK_TAICHI, call_bitcode
 
 __all__ = ["HAS_LANES", "HAS_PACK", "HAS_PREFETCH", "load_lanes", "pack", "prefetch", "store_lanes"]
 
@@ -17,9 +18,7 @@ __all__ = ["HAS_LANES", "HAS_PACK", "HAS_PREFETCH", "load_lanes", "pack", "prefe
 _FOLDER = Path(__file__).parent
 HAS_PREFETCH = not STOCK_TAICHI and (platform.system(), platform.machine()) == ("Linux", "x86_64")
 HAS_LANES = HAS_PREFETCH
-HAS_PACK = HAS_PREFETCH and {"avx512f", "avx512dq", "avx512bw", "avx512vl", "popcnt"} <= set(
-    "".join(processor()).split()
-)
+HAS_PACK = HAS_PREFETCH and "AVX-512" in processor.vectors() and "popcnt" in processor.flags()
 
 
 @traced

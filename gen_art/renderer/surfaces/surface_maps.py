@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gen_art.backend.runtime import ti
+from gen_art.files import cached_by_file
 from gen_art.maths.random import derive, uniform
 from gen_art.pictures import read_picture
 from gen_art.preset.surface import Puddles, SurfaceLook
@@ -115,7 +116,7 @@ def _chain(level: np.ndarray) -> np.ndarray:
     return np.concatenate([each.reshape(-1, 4) for each in levels]).astype(np.float32)
 
 
-@lru_cache(8)
+@cached_by_file(8)
 def image_texels(place) -> tuple[np.ndarray, float]:
     """The chain of an image file, (n, 4), and its height over its width."""
     from PIL import Image
@@ -132,7 +133,7 @@ def image_texels(place) -> tuple[np.ndarray, float]:
     return _chain(np.stack(resized, axis=2).astype(np.float64)), height / width
 
 
-@lru_cache(8)
+@cached_by_file(8)
 def relief_texels(place, size: float, depth: float) -> tuple[np.ndarray, float]:
     """The chain of the slopes of a relief, (n, 4) as in SurfaceMaps, and the height of its image in metres.
 
