@@ -192,6 +192,12 @@ class Painter:
             )
         return pixels
 
+    def keep_surfaces_of(self, before: "Painter") -> None:
+        """Take over the light of surfaces that another painter of this size has drawn; what has changed is drawn anew."""
+        if before.size == self.size and before._surfaces is not None:
+            self._surfaces = before._surfaces
+            self._surfaces.check_again()
+
     def with_margin(self, margin: int) -> "Painter":
         """A painter of pictures that have a margin of this many pixels around this one's, for draw_surfaces_alone."""
         size = (self.size[0] + 2 * margin, self.size[1] + 2 * margin)

@@ -22,6 +22,7 @@ from gen_art.output.check import check_preset
 from gen_art.output.playback import Playback
 from gen_art.preset.camera import CameraSpec
 from gen_art.preset.estimate import refuse_if_too_large
+from gen_art.renderer.painter import Painter
 from gen_art.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -77,6 +78,7 @@ class Player:
         self._superseded = superseded
         self._folder = tempfile.TemporaryDirectory(prefix="gen-art-studio-")
         self._playback: Playback | None = None
+        self._painter: Painter | None = None  # the last one, whose surfaces may rest
         self._key: tuple = ()  # (size, whether with history) of the playback
         self._linear: tuple | None = None  # (frame, size, linear picture, exposure) of the last one drawn
         self._snapshots: dict[int, Path] = {}  # by steps done
@@ -92,7 +94,7 @@ class Player:
 
     def forget(self) -> None:
         """Start anew at the next change, also with an equal preset: its files or plugins are others."""
-        self.preset = self.sim = self._playback = self._linear = None
+        self.preset = self.sim = self._playback = self._painter = self._linear = None
         self._drop_snapshots()
 
     def change(self, preset: "Preset") -> str:
@@ -105,8 +107,9 @@ class Player:
         if before is not None and before == preset:
             return "nothing"
         check_preset(preset)
-        refuse_if_too_large(preset, self.precision, preset.camera.size if preset.camera else CameraSpec().size)
         need = "motion" if before is None else _need(before, preset)
+        if need == "motion":  # nothing else changes the number of particles
+            refuse_if_too_large(preset, self.precision, preset.camera.size if preset.camera else CameraSpec().size)
         if before is not None and _frame_of(before) == _frame_of(preset):
             preset.fits.update(before.fits)  # of a motion that changed: until it is computed anew
         self.preset = preset
@@ -199,6 +202,9 @@ class Player:
             self._keep_snapshot()
         self._key = size, whole
         self._playback = Playback(self.preset, size, self.precision, self.threads, sim=self.sim)
+        if self._painter is not None:
+            self._playback.painter.keep_surfaces_of(self._painter)
+        self._painter = self._playback.painter
         return self._playback
 
     def _start(self) -> Simulation:

@@ -149,3 +149,16 @@ def test_snapshots_are_thinned(player, monkeypatch):
     files = list(player._snapshots.values())
     assert 2 < len(files) < 30 and sum(path.stat().st_size for path in files) < 300_000
     assert min(player._snapshots) < 80 and max(player._snapshots) > 250, "from the first to the last"
+
+
+def test_surfaces_that_rest_keep_their_light_and_others_are_drawn_anew(player):
+    """A floor and a ball: after a change of a look, of the floor, of the lamp and of the camera the picture is the film's."""
+    standing = TEXT.replace("forces:\n", "ground: {albedo: '#808080'}\nlight: {direction: [-1, -2, -1]}\nforces:\n", 1)
+    for changes in (
+        {}, {"knobs__glow": 5}, {"ground__albedo": "#c04020"}, {"ground__height": 0.5}, {"light__intensity": 2}, {"camera__fov": 50},
+        {"knobs__push": 12}, {"shadows": False},
+    ):  # fmt: skip
+        piece = preset(standing, **changes)
+        player.change(piece)
+        list(player.settle(20))
+        assert np.array_equal(player.show(20, SIZE).picture, frame_of(piece, 20)), changes

@@ -108,6 +108,10 @@ class SurfacePass:
         self._maps = NO_MAPS
         self._disc, self._blur = lamp_disc(), blur_points()
 
+    def check_again(self) -> None:
+        """Test the distances of the shapes at the next picture: it is of another scene."""
+        self._checked = False
+
     def draw(
         self, scene: Scene, casters: ShadowCasters, finishes: Sequence[Finish], smoke, framebuffer,
         film: MirrorFilm = NO_MIRROR, clip=None, emitted: EmittedLight | None = None, liquid: LiquidShadow = NO_LIQUID,
