@@ -135,6 +135,9 @@ class Interaction(Parametric):
     def check(self, system) -> None:
         """Raise UsageError for a system that this cannot act in; called before any of its particles exists."""
 
+    def check_masses(self, system, ids: np.ndarray, masses: np.ndarray) -> None:
+        """Raise UsageError for a particle of `system` whose mass, (n,) kg, this cannot move; called before masses change."""
+
     def attach(self, system, dt: float) -> list[str]:
         """Called once the particles of the start exist. Returns sentences about a start or a step that cannot be right."""
         return []

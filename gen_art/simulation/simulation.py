@@ -109,8 +109,8 @@ class Simulation:
     finite ones.
 
     `sim["name"]` is a ParticleSystem, `sim.members` are all of them, `sim.systems` their storage. All three are read-only;
-    `sim.box` is the periodic box, None in open space;
-    only `step`, `advance` and `advance_to_frame` change a simulation.
+    `sim.box` is the periodic box, None in open space.
+    `step`, `advance` and `advance_to_frame` change a simulation, and `set`, `add` and `remove` of its ParticleSystems.
     """
 
     def __init__(
@@ -161,7 +161,7 @@ class Simulation:
         self._watch.start()
         root = derive(np.uint64(self.seed), channel_of("gen-art"))
         for name, system in members.items():
-            system.allocate(name, self.dtype, np.uint64(derive(root, channel_of(name))), lambda: self.time)
+            system.allocate(name, self, np.uint64(derive(root, channel_of(name))))
         _check_events(members)
         coupled = CoupledSystems.names(members)
         self._steppers = {n: Stepper(s, precision, n in coupled) for n, s in members.items()}
@@ -267,6 +267,17 @@ class Simulation:
     def step_with(self, move: Callable[[int], None]) -> None:
         """Take one step in which `move(number of the step)` moves the particles instead of their integrators."""
         self._advance(1, move)
+
+    def change(self, name: str, act: Callable[[], None]) -> None:
+        """Let `act` change the particles of one system from outside, between two steps; the ledger books what has changed."""
+        before = self._ledger.holdings(name) if self._ledger else None
+        act()
+        if self._ledger and before is not None:
+            self._ledger.record_outside(name, before)
+        self._coupled.forget()
+        first, _ = self._unprocessed_ids[name]
+        self._unprocessed_ids[name] = (first, self.members[name].state.next_id)  # births of particles that were added
+        self._watch.restart()
 
     def _advance(self, most: int, move: Callable[[int], None] | None = None) -> int:
         """Take up to `most` steps in one launch; returns their number."""

@@ -26,6 +26,7 @@ from gen_art.registry import suggest
 
 if TYPE_CHECKING:
     from gen_art.preset.look import Look
+    from gen_art.simulation.simulation import Simulation
 
 __all__ = ["ParticleSystem"]
 
@@ -54,7 +55,8 @@ class ParticleSystem:
     Raises UsageError for arrays of the wrong shape or with numbers that are not finite, and for unknown forces.
 
     In a simulation: count, ids, keys, emitter, position, velocity, mass, charge, radius, age are read-only NumPy copies of
-    the living particles in the order of their ids; `system.attribute(name)` gives any declared attribute.
+    the living particles in the order of their ids; `system.attribute(name)` gives any declared attribute. `set`, `add` and
+    `remove` change them between steps.
     """
 
     def __init__(
@@ -136,7 +138,7 @@ class ParticleSystem:
                     )
         self.entries = self._checked_entries(booked)
         self._state: Particles | None = None
-        self._time = lambda: 0.0
+        self._simulation: Simulation | None = None
 
     def enter(self, box: PeriodicBox) -> None:
         """Move into a periodic box, before a simulation takes the system.
@@ -184,7 +186,8 @@ class ParticleSystem:
 
     def may_have(self, attribute: str) -> bool:
         """Whether a particle of the start or of a birth may have this attribute other than 0; True where that is not known."""
-        if self._state is not None or not (self._initial or self.emitters):
+        given = len(self._initial["mass"]) if self._initial else 0
+        if self._state is not None or not (given or self.emitters):  # the particles of a snapshot come later
             return True
         kinds = [kind for emission in self.emitters for kind in emission.kinds]
         if attribute in self._initial and self._initial[attribute].any():
@@ -257,19 +260,22 @@ class ParticleSystem:
             names.add("impact")
         return tuple(sorted(names))
 
-    def allocate(self, name: str, dtype: type[np.floating], key: np.uint64, time: Callable[[], float]) -> None:
-        """Make the system part of a simulation: allocate the state and give the initial particles their keys."""
+    def allocate(self, name: str, simulation: "Simulation", key: np.uint64) -> None:
+        """Make the system part of a simulation: allocate the state and give the initial particles their keys.
+
+        key : of all random streams of the system
+        """
         from gen_art.maths.random import channel_of, derive
 
         if self._state is not None:
             raise UsageError(f"system '{name}' is already part of a simulation: make another ParticleSystem")
-        self.name, self._time = name, time
+        self.name, self._simulation, self.key = name, simulation, key
         for interaction in self.interactions:
             interaction.box = self.box
         sources = []
         names = self.attribute_names
         channels = {attribute: FIRST_ATTRIBUTE + k for k, attribute in enumerate(names)}
-        if self._initial:
+        if self._initial or not self.emitters:
             sources.append(ParticleOrigin("initial"))
         self.emitters.sort(key=lambda e: e.name)
         for emission in self.emitters:
@@ -278,8 +284,11 @@ class ParticleSystem:
             for kind in emission.kinds:
                 kind.channels = channels
                 sources.append(ParticleOrigin(emission.name, kind.tag, kind.name))
+        sources.append(ParticleOrigin("added"))
         count = len(self._initial["mass"]) if self._initial else 0
-        self._state = state = Particles(dtype, names, tuple(sources), max(1024, count), self.box, self.entries)
+        self._state = state = Particles(
+            simulation.dtype, names, tuple(sources), max(1024, count), self.box, self.entries
+        )
         if self._initial:
             keys = derive(derive(key, channel_of("initial")), np.arange(count))
             new = state.append(np.zeros(count), keys, np.zeros(count, np.int32))
@@ -301,12 +310,79 @@ class ParticleSystem:
             raise UsageError("this ParticleSystem is not part of a simulation yet")
         return self._state
 
+    @property
+    def time(self) -> float:
+        """Simulated seconds of the simulation that the system is part of; 0 before that."""
+        return 0.0 if self._simulation is None else self._simulation.time
+
+    def change(self, act: Callable[[], None]) -> None:
+        """Let `act` change the particles from outside: see Simulation.change."""
+        assert self._simulation is not None, "`state` has raised an error"
+        self._simulation.change(self.name, act)
+
+    def set(
+        self,
+        position: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        mass: ArrayLike | None = None,
+        charge: ArrayLike | None = None,
+        radius: ArrayLike | None = None,
+        *,
+        attributes: Mapping[str, ArrayLike] | None = None,
+        where: ArrayLike | None = None,
+    ) -> None:
+        """Change living particles between steps; what is left out stays as it is.
+
+        position, velocity : (n, 3) in the order of `where`, or one (3,) for all of them
+        mass, charge, radius, attributes : (n,) or one number, as in the constructor
+        where : the particles' ids, or one bool for each living particle; all living particles when left out
+        The ledger books the change as `outside`. Raises UsageError, and changes nothing, for wrong shapes, numbers that are not
+        finite, ids of no living particle, fixed particles with a velocity, and the particles of rigid bodies.
+        """
+        from gen_art.simulation.changes import set_particles
+
+        given = {"position": position, "velocity": velocity, "mass": mass, "charge": charge, "radius": radius}
+        set_particles(self, given, attributes, where)
+
+    def add(
+        self,
+        position: ArrayLike,
+        velocity: ArrayLike | None = None,
+        mass: ArrayLike | None = None,
+        charge: ArrayLike | None = None,
+        radius: ArrayLike | None = None,
+        *,
+        attributes: Mapping[str, ArrayLike] | None = None,
+        lifetime: ArrayLike | None = None,
+    ) -> np.ndarray:
+        """Add particles between steps; returns their ids, (n,) int64.
+
+        position : (n, 3) m, or one (3,)
+        lifetime : s from now; for ever when left out
+        The others are as in the constructor, with its defaults. Their `emitter` is "added".
+        The ledger books the change as `outside`. Raises UsageError as `set` does.
+        """
+        from gen_art.simulation.changes import add_particles
+
+        given = {"position": position, "velocity": velocity, "mass": mass, "charge": charge, "radius": radius}
+        return add_particles(self, given, attributes, lifetime)
+
+    def remove(self, ids: ArrayLike) -> None:
+        """Remove living particles between steps, by id, or by one bool for each living particle.
+
+        The ledger books the change as `outside`, not as deaths, and no emitter takes it for a death. Raises UsageError as `set`
+        does.
+        """
+        from gen_art.simulation.changes import remove_particles
+
+        remove_particles(self, ids)
+
     def births_until(self, time: float) -> int:
         """The number of scheduled births up to `time`, s, that have not been made yet."""
         return sum(e.schedule.until(time) - e.done for e in self.emitters if e.schedule is not None)
 
     def _living(self):
-        return np.flatnonzero(self.state.alive(self._time()))
+        return np.flatnonzero(self.state.alive(self.time))
 
     def _copy(self, array) -> np.ndarray:
         out = np.array(array)
@@ -392,7 +468,7 @@ class ParticleSystem:
     @property
     def age(self) -> np.ndarray:
         """(n,) s since birth."""
-        return self._copy(self._time() - self.state.birth[self._living()])
+        return self._copy(self.time - self.state.birth[self._living()])
 
 
 def _checked_attributes(attributes) -> dict[str, Any]:
