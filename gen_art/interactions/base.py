@@ -120,6 +120,10 @@ class Interaction(Parametric):
     box: PeriodicBox | None = None  # of the simulation that has taken its system; None in open space
     smooth: ClassVar[bool] = False  # whether forces vary with the distances as smoothly as the motion does
 
+    def fresh(self) -> "Interaction":
+        """One with the same parameters, for another system."""
+        return type(self)(**self.values)
+
     @property
     def source_system(self) -> str | None:
         """The other system whose particles exert the forces; None if the system's particles act on each other."""

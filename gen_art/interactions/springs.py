@@ -276,7 +276,7 @@ class Springs(Interaction):
         return {"torn": self._broken} if self.breaks else {}
 
     def restore_arrays(self, saved_arrays, time):
-        self._broken, self._key = saved_arrays.get("torn", self._broken), (-1, -1)
+        self._broken, self._key = saved_arrays.get("torn", self._broken).copy(), (-1, -1)
 
     def dissipated(self, state, before: np.ndarray, dt: float) -> float:
         """The energy, J, that an implicit step takes, from velocities `before` (3, n) to those at its end, before its drift.
@@ -300,6 +300,8 @@ class Springs(Interaction):
         return kinetic + float((damped + elastic).sum())
 
     def energy(self, state, slots, precision):
+        if not len(slots):
+            return 0.0
         springs = self._adjacency(state)
         i, j = springs.pairs.T
         selected = np.zeros(state.count, bool)

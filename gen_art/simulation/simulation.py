@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from gen_art.preset.schema import Preset
     from gen_art.simulation.diagnostics import Diagnostics
     from gen_art.simulation.ledger import Ledger, LedgerKeeper
+    from gen_art.simulation.snapshot import Snapshot
 
 __all__ = ["Simulation"]
 
@@ -403,10 +404,42 @@ class Simulation:
 
         Raises OutputError when the file cannot be written, DivergedError if a position or a velocity is not finite.
         """
-        self._watch.check()
         from gen_art.simulation.snapshot import write
 
-        write(self, path, self._unprocessed_ids, None if self._ledger is None else self._ledger.saved())
+        write(self, self._snapshot(), path)
+
+    def _snapshot(self) -> "Snapshot":
+        """The present state, in this simulation's own arrays. Raises DivergedError if a position or velocity is not finite."""
+        self._watch.check()
+        from gen_art.simulation.snapshot import capture
+
+        return capture(self, self._unprocessed_ids, None if self._ledger is None else self._ledger.saved())
+
+    def _go_on_from(self, snapshot: "Snapshot") -> None:
+        if snapshot.ledger is not None:
+            self.keep_ledger(snapshot.ledger)
+        self.steps_done = snapshot.steps_done
+        snapshot.restore_systems(self.members, self.time)
+        self._unprocessed_ids = snapshot.unprocessed_ids
+
+    def copy(self) -> "Simulation":
+        """An independent simulation in the same state, the ledger's too. From then on both take the same steps to the same bits.
+
+        It shares the forces, colliders and looks, which do not change. A record stays with the original.
+        Raises DivergedError if a position or a velocity is not finite.
+        """
+        snapshot = self._snapshot()
+        twin = type(self)(
+            self.preset if self.preset is not None else {k: s.without_particles() for k, s in self.members.items()},
+            dt=self.dt,
+            seed=self.seed,
+            precision=self.precision,
+            domain=None if self.preset is not None or self.box is None else {"periodic": self.box.as_dict()},
+            advice="none",
+        )
+        twin._watch = self._watch.continued(twin)
+        twin._go_on_from(snapshot)
+        return twin
 
     @classmethod
     def restore(cls, path: str | os.PathLike) -> "Simulation":
@@ -425,11 +458,7 @@ class Simulation:
                 precision=snapshot.precision,
                 domain=snapshot.domain,
             )
-            if snapshot.ledger is not None:
-                sim.keep_ledger(snapshot.ledger)
-            sim.steps_done = snapshot.steps_done
-            snapshot.restore_systems(sim.members, sim.time)
-            sim._unprocessed_ids = snapshot.unprocessed_ids
+            sim._go_on_from(snapshot)
         except GenArtError:
             raise
         except (TypeError, ValueError, LookupError, AttributeError, OverflowError) as error:

@@ -303,6 +303,24 @@ class ParticleSystem:
         self._initial = {}
         state.may_die = state.may_die or any(collider.values["action"] == "kill" for collider in self.colliders)
 
+    def without_particles(self) -> "ParticleSystem":
+        """Another system with the same forces and emitters, which no simulation has and no particle was given to."""
+        given = any(source.name == "initial" for source in self.state.sources)
+        return ParticleSystem(
+            position=np.zeros((0, 3)) if given else None,
+            forces=self.forces,
+            interactions=[interaction.fresh() for interaction in self.interactions],
+            colliders=self.colliders,
+            integrator=self.scheme.name,
+            speed_of_light=self.scheme.light or None,
+            exact_gyration=self.scheme.exact,
+            medium=self.medium,
+            attributes={name: np.zeros(0) for name in self.attribute_names},
+            emitters=[emission.fresh() for emission in self.emitters],
+            look=self.look,
+            booked=self.entries,
+        )
+
     @property
     def state(self) -> Particles:
         """The storage. Raises UsageError until the system is part of a simulation."""

@@ -56,6 +56,12 @@ class Watch:
             self._samples[name] = MotionSample(system, _SAMPLE)
         self._coarse: set[str] = set()  # systems whose last sample was
 
+    def continued(self, sim: "Simulation") -> "Watch":
+        """The Watch of a copy of the simulation, which does not say again what this one has said."""
+        other = Watch(sim, self._mode)
+        other._said = dict(self._said)
+        return other
+
     def say(self, name: str, cause: str, sentence: str) -> None:
         """Give advice about a system, once a cause. Raises UsageError in mode "error".
 

@@ -163,6 +163,9 @@ def test_springs_end_where_a_particle_is_removed():
         one.step(5)
     assert states(sim) == states(left) and np.array_equal(sim["s"].velocity[0], v)
     assert abs(sim.ledger().residual) < 1e-2 * sim.ledger().scale
+    sim["s"].remove(sim["s"].ids)
+    sim.step(2)
+    assert sim.diagnostics().energy == 0
 
 
 @pytest.mark.parametrize("case", ["gravity", "gravity levels"])
