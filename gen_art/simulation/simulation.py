@@ -3,7 +3,7 @@
 import hashlib
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from gen_art.preset.schema import Preset
     from gen_art.simulation.diagnostics import Diagnostics
     from gen_art.simulation.ledger import Ledger, LedgerKeeper
+    from gen_art.simulation.record import Record
     from gen_art.simulation.snapshot import Snapshot
 
 __all__ = ["Simulation"]
@@ -179,6 +180,7 @@ class Simulation:
                     self._watch.say(name, f"{interaction.name} {k}", sentence)
         check_potentials(self)
         self._watch.look()
+        self._records: list[Record] = []
         self._ledger: LedgerKeeper | None = None
         if ledger or any(system.entries for system in members.values()):
             self.keep_ledger()
@@ -263,7 +265,8 @@ class Simulation:
         """Advance by `count` steps of dt."""
         count = arguments.whole("the number of steps", count, 0)
         while count > 0:
-            count -= self._advance(min(count, _BATCH, self._watch.most_steps()))
+            to_record = min((one.steps_left(self.steps_done) for one in self._records), default=count)
+            count -= self._advance(min(count, _BATCH, self._watch.most_steps(), to_record))
 
     def step_with(self, move: Callable[[int], None]) -> None:
         """Take one step in which `move(number of the step)` moves the particles instead of their integrators."""
@@ -319,6 +322,8 @@ class Simulation:
         if self._ledger:
             self._ledger.record_deaths(t0, t1)
         self._watch.look()
+        for record in self._records:
+            record.look(self)
         return steps
 
     def _batch(self, most: int) -> int:
@@ -366,6 +371,27 @@ class Simulation:
         if self._ledger is None:
             raise UsageError("there is no ledger: make the simulation with ledger=True")
         return self._ledger.report()
+
+    def record(
+        self, every: int = 10, what: Iterable[str] = ("energy", "momentum"), *, to: str | os.PathLike | None = None
+    ) -> "Record":
+        """Keep values from now on: now, and after every `every` steps. Recording changes no bit of the simulation.
+
+        what : sums of ga.Diagnostics, such as "energy", of all systems, or of one as "stars.energy"; and quantities of each
+            particle that lives now: "stars.position", "stars.velocity", "stars.age" and every attribute
+        to : a file (.npz, .parquet, .zarr) that holds the record after its `close()`. Until then its values are in a temporary
+            folder beside it, and the memory does not grow
+        Raises UsageError for an unknown quantity, and for an ending whose package is missing.
+        """
+        from gen_art.simulation.record import Record
+
+        record = Record(self, every, what, to)
+        self._records.append(record)
+        return record
+
+    def forget_record(self, record: "Record") -> None:
+        """Keep no more values for a record: see Record.close."""
+        self._records = [one for one in self._records if one is not record]
 
     def joules(self) -> "dict[str, dict[LedgerEntry, float]]":
         """By system, those entries of the ledger, J, of which its particles keep their shares: see ParticleSystem.booked."""
@@ -415,7 +441,8 @@ class Simulation:
 
         return capture(self, self._unprocessed_ids, None if self._ledger is None else self._ledger.saved())
 
-    def _go_on_from(self, snapshot: "Snapshot") -> None:
+    def go_on_from(self, snapshot: "Snapshot") -> None:
+        """Take over the state of a snapshot, whose simulation was made of the same systems as this one."""
         if snapshot.ledger is not None:
             self.keep_ledger(snapshot.ledger)
         self.steps_done = snapshot.steps_done
@@ -438,7 +465,7 @@ class Simulation:
             advice="none",
         )
         twin._watch = self._watch.continued(twin)
-        twin._go_on_from(snapshot)
+        twin.go_on_from(snapshot)
         return twin
 
     @classmethod
@@ -458,7 +485,7 @@ class Simulation:
                 precision=snapshot.precision,
                 domain=snapshot.domain,
             )
-            sim._go_on_from(snapshot)
+            sim.go_on_from(snapshot)
         except GenArtError:
             raise
         except (TypeError, ValueError, LookupError, AttributeError, OverflowError) as error:

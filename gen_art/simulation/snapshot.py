@@ -17,7 +17,7 @@ from gen_art.particles.fixed import fixed_lifetimes
 from gen_art.particles.rows import LIFETIME
 from gen_art.simulation.system import ParticleSystem
 
-__all__ = ["Snapshot", "capture", "read", "write"]
+__all__ = ["Snapshot", "capture", "read", "write", "write_array"]
 
 _FORMAT = 1
 _UNPROCESSED, _SAVED = "behind", "memory"  # the names of these keys in format 1
@@ -162,17 +162,18 @@ def write(sim, snapshot: Snapshot, path) -> None:
     with beside(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         archive.writestr("head.json", json.dumps(head))
         for (name, column), array in snapshot.columns.items():
-            _write_array(archive, f"{name}/{column}.npy", array)
+            write_array(archive, f"{name}/{column}.npy", array)
         for name, array in snapshot.booked.items():
-            _write_array(archive, f"{name}/booked.npy", array)
+            write_array(archive, f"{name}/booked.npy", array)
         for name, interactions in snapshot.saved_arrays.items():
             for k, arrays in enumerate(interactions):
                 for key, array in arrays.items():
-                    _write_array(archive, f"{name}/{k}.{key}.npy", array)
+                    write_array(archive, f"{name}/{k}.{key}.npy", array)
 
 
-def _write_array(archive, name: str, array: np.ndarray) -> None:
-    with archive.open(name, "w") as out:
+def write_array(archive: zipfile.ZipFile, name: str, array: np.ndarray) -> None:
+    """Add an array to an archive, as .npy."""
+    with archive.open(name, "w", force_zip64=True) as out:
         np.lib.format.write_array(out, np.ascontiguousarray(array), allow_pickle=False)
 
 
