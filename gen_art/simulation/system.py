@@ -140,6 +140,16 @@ class ParticleSystem:
         self._state: Particles | None = None
         self._simulation: Simulation | None = None
 
+    def __repr__(self) -> str:
+        acting = [one.name or type(one).__name__ for one in (*self.forces, *self.interactions)]
+        if self._state is None:
+            count = len(self._initial["mass"]) if self._initial else 0
+            name, end = "", "; not part of a simulation yet"
+        else:
+            count, name, end = self.count, f" '{self.name}'", ""
+        with_forces = f", {', '.join(acting)}" if acting else ""
+        return f"<ParticleSystem{name}: {count:,} particles{with_forces}, {self.scheme.name}{end}>"
+
     def enter(self, box: PeriodicBox) -> None:
         """Move into a periodic box, before a simulation takes the system.
 
@@ -444,6 +454,27 @@ class ParticleSystem:
         if arguments.text("the name of an attribute", name) not in self.state.channels:
             raise UsageError(f"system '{self.name}' has no attribute '{name}'{suggest(name, self.state.channels)}")
         return self._copy(self.state.floats[self.state.channels[name], self._living()])
+
+    def view(self, name: str) -> np.ndarray:
+        """(n, 3) position or velocity, or (n,) mass, charge, radius or a declared attribute, read-only and without a copy.
+
+        It shows the particles in the order of their ids, and is valid until the simulation is stepped or changed: take it anew
+        after that, because the storage may have moved. Raises UsageError where particles die, because the dead lie among the
+        living for a while: read `position`, a copy of the living.
+        """
+        state = self.state
+        row = {"position": POSITION, "velocity": VELOCITY}.get(arguments.text("the name of what to view", name))
+        known = ("position", "velocity", *state.channels)
+        if row is None and name not in state.channels:
+            raise UsageError(f"system '{self.name}' has no '{name}' to view{suggest(name, known)}")
+        if state.may_die:
+            raise UsageError(
+                f"particles of '{self.name}' may die, and the dead lie among the living for a while: read its `position` and the "
+                "like, which are copies of the living, instead of a view"
+            )
+        view = state.floats[state.channels[name] if row is None else row, : state.count].T
+        view.flags.writeable = False
+        return view
 
     def booked(self, kind: str, name: str = "") -> np.ndarray:
         """(n,) J: each living particle's share of an entry of the ledger since its birth.
