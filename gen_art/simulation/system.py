@@ -23,6 +23,7 @@ from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.rows import FIRST_ATTRIBUTE, LIFETIME, POSITION, VELOCITY
 from gen_art.particles.storage import Particles
 from gen_art.registry import suggest
+from gen_art.simulation.living_particles import LivingParticles
 
 if TYPE_CHECKING:
     from gen_art.preset.look import Look
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["ParticleSystem"]
 
 
-class ParticleSystem:
+class ParticleSystem(LivingParticles):
     """Particles, given as arrays or born from emitters, with the forces on them.
 
     position : (n, 3), m
@@ -80,6 +81,7 @@ class ParticleSystem:
         look: "Look | Mapping[str, Any] | None" = None,
         booked: "Iterable[LedgerEntry | str | dict[str, str]]" = (),
     ) -> None:
+        super().__init__()
         self.colliders = arguments.instances("colliders", colliders, Collider, "ga.colliders.Plane(...)")
         self.forces = arguments.instances("forces", forces, Force, "ga.forces.Gravity(...)")
         self.interactions = arguments.instances(
@@ -115,7 +117,6 @@ class ParticleSystem:
         self.least_mass, self.largest_charge, self.largest_radius = self._extremes()
         for force in self.forces:
             force.check_mass(self.least_mass)
-        self.name = ""
         if self._initial and speed_of_light:
             speed = np.linalg.norm(self._initial["velocity"], axis=0)
             if (speed >= speed_of_light).any():
@@ -137,8 +138,6 @@ class ParticleSystem:
                         f"{suggest(read, (*PARTICLE, *self.attribute_names)) or ': declare it as an attribute'}"
                     )
         self.entries = self._checked_entries(booked)
-        self._state: Particles | None = None
-        self._simulation: Simulation | None = None
 
     def __repr__(self) -> str:
         acting = [one.name or type(one).__name__ for one in (*self.forces, *self.interactions)]
@@ -148,7 +147,7 @@ class ParticleSystem:
         else:
             count, name, end = self.count, f" '{self.name}'", ""
         with_forces = f", {', '.join(acting)}" if acting else ""
-        return f"<ParticleSystem{name}: {count:,} particles{with_forces}, {self.scheme.name}{end}>"
+        return f"<ParticleSystem{name}: {count:,} particle{'' if count == 1 else 's'}{with_forces}, {self.scheme.name}{end}>"
 
     def enter(self, box: PeriodicBox) -> None:
         """Move into a periodic box, before a simulation takes the system.
@@ -331,18 +330,6 @@ class ParticleSystem:
             booked=self.entries,
         )
 
-    @property
-    def state(self) -> Particles:
-        """The storage. Raises UsageError until the system is part of a simulation."""
-        if self._state is None:
-            raise UsageError("this ParticleSystem is not part of a simulation yet")
-        return self._state
-
-    @property
-    def time(self) -> float:
-        """Simulated seconds of the simulation that the system is part of; 0 before that."""
-        return 0.0 if self._simulation is None else self._simulation.time
-
     def change(self, act: Callable[[], None]) -> None:
         """Let `act` change the particles from outside: see Simulation.change."""
         assert self._simulation is not None, "`state` has raised an error"
@@ -408,116 +395,6 @@ class ParticleSystem:
     def births_until(self, time: float) -> int:
         """The number of scheduled births up to `time`, s, that have not been made yet."""
         return sum(e.schedule.until(time) - e.done for e in self.emitters if e.schedule is not None)
-
-    def _living(self):
-        return np.flatnonzero(self.state.alive(self.time))
-
-    def _copy(self, array) -> np.ndarray:
-        out = np.array(array)
-        out.flags.writeable = False
-        return out
-
-    @property
-    def count(self) -> int:
-        """The number of living particles."""
-        return len(self._living())
-
-    @property
-    def ids(self) -> np.ndarray:
-        """(n,) int64, increasing; never reused."""
-        return self._copy(self.state.id[self._living()])
-
-    @property
-    def keys(self) -> np.ndarray:
-        """(n,) uint64, the keys of the particles' random streams."""
-        words = self.state.key[:, self._living()].astype(np.uint64)
-        return self._copy((words[0] << np.uint64(32)) | words[1])
-
-    @property
-    def emitter(self) -> np.ndarray:
-        """(n,) names of the emitters of the particles ("initial" for particles given as arrays)."""
-        names = np.array([s.name for s in self.state.sources] or [""])
-        return self._copy(names[self.state.source[self._living()]])
-
-    @property
-    def position(self) -> np.ndarray:
-        """(n, 3) m."""
-        return self._copy(self.state.floats[POSITION, self._living()].T)
-
-    @property
-    def velocity(self) -> np.ndarray:
-        """(n, 3) m/s, at the same time as the positions."""
-        return self._copy(self.state.floats[VELOCITY, self._living()].T)
-
-    def attribute(self, name: str) -> np.ndarray:
-        """(n,) the particles' mass, charge, radius, lifetime or a declared attribute."""
-        if arguments.text("the name of an attribute", name) not in self.state.channels:
-            raise UsageError(f"system '{self.name}' has no attribute '{name}'{suggest(name, self.state.channels)}")
-        return self._copy(self.state.floats[self.state.channels[name], self._living()])
-
-    def view(self, name: str) -> np.ndarray:
-        """(n, 3) position or velocity, or (n,) mass, charge, radius or a declared attribute, read-only and without a copy.
-
-        It shows the particles in the order of their ids, and is valid until the simulation is stepped or changed: take it anew
-        after that, because the storage may have moved. Raises UsageError where particles die, because the dead lie among the
-        living for a while: read `position`, a copy of the living.
-        """
-        state = self.state
-        row = {"position": POSITION, "velocity": VELOCITY}.get(arguments.text("the name of what to view", name))
-        known = ("position", "velocity", *state.channels)
-        if row is None and name not in state.channels:
-            raise UsageError(f"system '{self.name}' has no '{name}' to view{suggest(name, known)}")
-        if state.may_die:
-            raise UsageError(
-                f"particles of '{self.name}' may die, and the dead lie among the living for a while: read its `position` and the "
-                "like, which are copies of the living, instead of a view"
-            )
-        view = state.floats[state.channels[name] if row is None else row, : state.count].T
-        view.flags.writeable = False
-        return view
-
-    def booked(self, kind: str, name: str = "") -> np.ndarray:
-        """(n,) J: each living particle's share of an entry of the ledger since its birth.
-
-        kind : "work" or "dissipated"
-        name : the force as the ledger names it, without the system's name; left out for all that is dissipated
-        Raises UsageError unless the particles keep it: their look goes by it, or `booked` of the system names it.
-        """
-        return self._copy(self.state.booked[self._entry_index(kind, name), self._living()])
-
-    def booked_total(self, kind: str, name: str = "") -> float:
-        """The sum of `booked` over all particles that ever were, the dead too, J: to round-off the entry of `sim.ledger()`."""
-        return self.state.booked_total(self._entry_index(kind, name))
-
-    def _entry_index(self, kind: str, name: str) -> int:
-        entry = LedgerEntry.of({kind: name} if name else kind)
-        if entry not in self.state.entries:
-            check_entry(entry, self.ledger_rows, self.interactions)
-            raise UsageError(
-                f"the particles of '{self.name}' keep no share of {entry}: give the system booked=[{entry.plain!r}], or a look "
-                "that goes by it"
-            )
-        return self.state.entries.index(entry)
-
-    @property
-    def mass(self) -> np.ndarray:
-        """(n,) kg."""
-        return self.attribute("mass")
-
-    @property
-    def charge(self) -> np.ndarray:
-        """(n,) C."""
-        return self.attribute("charge")
-
-    @property
-    def radius(self) -> np.ndarray:
-        """(n,) m."""
-        return self.attribute("radius")
-
-    @property
-    def age(self) -> np.ndarray:
-        """(n,) s since birth."""
-        return self._copy(self.time - self.state.birth[self._living()])
 
 
 def _checked_attributes(attributes) -> dict[str, Any]:

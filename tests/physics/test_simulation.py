@@ -64,12 +64,12 @@ def test_a_view_is_no_copy_and_read_only(precision):
 
 def test_a_system_says_what_it_is():
     one = ball(interactions=[ga.interactions.SelfGravity(G=1.0)])
-    assert repr(one) == "<ParticleSystem: 1 particles, gravity, self_gravity, leapfrog; not part of a simulation yet>"
+    assert repr(one) == "<ParticleSystem: 1 particle, gravity, self_gravity, leapfrog; not part of a simulation yet>"
     ga.Simulation({"b": one}, dt=0.01)
     one.add(np.ones((1500, 3)) * np.arange(1500)[:, None])
     assert repr(one) == "<ParticleSystem 'b': 1,501 particles, gravity, self_gravity, leapfrog>"
     one.remove(one.ids[:1500])
-    assert repr(one) == "<ParticleSystem 'b': 1 particles, gravity, self_gravity, leapfrog>"
+    assert repr(one) == "<ParticleSystem 'b': 1 particle, gravity, self_gravity, leapfrog>"
 
 
 @pytest.mark.parametrize("bad", [
