@@ -37,7 +37,7 @@ def set_particles(system: "ParticleSystem", given: Mapping[str, Any], attributes
     """
     _refuse_bodies(system)
     state = system.state
-    slots = _living(system) if where is None else _chosen(system, "where", where)
+    slots = system.slots() if where is None else system.slots_of("where", where)
     values = _checked(system, {**given, **_checked_attributes(system, attributes)}, len(slots))
     if not values:
         raise UsageError("set changes nothing: give it position, velocity, mass, charge, radius or attributes")
@@ -90,12 +90,8 @@ def add_particles(system: "ParticleSystem", given: Mapping[str, Any], attributes
 def remove_particles(system: "ParticleSystem", where: Any) -> None:
     """Remove particles at once, by id, or by one bool for each living particle."""
     _refuse_bodies(system)
-    slots = _chosen(system, "ids", where)
+    slots = system.slots_of("ids", where)
     system.change(lambda: system.state.remove(slots))
-
-
-def _living(system: "ParticleSystem") -> np.ndarray:
-    return np.flatnonzero(system.state.alive(system.time))
 
 
 def _refuse_bodies(system: "ParticleSystem") -> None:
@@ -110,31 +106,6 @@ def _refuse_bodies(system: "ParticleSystem") -> None:
 def _row(state, name: str):
     """The row or rows of the state array."""
     return _VECTORS.get(name) or state.channels[name]
-
-
-def _chosen(system: "ParticleSystem", name: str, where: Any) -> np.ndarray:
-    """The slots of living particles, by ids in any order, or by one bool for each of them."""
-    living = _living(system)
-    what = f"ids of particles, or {len(living)} booleans, one for each living particle"
-    try:
-        chosen = np.atleast_1d(np.asarray(where))
-    except (TypeError, ValueError, OverflowError):
-        raise UsageError(f"{name} must be {what}, not {arguments.shown(where)}") from None
-    if chosen.dtype == bool and chosen.shape == living.shape:
-        return living[chosen]
-    if chosen.ndim != 1 or (chosen.size and chosen.dtype.kind not in "iu"):
-        raise UsageError(f"{name} must be {what}, not {arguments.shown(where)}")
-    if not chosen.size:
-        return living[:0]
-    ids = system.state.id[living]
-    at = np.minimum(np.searchsorted(ids, chosen), max(len(ids) - 1, 0))
-    known = ids[at] == chosen if len(ids) else np.zeros(len(chosen), bool)
-    if not known.all():
-        raise UsageError(f"system '{system.name}' has no living particle {chosen[~known][0]}")
-    again, times = np.unique(chosen, return_counts=True)
-    if (times > 1).any():
-        raise UsageError(f"{name} has particle {again[times > 1][0]} twice")
-    return living[at]
 
 
 def _checked_attributes(system: "ParticleSystem", given: Any) -> dict[str, Any]:
