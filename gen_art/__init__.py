@@ -52,6 +52,7 @@ if (
     from gen_art.simulation.adaptive import adaptive as adaptive
     from gen_art.simulation.bodies import bodies as bodies
     from gen_art.simulation.diagnostics import Diagnostics as Diagnostics
+    from gen_art.simulation.orbit import orbital_elements as orbital_elements
 
 # public name -> module that holds it; "" : the name is a subpackage. Importing on first use keeps `gen-art --help` from
 # waiting for the compiler. A test holds this table and the imports above together.
@@ -91,6 +92,7 @@ _NAMES = {
     "interactions": "",
     "load_preset": "gen_art.preset.load",
     "log": "gen_art.maths.elementary",
+    "orbital_elements": "gen_art.simulation.orbit",
     "param": "gen_art.registry",
     "power": "gen_art.maths.elementary",
     "render": "gen_art.output.job",
@@ -103,11 +105,11 @@ _NAMES = {
 }
 
 __all__ = [
-    "AdviceWarning", "Camera", "Diagnostics", "DivergedError", "Emitter", "Force", "GenArtError", "Ground", "KeyLight", "Look",
-    "Medium", "ParticleSystem", "PresetError", "Shape", "Simulation", "Sky", "SurfaceLook", "UsageError", "Velocity",
+    "AdviceWarning", "Camera", "Diagnostics", "DivergedError", "Emitter", "Force", "GenArtError", "Ground", "KeyLight",
+    "Look", "Medium", "ParticleSystem", "PresetError", "Shape", "Simulation", "Sky", "SurfaceLook", "UsageError", "Velocity",
     "__version__", "adaptive", "bodies", "body", "chain", "cloth", "colliders", "cos", "emitter", "emitters", "exp", "force",
-    "forces", "integrators", "interactions", "load_preset", "log", "param", "power", "render", "render_frame", "rope", "shape",
-    "sin", "ti", "velocity",
+    "forces", "integrators", "interactions", "load_preset", "log", "orbital_elements", "param", "power", "render",
+    "render_frame", "rope", "shape", "sin", "ti", "velocity",
 ]  # fmt: skip
 
 

@@ -91,6 +91,26 @@ CALLS = {
     "system of a name": (lambda system: simulation()[system], "system"),
     "attribute": (lambda attribute: simulation()["stars"].attribute(attribute), "attribute"),
     "adaptive": (lambda **change: ga.adaptive(**{"sim": simulation(), "seconds": 0.01, **change}), "sim seconds rtol atol"),
+    "set": (
+        lambda **change: simulation()["stars"].set(**change),
+        "position velocity mass charge radius attributes where",
+    ),
+    "add": (
+        lambda **change: simulation()["stars"].add(**{"position": (0, 0, 0), **change}),
+        "position velocity mass charge radius attributes lifetime",
+    ),
+    "remove": (lambda ids: simulation()["stars"].remove(ids), "ids"),
+    "view": (lambda name: simulation()["stars"].view(name), "name"),
+    "record": (lambda **change: simulation().record(**change), "every what to"),
+    "save of a record": (lambda path: simulation().record().save(path), "path"),
+    "orbital_elements": (
+        lambda **change: ga.orbital_elements(**{"position": (1, 0, 0), "velocity": (0, 1, 0), "GM": 1.0, **change}),
+        "position velocity GM axis reference",
+    ),
+    "orbital_elements of particles": (
+        lambda **change: simulation()["stars"].orbital_elements(**{"of": 1, "about": 0, "G": 1.0, **change}),
+        "of about G axis reference",
+    ),
     "Medium": (ga.Medium, "density wind curl_noise vortices field"),
     "noise": (lambda curl_noise: ga.Medium(curl_noise={"strength": curl_noise}), "curl_noise"),
     "Camera": (ga.Camera, "position target up fov height roll near far shutter lens spec"),

@@ -96,6 +96,4 @@ def test_no_reach_ins():
         found += [
             f"{path.name}: {hit}" for hit in re.findall(r"\b(?:sim|simulation|system|playback|painter)\._\w+", text)
         ]
-    assert not [hit for hit in found if "sim._unprocessed_ids" not in hit], (
-        found
-    )  # restore() is Simulation's own method
+    assert not found

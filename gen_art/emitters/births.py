@@ -135,6 +135,10 @@ class ActiveEmitter:
         self.first_source = 0
         self.done = 0
 
+    def fresh(self) -> "ActiveEmitter":
+        """The same emitter for another simulation, before any birth."""
+        return ActiveEmitter(self.name, self.kinds, self.schedule, self.event, self.motion)
+
     def choose(self, keys: np.ndarray) -> np.ndarray:
         """The index of the kind that each key takes, by weight."""
         if len(self.kinds) == 1:

@@ -120,6 +120,10 @@ class Interaction(Parametric):
     box: PeriodicBox | None = None  # of the simulation that has taken its system; None in open space
     smooth: ClassVar[bool] = False  # whether forces vary with the distances as smoothly as the motion does
 
+    def fresh(self) -> "Interaction":
+        """One with the same parameters, for another system."""
+        return type(self)(**self.values)
+
     @property
     def source_system(self) -> str | None:
         """The other system whose particles exert the forces; None if the system's particles act on each other."""
@@ -134,6 +138,9 @@ class Interaction(Parametric):
 
     def check(self, system) -> None:
         """Raise UsageError for a system that this cannot act in; called before any of its particles exists."""
+
+    def check_masses(self, system, ids: np.ndarray, masses: np.ndarray) -> None:
+        """Raise UsageError for a particle of `system` whose mass, (n,) kg, this cannot move; called before masses change."""
 
     def attach(self, system, dt: float) -> list[str]:
         """Called once the particles of the start exist. Returns sentences about a start or a step that cannot be right."""

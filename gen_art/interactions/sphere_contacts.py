@@ -80,9 +80,12 @@ class Contacts(Interaction):
         self._walls = SphereWalls(walls, [names[id(one)] for one in walls]) if walls else None
         return [one for one in colliders if not is_wall(one)]
 
-    def check(self, system):
-        if system.least_mass <= 0:
+    def check_masses(self, system, ids, masses):
+        if (masses <= 0).any():
             raise UsageError("contacts: a particle has no mass; give it one, or fix it")
+
+    def check(self, system):
+        self.check_masses(system, np.zeros(1), np.array([system.least_mass]))
         _least_steps(system)
         if self.spins and system.scheme.name not in ("semi_implicit_euler", "position_verlet"):
             raise UsageError(

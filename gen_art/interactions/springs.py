@@ -124,6 +124,11 @@ class Springs(Interaction):
                 f"springs: '{system.name}' has none; give pairs, or an emitter that lays them: chain, rope or cloth"
             )
 
+    def check_masses(self, system, ids, masses):
+        massless = ids[np.isin(ids, self._ids) & (masses <= 0)]
+        if len(massless):
+            raise UsageError(f"springs: particle {massless[0]} of '{system.name}' has no mass; give it one, or fix it")
+
     def attach(self, system, dt):
         state = system.state
         n = state.count
@@ -147,9 +152,7 @@ class Springs(Interaction):
         if n == 0:  # a snapshot is being restored: the particles come later
             return []
         mass = state.floats[MASS, :n].astype(np.float64)
-        massless = np.unique(pairs)[mass[np.unique(pairs)] <= 0]
-        if len(massless):
-            raise UsageError(f"springs: particle {massless[0]} of '{system.name}' has no mass; give it one, or fix it")
+        self.check_masses(system, state.id[:n], mass)
         if self.implicit:
             return []
         longest = self._longest_step(system, mass, fixed_lifetimes(state.floats[LIFETIME, :n]))
@@ -273,7 +276,7 @@ class Springs(Interaction):
         return {"torn": self._broken} if self.breaks else {}
 
     def restore_arrays(self, saved_arrays, time):
-        self._broken, self._key = saved_arrays.get("torn", self._broken), (-1, -1)
+        self._broken, self._key = saved_arrays.get("torn", self._broken).copy(), (-1, -1)
 
     def dissipated(self, state, before: np.ndarray, dt: float) -> float:
         """The energy, J, that an implicit step takes, from velocities `before` (3, n) to those at its end, before its drift.
@@ -297,6 +300,8 @@ class Springs(Interaction):
         return kinetic + float((damped + elastic).sum())
 
     def energy(self, state, slots, precision):
+        if not len(slots):
+            return 0.0
         springs = self._adjacency(state)
         i, j = springs.pairs.T
         selected = np.zeros(state.count, bool)

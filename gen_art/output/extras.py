@@ -15,6 +15,7 @@ __all__ = ["PURPOSES", "Extra", "extras"]
 PURPOSES = {
     "exr": "pictures of linear light as .exr",
     "plots": "plots of gen-art audit",
+    "histories": "records of a run as tables, .parquet and .zarr",
     "studio": "gen-art studio and gen-art watch",
     "bench": "other programs that gen-art bench measures beside this one",
     "dev": "the tests and checks of the source checkout",

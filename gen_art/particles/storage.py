@@ -168,15 +168,20 @@ class Particles:
         ):
             return False
         self.launches, self.count_at = 0, self.next_id + max(int(_TOLERATED * self.count), 1024)
-        keep = np.flatnonzero(self.death() > time)
-        if len(keep) == self.count or (not at_once and len(keep) > self.count * (1.0 - _TOLERATED)):
+        gone = np.flatnonzero(~(self.death() > time))
+        if not len(gone) or (not at_once and self.count - len(gone) > self.count * (1.0 - _TOLERATED)):
             return False
-        if self.entries:
-            gone = np.setdiff1d(np.arange(self.count), keep)
-            self.removed = [_sum([sum_, *row[gone]]) for sum_, row in zip(self.removed, self.booked)]
-        compact(keep.astype(np.int32), *self._arrays())
-        self.count = len(keep)
+        self.remove(gone)
         return True
+
+    def remove(self, slots: np.ndarray) -> None:
+        """Remove the particles in these slots; the others keep their order."""
+        if self.entries:
+            self.removed = [_sum([sum_, *row[slots]]) for sum_, row in zip(self.removed, self.booked)]
+        keep = np.delete(np.arange(self.count, dtype=np.int32), slots)
+        if 0 < len(keep) < self.count:
+            compact(keep, *self._arrays())
+        self.count = len(keep)
 
     def forget_booked(self) -> None:
         """Set every share to 0: a ledger begins."""

@@ -5,6 +5,7 @@ They are computed in float64, in fixed blocks and a fixed order, so they do not 
 The one-letter names in kernels are in docs/glossary.md.
 """
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from functools import cache
 
@@ -138,10 +139,10 @@ def energy_of_pairs(sim, name: str, slots: np.ndarray) -> float:
     return total
 
 
-def diagnose(sim) -> Diagnostics:
-    """The sums over every living particle of every system, now."""
+def diagnose(sim, names: Iterable[str] | None = None) -> Diagnostics:
+    """The sums over every living particle of the systems with these names, or of all systems, now."""
     basic, potential = np.zeros(BASIC_COLUMNS), 0.0
-    for name in sim.members:
+    for name in sim.members if names is None else names:
         slots = sim.living(name)
         part = sums(sim, name, slots)
         basic += part[:BASIC_COLUMNS]

@@ -26,7 +26,7 @@ def system_of(preset: "Preset", name: str) -> ParticleSystem:
     spec = preset.systems[name]
     system = ParticleSystem(
         forces=[*(preset.forces if spec.inherit_forces else ()), *spec.forces],
-        interactions=list(spec.interactions),
+        interactions=[interaction.fresh() for interaction in spec.interactions],
         colliders=[*(preset.colliders if spec.inherit_colliders else ()), *spec.colliders],
         integrator=spec.integrator,
         speed_of_light=spec.speed_of_light,

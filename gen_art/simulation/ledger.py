@@ -5,6 +5,7 @@ energy of the living particles; with a speed of light the kinetic energy is (gam
 Conservative forces have no entry of work: the residual is the scheme's error. Every force has an entry of its impulse.
 The entry of a collider holds the energy that it dissipates, its work if it moves, and by how much an impact changes the
 work of the other forces in the rest of the step.
+The entry `outside` holds what `set`, `add` and `remove` of a ParticleSystem changed between steps.
 The entry `periodic_boundary` holds by how much potentials change where particles leave a periodic box on one side and come in
 at the other: wrapping changes no velocity, so it has no impulse.
 """
@@ -42,6 +43,7 @@ _NOTHING_BOOKED = np.zeros((1, 1))  # a kernel's argument where no particle keep
 
 
 BOUNDARY = "periodic_boundary"  # the name of the sides of a periodic box
+OUTSIDE = "outside"  # the name of the changes that a script makes between steps
 
 
 def _has_boundary(system) -> bool:
@@ -61,7 +63,7 @@ class Entries(dict):
 
 @dataclass(frozen=True)
 class Transfer:
-    """What births add or deaths remove.
+    """What births add, deaths remove, or a script changes from outside.
 
     count : number of particles
     mass : kg
@@ -81,6 +83,9 @@ class Transfer:
     def __add__(self, other: "Transfer") -> "Transfer":
         return Transfer(*(getattr(self, k) + getattr(other, k) for k in self.__dataclass_fields__))
 
+    def __sub__(self, other: "Transfer") -> "Transfer":
+        return Transfer(*(getattr(self, k) - getattr(other, k) for k in self.__dataclass_fields__))
+
 
 @dataclass(frozen=True)
 class Ledger:
@@ -90,10 +95,12 @@ class Ledger:
     died : Transfer by emitter, and by engine the exhaust
     work, dissipated : energy by force, J
     impulse : (3,) by force, N s
+    outside : Transfer by system, all that `set`, `add` and `remove` changed; its energy is also SYSTEM.outside of work, and its
+        momentum SYSTEM.outside of impulse
     residual : change of the energy that the entries do not explain, J
     momentum_residual : (3,) the same of the momentum, N s
     scale : the largest energy that moved (kinetic, work, dissipated, born, died), J, to compare the residual with
-    born, died, work, dissipated and impulse have a .total.
+    born, died, work, dissipated, impulse and outside have a .total.
     """
 
     born: Entries
@@ -101,6 +108,7 @@ class Ledger:
     work: Entries
     dissipated: Entries
     impulse: Entries
+    outside: Entries
     residual: float
     momentum_residual: np.ndarray
     scale: float
@@ -150,7 +158,7 @@ class LedgerKeeper:
             system.state.forget_booked()
         # by system, (3, capacity): what the ledger kernel of a system with colliders stores between the stages of a step
         self._impact_states: dict[str, np.ndarray] = {}
-        self._born, self._died = _Transfers(), _Transfers()
+        self._born, self._died, self._outside = _Transfers(), _Transfers(), _Transfers()
         self._implicit_rows: dict[str, np.ndarray] = {}  # ledger rows of implicit interactions and broken bonds
         self._collider_work: dict[str, float] = {}  # J, of colliders that an interaction handles
         self._start = diagnose(sim)
@@ -255,14 +263,26 @@ class LedgerKeeper:
         state = self.sim.members[name].state
         for source in np.unique(state.source[slots]):
             chosen = slots[state.source[slots] == source]
-            total = sums(self.sim, name, chosen)
-            energy = float(total[ENERGY].sum()) + self._mutual_energy(name, chosen)
             key = f"{name}.{state.sources[source].kind or state.sources[source].name}"
-            transfer = Transfer(
-                len(chosen), float(total[TOTAL_MASS]), float(total[TOTAL_CHARGE]), total[MOMENTUM].copy(),
-                total[ANGULAR_MOMENTUM].copy(), energy,
-            )  # fmt: skip
+            transfer = self._transfer(name, chosen, self._mutual_energy(name, chosen))
             entries[key] = entries.get(key, Transfer()) + transfer
+
+    def _transfer(self, name: str, slots: np.ndarray, mutual_energy: float) -> Transfer:
+        """What the particles in these slots have, with this potential energy of the forces between them, J."""
+        total = sums(self.sim, name, slots)
+        return Transfer(
+            len(slots), float(total[TOTAL_MASS]), float(total[TOTAL_CHARGE]), total[MOMENTUM].copy(),
+            total[ANGULAR_MOMENTUM].copy(), float(total[ENERGY].sum()) + mutual_energy,
+        )  # fmt: skip
+
+    def holdings(self, name: str) -> Transfer:
+        """What the living particles of one system have now."""
+        slots = self.sim.living(name)
+        return self._transfer(name, slots, energy_of_pairs(self.sim, name, slots))
+
+    def record_outside(self, name: str, before: Transfer) -> None:
+        """Add what was changed from outside since the particles of a system had `before`."""
+        self._outside[name] = self._outside.get(name, Transfer()) + (self.holdings(name) - before)
 
     def _mutual_energy(self, name: str, slots: np.ndarray) -> float:
         """The potential energy of these particles with each other and with the other living particles, J."""
@@ -275,8 +295,9 @@ class LedgerKeeper:
 
     def saved(self) -> dict:
         """Everything that the ledger has recorded, as plain data for a snapshot; numbers survive JSON bit for bit."""
-        transfers = ({key: _plain(one) for key, one in entries.items()} for entries in (self._born, self._died))
-        born, died = transfers
+        born, died, outside = (
+            {key: _plain(one) for key, one in entries.items()} for entries in (self._born, self._died, self._outside)
+        )
         return {
             "rows": {name: rows.tolist() for name, rows in self._rows_of.items()},
             "implicit": {key: row.tolist() for key, row in self._implicit_rows.items()},
@@ -284,6 +305,7 @@ class LedgerKeeper:
             "start": _plain(self._start),
             "born": born,
             "died": died,
+            "outside": outside,
         }
 
     def restore(self, saved: dict) -> None:
@@ -292,9 +314,9 @@ class LedgerKeeper:
         self._implicit_rows = {key: np.array(row) for key, row in saved["implicit"].items()}
         self._collider_work = dict(saved["colliders"])
         self._start = Diagnostics(**_with_arrays(saved["start"]))
-        self._born, self._died = (
-            _Transfers({key: Transfer(**_with_arrays(one)) for key, one in saved[entries].items()})
-            for entries in ("born", "died")
+        self._born, self._died, self._outside = (
+            _Transfers({key: Transfer(**_with_arrays(one)) for key, one in saved.get(entries, {}).items()})
+            for entries in ("born", "died", "outside")
         )
 
     def total(self, name: str, entry: LedgerEntry) -> float:
@@ -332,6 +354,8 @@ class LedgerKeeper:
             dissipated[key] = dissipated.get(key, 0.0) + float(row[DISSIPATED])
         for key, amount in self._collider_work.items():
             work[key] = work.get(key, 0.0) + amount
+        for name, transfer in self._outside.items():
+            work[f"{name}.{OUTSIDE}"], impulse[f"{name}.{OUTSIDE}"] = transfer.energy, transfer.momentum
         now = diagnose(self.sim)
         born, lost = self._born.total, died.total
         expected = self._start.energy + work.total + born.energy - lost.energy - dissipated.total
@@ -341,6 +365,6 @@ class LedgerKeeper:
             abs(dissipated.total), abs(born.energy), abs(lost.energy), 1e-300,
         )  # fmt: skip
         return Ledger(
-            _Transfers(self._born), died, work, dissipated, impulse,
+            _Transfers(self._born), died, work, dissipated, impulse, _Transfers(self._outside),
             float(now.energy - expected), now.momentum - momentum, float(scale),
         )  # fmt: skip

@@ -3,7 +3,7 @@
 import hashlib
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from gen_art.preset.schema import Preset
     from gen_art.simulation.diagnostics import Diagnostics
     from gen_art.simulation.ledger import Ledger, LedgerKeeper
+    from gen_art.simulation.record import Record
+    from gen_art.simulation.snapshot import Snapshot
 
 __all__ = ["Simulation"]
 
@@ -109,8 +111,8 @@ class Simulation:
     finite ones.
 
     `sim["name"]` is a ParticleSystem, `sim.members` are all of them, `sim.systems` their storage. All three are read-only;
-    `sim.box` is the periodic box, None in open space;
-    only `step`, `advance` and `advance_to_frame` change a simulation.
+    `sim.box` is the periodic box, None in open space.
+    `step`, `advance` and `advance_to_frame` change a simulation, and `set`, `add` and `remove` of its ParticleSystems.
     """
 
     def __init__(
@@ -161,7 +163,7 @@ class Simulation:
         self._watch.start()
         root = derive(np.uint64(self.seed), channel_of("gen-art"))
         for name, system in members.items():
-            system.allocate(name, self.dtype, np.uint64(derive(root, channel_of(name))), lambda: self.time)
+            system.allocate(name, self, np.uint64(derive(root, channel_of(name))))
         _check_events(members)
         coupled = CoupledSystems.names(members)
         self._steppers = {n: Stepper(s, precision, n in coupled) for n, s in members.items()}
@@ -178,6 +180,7 @@ class Simulation:
                     self._watch.say(name, f"{interaction.name} {k}", sentence)
         check_potentials(self)
         self._watch.look()
+        self._records: list[Record] = []
         self._ledger: LedgerKeeper | None = None
         if ledger or any(system.entries for system in members.values()):
             self.keep_ledger()
@@ -262,11 +265,23 @@ class Simulation:
         """Advance by `count` steps of dt."""
         count = arguments.whole("the number of steps", count, 0)
         while count > 0:
-            count -= self._advance(min(count, _BATCH, self._watch.most_steps()))
+            to_record = min((one.steps_left(self.steps_done) for one in self._records), default=count)
+            count -= self._advance(min(count, _BATCH, self._watch.most_steps(), to_record))
 
     def step_with(self, move: Callable[[int], None]) -> None:
         """Take one step in which `move(number of the step)` moves the particles instead of their integrators."""
         self._advance(1, move)
+
+    def change(self, name: str, act: Callable[[], None]) -> None:
+        """Let `act` change the particles of one system from outside, between two steps; the ledger books what has changed."""
+        before = self._ledger.holdings(name) if self._ledger else None
+        act()
+        if self._ledger and before is not None:
+            self._ledger.record_outside(name, before)
+        self._coupled.forget()
+        first, _ = self._unprocessed_ids[name]
+        self._unprocessed_ids[name] = (first, self.members[name].state.next_id)  # births of particles that were added
+        self._watch.restart()
 
     def _advance(self, most: int, move: Callable[[int], None] | None = None) -> int:
         """Take up to `most` steps in one launch; returns their number."""
@@ -307,6 +322,8 @@ class Simulation:
         if self._ledger:
             self._ledger.record_deaths(t0, t1)
         self._watch.look()
+        for record in self._records:
+            record.look(self)
         return steps
 
     def _batch(self, most: int) -> int:
@@ -355,6 +372,27 @@ class Simulation:
             raise UsageError("there is no ledger: make the simulation with ledger=True")
         return self._ledger.report()
 
+    def record(
+        self, every: int = 10, what: Iterable[str] = ("energy", "momentum"), *, to: str | os.PathLike | None = None
+    ) -> "Record":
+        """Keep values from now on: now, and after every `every` steps. Recording changes no bit of the simulation.
+
+        what : sums of ga.Diagnostics, such as "energy", of all systems, or of one as "stars.energy"; and quantities of each
+            particle that lives now: "stars.position", "stars.velocity", "stars.age" and every attribute
+        to : a file (.npz, .parquet, .zarr) that holds the record after its `close()`. Until then its values are in a temporary
+            folder beside it, and the memory does not grow
+        Raises UsageError for an unknown quantity, and for an ending whose package is missing.
+        """
+        from gen_art.simulation.record import Record
+
+        record = Record(self, every, what, to)
+        self._records.append(record)
+        return record
+
+    def forget_record(self, record: "Record") -> None:
+        """Keep no more values for a record: see Record.close."""
+        self._records = [one for one in self._records if one is not record]
+
     def joules(self) -> "dict[str, dict[LedgerEntry, float]]":
         """By system, those entries of the ledger, J, of which its particles keep their shares: see ParticleSystem.booked."""
         if self._ledger is None:
@@ -392,10 +430,60 @@ class Simulation:
 
         Raises OutputError when the file cannot be written, DivergedError if a position or a velocity is not finite.
         """
-        self._watch.check()
         from gen_art.simulation.snapshot import write
 
-        write(self, path, self._unprocessed_ids, None if self._ledger is None else self._ledger.saved())
+        write(self, self._snapshot(), path)
+
+    def _snapshot(self) -> "Snapshot":
+        """The present state, in this simulation's own arrays. Raises DivergedError if a position or velocity is not finite."""
+        self._watch.check()
+        from gen_art.simulation.snapshot import capture
+
+        return capture(self, self._unprocessed_ids, None if self._ledger is None else self._ledger.saved())
+
+    def go_on_from(self, snapshot: "Snapshot") -> None:
+        """Take over the state of a snapshot, whose simulation was made of the same systems as this one."""
+        if snapshot.ledger is not None:
+            self.keep_ledger(snapshot.ledger)
+        self.steps_done = snapshot.steps_done
+        snapshot.restore_systems(self.members, self.time)
+        self._unprocessed_ids = snapshot.unprocessed_ids
+
+    def copy(self) -> "Simulation":
+        """An independent simulation in the same state, the ledger's too. From then on both take the same steps to the same bits.
+
+        It shares the forces, colliders and looks, which do not change. A record stays with the original.
+        Raises DivergedError if a position or a velocity is not finite.
+        """
+        snapshot = self._snapshot()
+        twin = type(self)(
+            self.preset if self.preset is not None else {k: s.without_particles() for k, s in self.members.items()},
+            dt=self.dt,
+            seed=self.seed,
+            precision=self.precision,
+            domain=None if self.preset is not None or self.box is None else {"periodic": self.box.as_dict()},
+            advice="none",
+        )
+        twin._watch = self._watch.continued(twin)
+        twin.go_on_from(snapshot)
+        return twin
+
+    def continued(self, preset: "Preset") -> "Simulation":
+        """A simulation of another preset that goes on from this one's particles and time.
+
+        Its systems, emitters and interactions must have the same names, and its step be the same. Births go on by its own
+        schedule. Raises UsageError for a preset of other systems, DivergedError if a position or a velocity is not finite.
+        """
+        return type(self)(preset, precision=self.precision, advice="none")._take_particles(self._snapshot())
+
+    def _take_particles(self, snapshot: "Snapshot") -> "Simulation":
+        """Go on from the particles of a snapshot of another preset; returns this simulation."""
+        snapshot.check_members(self.members)
+        self.go_on_from(snapshot)
+        for emitter in (e for system in self.members.values() for e in system.emitters):
+            if emitter.schedule is not None:
+                emitter.done = emitter.schedule.until(self.time)
+        return self
 
     @classmethod
     def restore(cls, path: str | os.PathLike, preset: "Preset | None" = None) -> "Simulation":
@@ -409,26 +497,16 @@ class Simulation:
 
         snapshot = read(path)
         try:
-            if preset is None:
-                sim = cls(
-                    snapshot.definition,
-                    dt=snapshot.dt,
-                    seed=snapshot.seed,
-                    precision=snapshot.precision,
-                    domain=snapshot.domain,
-                )
-            else:
-                sim = cls(preset, precision=snapshot.precision)
-                snapshot.check_members(sim.members)
-            if snapshot.ledger is not None:
-                sim.keep_ledger(snapshot.ledger)
-            sim.steps_done = snapshot.steps_done
-            snapshot.restore_systems(sim.members, sim.time)
-            sim._unprocessed_ids = snapshot.unprocessed_ids
             if preset is not None:
-                for emitter in (e for system in sim.members.values() for e in system.emitters):
-                    if emitter.schedule is not None:
-                        emitter.done = emitter.schedule.until(sim.time)
+                return cls(preset, precision=snapshot.precision)._take_particles(snapshot)
+            sim = cls(
+                snapshot.definition,
+                dt=snapshot.dt,
+                seed=snapshot.seed,
+                precision=snapshot.precision,
+                domain=snapshot.domain,
+            )
+            sim.go_on_from(snapshot)
         except GenArtError:
             raise
         except (TypeError, ValueError, LookupError, AttributeError, OverflowError) as error:

@@ -1,4 +1,4 @@
-"""Snapshots: the whole state of a simulation in a file, bit for bit, with the forces that it needs to continue."""
+"""Snapshots: the whole state of a simulation, bit for bit; in a file, with the forces that it needs to continue."""
 
 import json
 import zipfile
@@ -17,7 +17,7 @@ from gen_art.particles.fixed import fixed_lifetimes
 from gen_art.particles.rows import LIFETIME
 from gen_art.simulation.system import ParticleSystem
 
-__all__ = ["Snapshot", "read", "write"]
+__all__ = ["Snapshot", "capture", "read", "write", "write_array"]
 
 _FORMAT = 1
 _UNPROCESSED, _SAVED = "behind", "memory"  # the names of these keys in format 1
@@ -26,9 +26,9 @@ _COLUMNS = ("floats", "birth", "key", "id", "source")
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The contents of a snapshot file.
+    """The state of a simulation.
 
-    head : the clock, and the definition from which the simulation is built
+    head : the clock, and in a file the definition from which the simulation is built
     columns : by (system, column), the particles' arrays
     saved_arrays : by system, the arrays of each interaction
     booked : by system, each particle's shares of entries of the ledger
@@ -119,45 +119,74 @@ class Snapshot:
                     interaction.restore_arrays(arrays, time)
 
 
-def write(sim, path, unprocessed_ids: dict[str, tuple[int, int]], ledger: dict | None) -> None:
-    """Write `sim` to a temporary file and rename it to `path`. Raises OutputError when the file cannot be written.
+def capture(sim, unprocessed_ids: dict[str, tuple[int, int]], ledger: dict | None) -> Snapshot:
+    """The present state of `sim`, in its own arrays: nothing is copied.
 
     ledger : what its ledger has recorded, as plain data; None where it keeps none
     """
+    systems = {
+        name: {
+            "count": system.state.count, "next_id": system.state.next_id, "may_die": system.state.may_die,
+            "attributes": system.state.attributes, "done": [e.done for e in system.emitters],
+            _UNPROCESSED: unprocessed_ids[name],
+            _SAVED: [list(interaction.saved_arrays) for interaction in system.interactions],
+            "removed": system.state.removed if system.state.entries else None,
+            "launches": system.state.launches, "count_at": system.state.count_at,
+        }
+        for name, system in sim.members.items()
+    }  # fmt: skip
     head = {
         "format": _FORMAT, "precision": sim.precision, "dt": sim.dt, "seed": sim.seed, "steps": sim.steps_done,
-        "preset": None if sim.preset is None else {**sim.preset.resolved(), "name": sim.preset.name}, "systems": {},
-        "ledger": ledger,
+        "systems": systems, "ledger": ledger,
     }  # fmt: skip
-    if sim.preset is None and sim.box is not None:
+    columns = {
+        (name, column): getattr(system.state, column)[..., : system.state.count]
+        for name, system in sim.members.items()
+        for column in _COLUMNS
+    }
+    saved = {
+        name: [dict(interaction.saved_arrays) for interaction in system.interactions]
+        for name, system in sim.members.items()
+    }
+    booked = {
+        name: system.state.booked[:, : system.state.count]
+        for name, system in sim.members.items()
+        if system.state.entries
+    }
+    return Snapshot(head, columns, saved, booked)
+
+
+def write(sim, snapshot: Snapshot, path) -> None:
+    """Write the snapshot of `sim` to a temporary file and rename it to `path`.
+
+    Raises OutputError when the file cannot be written, UsageError for what no file can describe.
+    """
+    head = {**snapshot.head, "preset": None, "systems": dict(snapshot.head["systems"])}
+    if sim.preset is not None:
+        head["preset"] = {**sim.preset.resolved(), "name": sim.preset.name}
+    elif sim.box is not None:
         head["domain"] = {"periodic": sim.box.as_dict()}
     for name, system in sim.members.items():
-        state = system.state
-        head["systems"][name] = {
-            "count": state.count, "next_id": state.next_id, "may_die": state.may_die, "attributes": state.attributes,
-            "done": [e.done for e in system.emitters], _UNPROCESSED: unprocessed_ids[name],
-            _SAVED: [list(interaction.saved_arrays) for interaction in system.interactions],
-            "removed": state.removed if state.entries else None, "launches": state.launches, "count_at": state.count_at,
-            "definition": None if sim.preset is not None else _definition(system),
-        }  # fmt: skip
+        definition = None if sim.preset is not None else _definition(system)
+        head["systems"][name] = {**head["systems"][name], "definition": definition}
     path = Path(path)
     if not path.parent.is_dir():
         raise OutputError(f"cannot write {path}: there is no folder {path.parent}")
     with beside(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         archive.writestr("head.json", json.dumps(head))
-        for name, system in sim.members.items():
-            for column in _COLUMNS:
-                array = getattr(system.state, column)[..., : system.state.count]
-                _write_array(archive, f"{name}/{column}.npy", array)
-            if system.state.entries:
-                _write_array(archive, f"{name}/booked.npy", system.state.booked[:, : system.state.count])
-            for k, interaction in enumerate(system.interactions):
-                for key, array in interaction.saved_arrays.items():
-                    _write_array(archive, f"{name}/{k}.{key}.npy", array)
+        for (name, column), array in snapshot.columns.items():
+            write_array(archive, f"{name}/{column}.npy", array)
+        for name, array in snapshot.booked.items():
+            write_array(archive, f"{name}/booked.npy", array)
+        for name, interactions in snapshot.saved_arrays.items():
+            for k, arrays in enumerate(interactions):
+                for key, array in arrays.items():
+                    write_array(archive, f"{name}/{k}.{key}.npy", array)
 
 
-def _write_array(archive, name: str, array: np.ndarray) -> None:
-    with archive.open(name, "w") as out:
+def write_array(archive: zipfile.ZipFile, name: str, array: np.ndarray) -> None:
+    """Add an array to an archive, as .npy."""
+    with archive.open(name, "w", force_zip64=True) as out:
         np.lib.format.write_array(out, np.ascontiguousarray(array), allow_pickle=False)
 
 

@@ -23,14 +23,16 @@ from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.rows import FIRST_ATTRIBUTE, LIFETIME, POSITION, VELOCITY
 from gen_art.particles.storage import Particles
 from gen_art.registry import suggest
+from gen_art.simulation.living_particles import LivingParticles
 
 if TYPE_CHECKING:
     from gen_art.preset.look import Look
+    from gen_art.simulation.simulation import Simulation
 
 __all__ = ["ParticleSystem"]
 
 
-class ParticleSystem:
+class ParticleSystem(LivingParticles):
     """Particles, given as arrays or born from emitters, with the forces on them.
 
     position : (n, 3), m
@@ -54,7 +56,8 @@ class ParticleSystem:
     Raises UsageError for arrays of the wrong shape or with numbers that are not finite, and for unknown forces.
 
     In a simulation: count, ids, keys, emitter, position, velocity, mass, charge, radius, age are read-only NumPy copies of
-    the living particles in the order of their ids; `system.attribute(name)` gives any declared attribute.
+    the living particles in the order of their ids; `system.attribute(name)` gives any declared attribute. `set`, `add` and
+    `remove` change them between steps.
     """
 
     def __init__(
@@ -78,6 +81,7 @@ class ParticleSystem:
         look: "Look | Mapping[str, Any] | None" = None,
         booked: "Iterable[LedgerEntry | str | dict[str, str]]" = (),
     ) -> None:
+        super().__init__()
         self.colliders = arguments.instances("colliders", colliders, Collider, "ga.colliders.Plane(...)")
         self.forces = arguments.instances("forces", forces, Force, "ga.forces.Gravity(...)")
         self.interactions = arguments.instances(
@@ -113,7 +117,6 @@ class ParticleSystem:
         self.least_mass, self.largest_charge, self.largest_radius = self._extremes()
         for force in self.forces:
             force.check_mass(self.least_mass)
-        self.name = ""
         if self._initial and speed_of_light:
             speed = np.linalg.norm(self._initial["velocity"], axis=0)
             if (speed >= speed_of_light).any():
@@ -135,8 +138,16 @@ class ParticleSystem:
                         f"{suggest(read, (*PARTICLE, *self.attribute_names)) or ': declare it as an attribute'}"
                     )
         self.entries = self._checked_entries(booked)
-        self._state: Particles | None = None
-        self._time = lambda: 0.0
+
+    def __repr__(self) -> str:
+        acting = [one.name or type(one).__name__ for one in (*self.forces, *self.interactions)]
+        if self._state is None:
+            count = len(self._initial["mass"]) if self._initial else 0
+            name, end = "", "; not part of a simulation yet"
+        else:
+            count, name, end = self.count, f" '{self.name}'", ""
+        with_forces = f", {', '.join(acting)}" if acting else ""
+        return f"<ParticleSystem{name}: {count:,} particle{'' if count == 1 else 's'}{with_forces}, {self.scheme.name}{end}>"
 
     def enter(self, box: PeriodicBox) -> None:
         """Move into a periodic box, before a simulation takes the system.
@@ -184,7 +195,8 @@ class ParticleSystem:
 
     def may_have(self, attribute: str) -> bool:
         """Whether a particle of the start or of a birth may have this attribute other than 0; True where that is not known."""
-        if self._state is not None or not (self._initial or self.emitters):
+        given = len(self._initial["mass"]) if self._initial else 0
+        if self._state is not None or not (given or self.emitters):  # the particles of a snapshot come later
             return True
         kinds = [kind for emission in self.emitters for kind in emission.kinds]
         if attribute in self._initial and self._initial[attribute].any():
@@ -257,19 +269,22 @@ class ParticleSystem:
             names.add("impact")
         return tuple(sorted(names))
 
-    def allocate(self, name: str, dtype: type[np.floating], key: np.uint64, time: Callable[[], float]) -> None:
-        """Make the system part of a simulation: allocate the state and give the initial particles their keys."""
+    def allocate(self, name: str, simulation: "Simulation", key: np.uint64) -> None:
+        """Make the system part of a simulation: allocate the state and give the initial particles their keys.
+
+        key : of all random streams of the system
+        """
         from gen_art.maths.random import channel_of, derive
 
         if self._state is not None:
             raise UsageError(f"system '{name}' is already part of a simulation: make another ParticleSystem")
-        self.name, self._time = name, time
+        self.name, self._simulation, self.key = name, simulation, key
         for interaction in self.interactions:
             interaction.box = self.box
         sources = []
         names = self.attribute_names
         channels = {attribute: FIRST_ATTRIBUTE + k for k, attribute in enumerate(names)}
-        if self._initial:
+        if self._initial or not self.emitters:
             sources.append(ParticleOrigin("initial"))
         self.emitters.sort(key=lambda e: e.name)
         for emission in self.emitters:
@@ -278,8 +293,11 @@ class ParticleSystem:
             for kind in emission.kinds:
                 kind.channels = channels
                 sources.append(ParticleOrigin(emission.name, kind.tag, kind.name))
+        sources.append(ParticleOrigin("added"))
         count = len(self._initial["mass"]) if self._initial else 0
-        self._state = state = Particles(dtype, names, tuple(sources), max(1024, count), self.box, self.entries)
+        self._state = state = Particles(
+            simulation.dtype, names, tuple(sources), max(1024, count), self.box, self.entries
+        )
         if self._initial:
             keys = derive(derive(key, channel_of("initial")), np.arange(count))
             new = state.append(np.zeros(count), keys, np.zeros(count, np.int32))
@@ -294,105 +312,89 @@ class ParticleSystem:
         self._initial = {}
         state.may_die = state.may_die or any(collider.values["action"] == "kill" for collider in self.colliders)
 
-    @property
-    def state(self) -> Particles:
-        """The storage. Raises UsageError until the system is part of a simulation."""
-        if self._state is None:
-            raise UsageError("this ParticleSystem is not part of a simulation yet")
-        return self._state
+    def without_particles(self) -> "ParticleSystem":
+        """Another system with the same forces and emitters, which no simulation has and no particle was given to."""
+        given = any(source.name == "initial" for source in self.state.sources)
+        return ParticleSystem(
+            position=np.zeros((0, 3)) if given else None,
+            forces=self.forces,
+            interactions=[interaction.fresh() for interaction in self.interactions],
+            colliders=self.colliders,
+            integrator=self.scheme.name,
+            speed_of_light=self.scheme.light or None,
+            exact_gyration=self.scheme.exact,
+            medium=self.medium,
+            attributes={name: np.zeros(0) for name in self.attribute_names},
+            emitters=[emission.fresh() for emission in self.emitters],
+            look=self.look,
+            booked=self.entries,
+        )
+
+    def change(self, act: Callable[[], None]) -> None:
+        """Let `act` change the particles from outside: see Simulation.change."""
+        assert self._simulation is not None, "`state` has raised an error"
+        self._simulation.change(self.name, act)
+
+    def set(
+        self,
+        position: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        mass: ArrayLike | None = None,
+        charge: ArrayLike | None = None,
+        radius: ArrayLike | None = None,
+        *,
+        attributes: Mapping[str, ArrayLike] | None = None,
+        where: ArrayLike | None = None,
+    ) -> None:
+        """Change living particles between steps; what is left out stays as it is.
+
+        position, velocity : (n, 3) in the order of `where`, or one (3,) for all of them
+        mass, charge, radius, attributes : (n,) or one number, as in the constructor
+        where : the particles' ids, or one bool for each living particle; all living particles when left out
+        The ledger books the change as `outside`. Raises UsageError, and changes nothing, for wrong shapes, numbers that are not
+        finite, ids of no living particle, fixed particles with a velocity, and the particles of rigid bodies.
+        """
+        from gen_art.simulation.changes import set_particles
+
+        given = {"position": position, "velocity": velocity, "mass": mass, "charge": charge, "radius": radius}
+        set_particles(self, given, attributes, where)
+
+    def add(
+        self,
+        position: ArrayLike,
+        velocity: ArrayLike | None = None,
+        mass: ArrayLike | None = None,
+        charge: ArrayLike | None = None,
+        radius: ArrayLike | None = None,
+        *,
+        attributes: Mapping[str, ArrayLike] | None = None,
+        lifetime: ArrayLike | None = None,
+    ) -> np.ndarray:
+        """Add particles between steps; returns their ids, (n,) int64.
+
+        position : (n, 3) m, or one (3,)
+        lifetime : s from now; for ever when left out
+        The others are as in the constructor, with its defaults. Their `emitter` is "added".
+        The ledger books the change as `outside`. Raises UsageError as `set` does.
+        """
+        from gen_art.simulation.changes import add_particles
+
+        given = {"position": position, "velocity": velocity, "mass": mass, "charge": charge, "radius": radius}
+        return add_particles(self, given, attributes, lifetime)
+
+    def remove(self, ids: ArrayLike) -> None:
+        """Remove living particles between steps, by id, or by one bool for each living particle.
+
+        The ledger books the change as `outside`, not as deaths, and no emitter takes it for a death. Raises UsageError as `set`
+        does.
+        """
+        from gen_art.simulation.changes import remove_particles
+
+        remove_particles(self, ids)
 
     def births_until(self, time: float) -> int:
         """The number of scheduled births up to `time`, s, that have not been made yet."""
         return sum(e.schedule.until(time) - e.done for e in self.emitters if e.schedule is not None)
-
-    def _living(self):
-        return np.flatnonzero(self.state.alive(self._time()))
-
-    def _copy(self, array) -> np.ndarray:
-        out = np.array(array)
-        out.flags.writeable = False
-        return out
-
-    @property
-    def count(self) -> int:
-        """The number of living particles."""
-        return len(self._living())
-
-    @property
-    def ids(self) -> np.ndarray:
-        """(n,) int64, increasing; never reused."""
-        return self._copy(self.state.id[self._living()])
-
-    @property
-    def keys(self) -> np.ndarray:
-        """(n,) uint64, the keys of the particles' random streams."""
-        words = self.state.key[:, self._living()].astype(np.uint64)
-        return self._copy((words[0] << np.uint64(32)) | words[1])
-
-    @property
-    def emitter(self) -> np.ndarray:
-        """(n,) names of the emitters of the particles ("initial" for particles given as arrays)."""
-        names = np.array([s.name for s in self.state.sources] or [""])
-        return self._copy(names[self.state.source[self._living()]])
-
-    @property
-    def position(self) -> np.ndarray:
-        """(n, 3) m."""
-        return self._copy(self.state.floats[POSITION, self._living()].T)
-
-    @property
-    def velocity(self) -> np.ndarray:
-        """(n, 3) m/s, at the same time as the positions."""
-        return self._copy(self.state.floats[VELOCITY, self._living()].T)
-
-    def attribute(self, name: str) -> np.ndarray:
-        """(n,) the particles' mass, charge, radius, lifetime or a declared attribute."""
-        if arguments.text("the name of an attribute", name) not in self.state.channels:
-            raise UsageError(f"system '{self.name}' has no attribute '{name}'{suggest(name, self.state.channels)}")
-        return self._copy(self.state.floats[self.state.channels[name], self._living()])
-
-    def booked(self, kind: str, name: str = "") -> np.ndarray:
-        """(n,) J: each living particle's share of an entry of the ledger since its birth.
-
-        kind : "work" or "dissipated"
-        name : the force as the ledger names it, without the system's name; left out for all that is dissipated
-        Raises UsageError unless the particles keep it: their look goes by it, or `booked` of the system names it.
-        """
-        return self._copy(self.state.booked[self._entry_index(kind, name), self._living()])
-
-    def booked_total(self, kind: str, name: str = "") -> float:
-        """The sum of `booked` over all particles that ever were, the dead too, J: to round-off the entry of `sim.ledger()`."""
-        return self.state.booked_total(self._entry_index(kind, name))
-
-    def _entry_index(self, kind: str, name: str) -> int:
-        entry = LedgerEntry.of({kind: name} if name else kind)
-        if entry not in self.state.entries:
-            check_entry(entry, self.ledger_rows, self.interactions)
-            raise UsageError(
-                f"the particles of '{self.name}' keep no share of {entry}: give the system booked=[{entry.plain!r}], or a look "
-                "that goes by it"
-            )
-        return self.state.entries.index(entry)
-
-    @property
-    def mass(self) -> np.ndarray:
-        """(n,) kg."""
-        return self.attribute("mass")
-
-    @property
-    def charge(self) -> np.ndarray:
-        """(n,) C."""
-        return self.attribute("charge")
-
-    @property
-    def radius(self) -> np.ndarray:
-        """(n,) m."""
-        return self.attribute("radius")
-
-    @property
-    def age(self) -> np.ndarray:
-        """(n,) s since birth."""
-        return self._copy(self._time() - self.state.birth[self._living()])
 
 
 def _checked_attributes(attributes) -> dict[str, Any]:

@@ -56,6 +56,12 @@ class Watch:
             self._samples[name] = MotionSample(system, _SAMPLE)
         self._coarse: set[str] = set()  # systems whose last sample was
 
+    def continued(self, sim: "Simulation") -> "Watch":
+        """The Watch of a copy of the simulation, which does not say again what this one has said."""
+        other = Watch(sim, self._mode)
+        other._said = dict(self._said)
+        return other
+
     def say(self, name: str, cause: str, sentence: str) -> None:
         """Give advice about a system, once a cause. Raises UsageError in mode "error".
 
@@ -87,6 +93,15 @@ class Watch:
         done = self._sim.steps_done
         return 1 if self._into_sample(done) < 2 else self._next_at - done
 
+    def restart(self) -> None:
+        """Forget the samples so far, because the particles were changed from outside, which is no motion."""
+        self._judge_pairs()
+        self._restart_samples()
+
+    def _restart_samples(self) -> None:
+        for sample in (*self._samples.values(), *self._paired.values()):
+            sample.restart()
+
     def _into_sample(self, done: int) -> int:
         """The number of steps since the latest sample began."""
         if done >= self._next_at:
@@ -110,8 +125,7 @@ class Watch:
         if into == 0:
             self._judge_pairs()
             # particles that were born since are among those that are chosen now
-            for sample in (*self._samples.values(), *self._paired.values()):
-                sample.restart()
+            self._restart_samples()
         if done % _STRIDE == 0:
             for sample in self._paired.values():
                 sample.record()

@@ -9,7 +9,6 @@ going back quick.
 import math
 import tempfile
 import time
-import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -231,12 +230,9 @@ class Player:
         carried, self.sim = self.sim, None
         if carried is None or carried.steps_done == 0 or not same_clock:
             return False
-        path = Path(self._folder.name) / "carried.gas"
+        assert self.preset is not None
         try:
-            carried.save(path)
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # they are said when the motion is computed anew
-                self.sim = Simulation.restore(path, self.preset)
+            self.sim = carried.continued(self.preset)
         except UsageError:  # its systems are others
             return False
         return True

@@ -34,6 +34,44 @@ def test_arrays_are_read_only_copies():
     assert sim["b"].keys.dtype == np.uint64 and sim["b"].ids.dtype == np.int64
 
 
+@pytest.mark.parametrize("precision", ["f32", "f64"])
+def test_a_view_is_no_copy_and_read_only(precision):
+    r = np.random.default_rng(0)
+    system = ga.ParticleSystem(
+        position=r.normal(size=(5, 3)),
+        velocity=r.normal(size=(5, 3)),
+        mass=r.uniform(1, 2, 5),
+        attributes={"heat": 2.0},
+    )
+    sim = ga.Simulation({"s": system}, dt=0.01, precision=precision)
+    for name in ("position", "velocity", "mass", "charge", "radius", "heat"):
+        view = system.view(name)
+        copy = system.attribute("heat") if name == "heat" else getattr(system, name)
+        assert np.array_equal(view, copy) and view.dtype == copy.dtype and view.shape == copy.shape
+        assert np.shares_memory(view, sim.systems["s"].floats) and not np.shares_memory(copy, sim.systems["s"].floats)
+        with pytest.raises(ValueError, match="read-only"):
+            view[0] = 1
+    system.remove([1])
+    assert np.array_equal(system.view("position"), system.position) and len(system.view("mass")) == 4
+    with pytest.raises(ga.UsageError, match="has no 'positon' to view; did you mean 'position'"):
+        system.view("positon")
+    system.add((0, 0, 0), lifetime=1.0)
+    with pytest.raises(ga.UsageError, match="particles of 's' may die"):
+        system.view("position")
+    with pytest.raises(ga.UsageError, match="not part of a simulation yet"):
+        ball().view("position")
+
+
+def test_a_system_says_what_it_is():
+    one = ball(interactions=[ga.interactions.SelfGravity(G=1.0)])
+    assert repr(one) == "<ParticleSystem: 1 particle, gravity, self_gravity, leapfrog; not part of a simulation yet>"
+    ga.Simulation({"b": one}, dt=0.01)
+    one.add(np.ones((1500, 3)) * np.arange(1500)[:, None])
+    assert repr(one) == "<ParticleSystem 'b': 1,501 particles, gravity, self_gravity, leapfrog>"
+    one.remove(one.ids[:1500])
+    assert repr(one) == "<ParticleSystem 'b': 1 particle, gravity, self_gravity, leapfrog>"
+
+
 @pytest.mark.parametrize("bad", [
     dict(position=[[1, 2]]), dict(position=[[1, 2, np.nan]]), dict(position=np.zeros((2, 3)), velocity=np.zeros((3, 3))),
     dict(position=np.zeros((2, 3)), mass=[1, 2, 3]), dict(position=np.zeros((2, 3)), mass=-1.0),
