@@ -38,6 +38,9 @@ if (
     from gen_art.maths.elementary import power as power
     from gen_art.maths.elementary import sin as sin
     from gen_art.output.job import render as render
+    from gen_art.output.script_film import Film as Film
+    from gen_art.output.script_film import develop as develop
+    from gen_art.output.script_film import still as still
     from gen_art.preset.light import KeyLight as KeyLight
     from gen_art.preset.load import load_preset as load_preset
     from gen_art.preset.look import Look as Look
@@ -46,7 +49,7 @@ if (
     from gen_art.preset.surface import SurfaceLook as SurfaceLook
     from gen_art.registry import param as param
     from gen_art.renderer.camera import Camera as Camera
-    from gen_art.renderer.painter import render_frame as render_frame
+    from gen_art.renderer.render_frame import render_frame as render_frame
     from gen_art.simulation import ParticleSystem as ParticleSystem
     from gen_art.simulation import Simulation as Simulation
     from gen_art.simulation.adaptive import adaptive as adaptive
@@ -62,6 +65,7 @@ _NAMES = {
     "Diagnostics": "gen_art.simulation.diagnostics",
     "DivergedError": "gen_art.errors",
     "Emitter": "gen_art.emitters.base",
+    "Film": "gen_art.output.script_film",
     "Force": "gen_art.forces.base",
     "GenArtError": "gen_art.errors",
     "Ground": "gen_art.preset.surface",
@@ -83,6 +87,7 @@ _NAMES = {
     "cloth": "gen_art.interactions.spring_nets",
     "colliders": "",
     "cos": "gen_art.maths.elementary",
+    "develop": "gen_art.output.script_film",
     "emitter": "gen_art.emitters.base",
     "emitters": "",
     "exp": "gen_art.maths.elementary",
@@ -96,20 +101,21 @@ _NAMES = {
     "param": "gen_art.registry",
     "power": "gen_art.maths.elementary",
     "render": "gen_art.output.job",
-    "render_frame": "gen_art.renderer.painter",
+    "render_frame": "gen_art.renderer.render_frame",
     "rope": "gen_art.interactions.spring_nets",
     "shape": "gen_art.emitters.base",
     "sin": "gen_art.maths.elementary",
+    "still": "gen_art.output.script_film",
     "ti": "gen_art.backend.runtime",
     "velocity": "gen_art.emitters.base",
 }
 
 __all__ = [
-    "AdviceWarning", "Camera", "Diagnostics", "DivergedError", "Emitter", "Force", "GenArtError", "Ground", "KeyLight",
-    "Look", "Medium", "ParticleSystem", "PresetError", "Shape", "Simulation", "Sky", "SurfaceLook", "UsageError", "Velocity",
-    "__version__", "adaptive", "bodies", "body", "chain", "cloth", "colliders", "cos", "emitter", "emitters", "exp", "force",
-    "forces", "integrators", "interactions", "load_preset", "log", "orbital_elements", "param", "power", "render",
-    "render_frame", "rope", "shape", "sin", "ti", "velocity",
+    "AdviceWarning", "Camera", "Diagnostics", "DivergedError", "Emitter", "Film", "Force", "GenArtError", "Ground",
+    "KeyLight", "Look", "Medium", "ParticleSystem", "PresetError", "Shape", "Simulation", "Sky", "SurfaceLook",
+    "UsageError", "Velocity", "__version__", "adaptive", "bodies", "body", "chain", "cloth", "colliders", "cos",
+    "develop", "emitter", "emitters", "exp", "force", "forces", "integrators", "interactions", "load_preset", "log",
+    "orbital_elements", "param", "power", "render", "render_frame", "rope", "shape", "sin", "still", "ti", "velocity",
 ]  # fmt: skip
 
 

@@ -1,10 +1,9 @@
 """Pictures of a simulation in linear light: single ones, and those of a film with their trails."""
 
 import math
-from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,11 +12,7 @@ from gen_art.errors import PresetError, UsageError
 from gen_art.particles.rows import LIFETIME, POSITION, VELOCITY
 from gen_art.particles.storage import Particles
 from gen_art.preset.disc_shape import Stretch
-from gen_art.preset.from_script import model_of
-from gen_art.preset.light import KeyLight
 from gen_art.preset.look import Look
-from gen_art.preset.sky import Sky
-from gen_art.preset.surface import Ground, ground_of
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.curved_streaks import Pieces, cut
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
@@ -39,7 +34,6 @@ from gen_art.renderer.neighbour_sums import NeighbourSums
 from gen_art.renderer.path_history import MOMENTS, PathHistory
 from gen_art.renderer.ribbons import RibbonHistory, cut_by_plane
 from gen_art.renderer.shading import LIT_RADIUS, ProjectedParticles, shade
-from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.sky_background import draw_sky
 from gen_art.renderer.smoke_lighting import add_scattered_light, lamp_axes, smoke_key
 from gen_art.renderer.spacing import NO_SPACING, spacing
@@ -58,9 +52,9 @@ from gen_art.renderer.surfaces.surface_layers import SurfaceLayers
 from gen_art.renderer.surfaces.surface_pass import SurfacePass
 
 if TYPE_CHECKING:
-    from gen_art.simulation import Simulation
+    pass
 
-__all__ = ["MAX_SIDE", "Painter", "check_size", "living", "render_frame"]
+__all__ = ["MAX_SIDE", "Painter", "check_size", "living"]
 
 MAX_SIDE = 16384
 
@@ -683,50 +677,3 @@ def _hide(projected: ProjectedParticles, which: np.ndarray) -> None:
     """Hide the particles that a mask names."""
     projected.used[FOOTPRINT, which], projected.used[X, which] = HIDDEN, OUTSIDE
     projected.used[RED : ALPHA + 1, which] = 0.0
-
-
-def render_frame(
-    sim: "Simulation",
-    size: tuple[int, int] = (1280, 720),
-    camera: Camera | None = None,
-    sky: Sky | None = None,
-    light: "KeyLight | Mapping[str, Any] | None" = None,
-    ground: "Ground | Mapping[str, Any] | str | bool | None" = None,
-) -> np.ndarray:
-    """A picture of the simulation's current state: (height, width, 4) float32, linear premultiplied RGBA.
-
-    A channel's mean is the light inside the frame; it is the same at any size of one aspect ratio. A ParticleSystem is drawn
-    by its `look`, and as white points of light 1 where it has none. Without a camera the preset's is used, or one that frames
-    the particles. Trails and ribbons, which need earlier states, are left out: `gen-art still` draws them.
-
-    sky : a ga.Sky; the preset's when None. With a sky, alpha is 1
-    light, ground : a ga.KeyLight and a ga.Ground, or mappings of their keys as in YAML; the preset's when None
-    """
-    if not hasattr(sim, "members"):
-        raise UsageError(f"render_frame draws a ga.Simulation, not {shown(sim)}")
-    if camera is not None and not isinstance(camera, Camera):
-        raise UsageError(f"camera must be a ga.Camera, such as ga.Camera(position=(0, 0, 5)), not {shown(camera)}")
-    if sky is not None and not isinstance(sky, Sky):
-        raise UsageError(f"sky must be a ga.Sky, such as ga.Sky(sun=30), not {shown(sky)}")
-    preset = sim.preset
-    shutter, film_time = 0.0, float(sim.time)
-    looks: dict[str, Look | None] = {n: system.look for n, system in sim.members.items() if system.look is not None}
-    if preset is not None:
-        looks = preset.looks
-    looks = {name: look and look.model_copy(update={"trail": None}) for name, look in looks.items()}
-    if preset is not None:
-        if camera is None and preset.camera is not None:
-            from gen_art.renderer.fitting import fit_of  # which surveys a film with this module's `living`
-
-            camera = Camera.from_spec(preset.camera, fit_of(preset, check_size(size), sim.precision))
-        sky = preset.sky if sky is None else sky
-        clock = preset.clock
-        film_time = (float(sim.time) - clock.preroll) / clock.speed
-        shutter = (camera.shutter if camera else 180.0) / 360.0 * clock.speed / clock.fps
-    dome = None if sky is None else SkyDome.of(sky)
-    scene = Scene.of(preset, sim.members.values(), dome)
-    if light is not None:
-        scene = replace(scene, light=model_of(KeyLight, "light", light))
-    if ground is not None:
-        scene = replace(scene, ground=ground_of(ground))
-    return np.array(Painter(size, camera, looks, shutter, scene=scene).paint(sim, film_time))

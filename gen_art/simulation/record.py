@@ -81,7 +81,7 @@ class Record(dict[str, np.ndarray]):
         Raises OutputError when the file cannot be written; then the values are still here, and `save` can write them elsewhere.
         """
         if self._sim is not None:
-            self._sim.forget_record(self)
+            self._sim.stop_observing(self)
             self._sim = None
         if self._path is None or self._folder is None:
             return

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from gen_art.preset.schema import Preset
     from gen_art.simulation.diagnostics import Diagnostics
     from gen_art.simulation.ledger import Ledger, LedgerKeeper
+    from gen_art.simulation.observer import Observer
     from gen_art.simulation.record import Record
     from gen_art.simulation.snapshot import Snapshot
 
@@ -180,7 +181,7 @@ class Simulation:
                     self._watch.say(name, f"{interaction.name} {k}", sentence)
         check_potentials(self)
         self._watch.look()
-        self._records: list[Record] = []
+        self._observers: list[Observer] = []
         self._ledger: LedgerKeeper | None = None
         if ledger or any(system.entries for system in members.values()):
             self.keep_ledger()
@@ -265,8 +266,8 @@ class Simulation:
         """Advance by `count` steps of dt."""
         count = arguments.whole("the number of steps", count, 0)
         while count > 0:
-            to_record = min((one.steps_left(self.steps_done) for one in self._records), default=count)
-            count -= self._advance(min(count, _BATCH, self._watch.most_steps(), to_record))
+            wanted = min((one.steps_left(self.steps_done) for one in self._observers), default=count)
+            count -= self._advance(min(count, _BATCH, self._watch.most_steps(), wanted))
 
     def step_with(self, move: Callable[[int], None]) -> None:
         """Take one step in which `move(number of the step)` moves the particles instead of their integrators."""
@@ -322,8 +323,8 @@ class Simulation:
         if self._ledger:
             self._ledger.record_deaths(t0, t1)
         self._watch.look()
-        for record in self._records:
-            record.look(self)
+        for observer in self._observers:
+            observer.look(self)
         return steps
 
     def _batch(self, most: int) -> int:
@@ -386,12 +387,16 @@ class Simulation:
         from gen_art.simulation.record import Record
 
         record = Record(self, every, what, to)
-        self._records.append(record)
+        self.observe(record)
         return record
 
-    def forget_record(self, record: "Record") -> None:
-        """Keep no more values for a record: see Record.close."""
-        self._records = [one for one in self._records if one is not record]
+    def observe(self, observer: "Observer") -> None:
+        """Let an observer look at the steps that it wants to see."""
+        self._observers.append(observer)
+
+    def stop_observing(self, observer: "Observer") -> None:
+        """Let it look no more."""
+        self._observers = [one for one in self._observers if one is not observer]
 
     def joules(self) -> "dict[str, dict[LedgerEntry, float]]":
         """By system, those entries of the ledger, J, of which its particles keep their shares: see ParticleSystem.booked."""

@@ -12,7 +12,8 @@ from gen_art.renderer import painter as painter_module
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.direct_splat import MIN_PARTICLES
 from gen_art.renderer.framebuffer import FrameBuffer
-from gen_art.renderer.painter import Painter, render_frame
+from gen_art.renderer.painter import Painter
+from gen_art.renderer.render_frame import render_frame
 from gen_art.renderer.sprite import AREA, BLUE, KERNEL_VARIANCE, LEVEL_FOOTPRINT, RED, X, Y, profile_integral
 from tests.render.particles import scene, state
 

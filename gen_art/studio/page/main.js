@@ -110,7 +110,7 @@ class Studio {
   #time() { return Number((this.#view.frame / (Number(this.data.clock?.fps) || 30)).toFixed(6)); }
   #source() { return this.#document.file ?? this.#document.name; }
   #command() { return `gen-art still ${this.#source()} --time ${this.#time()} -o ${this.#document.name}.png`; }
-  #python() { return `import gen_art as ga\n\nga.render("${this.#source()}", "${this.#document.name}.png", frames=${this.#view.frame})`; }
+  #python() { return `import gen_art as ga\n\nga.still("${this.#source()}", "${this.#document.name}.png", ${this.#time()})`; }
 
   async #copy(text, what) {
     try {
