@@ -30,6 +30,7 @@ COMMANDS = (
     "watch",
     "rerun",
     "sheet",
+    "sweep",
     "studio",
     "list",
     "show",

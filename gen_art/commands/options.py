@@ -22,6 +22,7 @@ __all__ = [
     "process_options",
     "run_options",
     "size_options",
+    "source",
     "vary_options",
 ]
 
@@ -240,13 +241,25 @@ vary_options = _stack(
         "--vary", multiple=True, metavar="PATH=VALUES",
         help="A value of the preset (once or twice): PATH=FIRST..LAST..COUNT, or PATH=A,B,C.",
     ),
+    click.option("--mutate", type=POSITIVE, metavar="SHARE", help="Change all knobs by up to this share: 0.2."),
+    click.option("--count", type=click.IntRange(1, 10_000), help="Number of mutations; 16 when left out."),
 )  # fmt: skip
 
 
-def grid(seeds, vary):
-    """Rows of the variations that --seeds and --vary name; --seeds comes first, so of both it has a row for each value."""
-    from gen_art.preset.variations import grid_of, parse_seeds, parse_vary
+def grid(source, changes, seeds, vary, mutate, count):
+    """Rows of the variations of a PresetSource; --seeds comes first, so with --vary it has a row for each value.
 
+    changes : those of all variations, by path
+    """
+    from gen_art.preset.variations import grid_of, in_rows, mutations, parse_seeds, parse_vary
+
+    if mutate is not None:
+        if seeds or vary:
+            raise click.UsageError("--mutate changes all knobs by itself: leave out --seeds and --vary")
+        first = source.load(changes)
+        return in_rows(mutations(first.knobs, mutate, count or 16, first.seed))
+    if count is not None:
+        raise click.UsageError("--count is the number of mutations: give --mutate too")
     if seeds is None and not vary:
         raise click.UsageError("say what varies: --seeds 0..15, or --vary knobs.NAME=FIRST..LAST..COUNT")
     return grid_of([*([parse_seeds(seeds)] if seeds is not None else []), *map(parse_vary, vary)])
@@ -258,6 +271,18 @@ def overrides(settings, fps=None, duration=None) -> dict[str, Any]:
 
     values = dict(parse_setting(setting) for setting in settings)
     return values | {f"clock.{k}": v for k, v in (("fps", fps), ("duration", duration)) if v is not None}
+
+
+def source(preset, seed=None, settings=(), fps=None, duration=None, plugins=()):
+    """(PresetSource, changes by path, plugins) of a command that loads a preset many times."""
+    from gen_art.plugins import load_plugin
+    from gen_art.preset.load import PresetSource
+
+    loaded = tuple(load_plugin(path) for path in plugins)
+    found, changes = PresetSource.of(preset), overrides(settings, fps, duration)
+    if seed is not None:
+        changes["seed"] = found.load(changes, seed).seed
+    return found, changes, loaded
 
 
 def load(preset, *, seed=None, settings=(), fps=None, duration=None, plugins=()):

@@ -12,8 +12,6 @@ __all__ = ["command"]
 @click.argument("preset")
 @click.option("-o", "--output", "out", required=True, metavar="OUT", help="The picture: .png .jpg .webp.")
 @options.vary_options
-@click.option("--mutate", type=options.POSITIVE, metavar="SHARE", help="Change all knobs by up to this share: 0.2.")
-@click.option("--count", type=click.IntRange(1, 10_000), help="Number of mutations; 16 when left out.")
 @click.option("--time", type=options.NOT_NEGATIVE, help="Film time in seconds; the gallery.time of each when left out.")
 @click.option("--cell", type=options.SIZE, help="Width and height of a cell in pixels; 320 wide when left out.")
 @click.option("--overwrite", is_flag=True, help="Replace output that exists.")
@@ -35,25 +33,8 @@ def command(
     --mutate changes every knob that is a number, within its range, and --seed chooses other mutations. `gen-art rerun
     sheet.png --cell 3,2 -o x.png` makes the cell in column 3, row 2 in full size.
     """
-    from gen_art.plugins import load_plugin
-    from gen_art.preset.load import PresetSource
-
-    loaded = tuple(load_plugin(path) for path in plugins)
-    source = PresetSource.of(preset)
-    changes = options.overrides(settings, fps, duration)
-    if seed is not None:
-        changes["seed"] = source.load(changes, seed).seed
-    if mutate is None:
-        if count is not None:
-            raise click.UsageError("--count is the number of mutations: give --mutate too")
-        rows = options.grid(seeds, vary)
-    else:
-        from gen_art.preset.variations import in_rows, mutations
-
-        if seeds or vary:
-            raise click.UsageError("--mutate changes all knobs by itself: leave out --seeds and --vary")
-        first = source.load(changes)
-        rows = in_rows(mutations(first.knobs, mutate, count or 16, first.seed))
+    source, changes, loaded = options.source(preset, seed, settings, fps, duration, plugins)
+    rows = options.grid(source, changes, seeds, vary, mutate, count)
     from gen_art.commands.progress import reporter
     from gen_art.output.sheet import make_sheet
 
