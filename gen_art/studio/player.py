@@ -76,7 +76,7 @@ class Player:
         self.is_exact = True
         self._superseded = superseded
         self._folder = tempfile.TemporaryDirectory(prefix="gen-art-studio-")
-        self._playback: Playback | None = None
+        self.playback: Playback | None = None
         self._painter: Painter | None = None  # the last one, whose surfaces may rest
         self._key: tuple = ()  # (size, whether with history) of the playback
         self._linear: tuple | None = None  # (frame, size, linear picture, exposure) of the last one drawn
@@ -93,7 +93,7 @@ class Player:
 
     def forget(self) -> None:
         """Start anew at the next change, also with an equal preset: its files or plugins are others."""
-        self.preset = self.sim = self._playback = self._painter = self._linear = None
+        self.preset = self.sim = self.playback = self._painter = self._linear = None
         self._drop_snapshots()
 
     def change(self, preset: "Preset") -> str:
@@ -113,10 +113,10 @@ class Player:
             preset.fits.update(before.fits)  # of a motion that changed: until it is computed anew
         self.preset = preset
         if need == "develop":
-            if self._playback is not None:
-                self._playback.preset = preset
+            if self.playback is not None:
+                self.playback.preset = preset
             return need
-        self._playback = self._linear = None
+        self.playback = self._linear = None
         if need == "motion":
             self._drop_snapshots()
             self.is_exact = not self._carry_over(same_clock=before is not None and before.clock == preset.clock)
@@ -139,11 +139,11 @@ class Player:
             self._linear = frame, size, whole, np.array(linear), exposure
             self._computed += time.perf_counter() - started
             self._keep_snapshot()
-        assert self._playback is not None
+        assert self.playback is not None
         drawn = time.perf_counter()
-        picture = self._playback.developed(self._linear[3], self._linear[4], frame)
+        picture = self.playback.developed(self._linear[3], self._linear[4], frame)
         seconds = {"draw": drawn - started, "develop": time.perf_counter() - drawn}
-        return Shown(picture[..., :3], frame, self.is_exact, self._playback.particles, seconds)
+        return Shown(picture[..., :3], frame, self.is_exact, self.playback.particles, seconds)
 
     def settle(self, frame: int) -> Iterator[float]:
         """Compute the motion of a frame from its start, a slice at each turn; yields the part that is done, 0..1.
@@ -160,7 +160,7 @@ class Player:
             yield anew.steps_done / target
         self.preset.fits.clear()
         self.sim, self.is_exact = anew, True
-        self._playback = self._linear = None
+        self.playback = self._linear = None
 
     def _step_of(self, frame: int) -> int:
         assert self.preset is not None
@@ -183,7 +183,7 @@ class Player:
     def _playback_before(self, step: int, size: tuple[int, int], whole: bool) -> Playback:
         """A Playback that can play on to a step, with all that the step's picture needs if it is to be whole."""
         assert self.preset is not None
-        playback = self._playback
+        playback = self.playback
         if playback is not None and self._key == (size, whole) and playback.sim.steps_done < step:
             return playback
         first = self._history_of(step) if whole else step
@@ -200,11 +200,11 @@ class Player:
         if first < step:
             self._keep_snapshot()
         self._key = size, whole
-        self._playback = Playback(self.preset, size, self.precision, self.threads, sim=self.sim)
+        self.playback = Playback(self.preset, size, self.precision, self.threads, sim=self.sim)
         if self._painter is not None:
-            self._playback.painter.keep_surfaces_of(self._painter)
-        self._painter = self._playback.painter
-        return self._playback
+            self.playback.painter.keep_surfaces_of(self._painter)
+        self._painter = self.playback.painter
+        return self.playback
 
     def _start(self) -> Simulation:
         assert self.preset is not None
@@ -268,7 +268,8 @@ def _need(before: "Preset", after: "Preset") -> str:
         return "motion"
     old, new = before.resolved(), after.resolved()
     changed = [key for key in {**old, **new} if old.get(key) != new.get(key)]
-    need = "develop"
+    # automatic exposure is metered in linear pictures of earlier frames
+    need = "develop" if before.develop.auto_exposure == after.develop.auto_exposure else "draw"
     for key in changed:
         if key in DEVELOPED:
             continue

@@ -40,6 +40,7 @@ def player():
     [
         ({"develop__exposure": 2.0}, "develop"),
         ({"develop__tone": "aces"}, "develop"),
+        ({"develop__auto_exposure": 0.3}, "draw"),
         ({"camera__fov": 30}, "draw"),
         ({"knobs__glow": 5}, "draw"),
         ({"systems__drops__look__draw": "point"}, "draw"),
