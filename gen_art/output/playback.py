@@ -78,6 +78,7 @@ class Playback:
         )
         self._last_shown = self.sim.steps_done if sim is not None else -1
         self._tell = tell
+        self._levels: dict[int, float] = {}  # by step: what the pictures were metered at, for automatic exposure
         self.stopwatch = Stopwatch()
         self._trail_steps, self._trail_interval = self._plan_trails()
         self._subframe_interval, self._subframes = self._plan_subframes()
@@ -135,8 +136,9 @@ class Playback:
         if auto is None:
             yield from ((self._picture(step), 0.0) for step in steps)
             return
-        wanted, levels = set(steps), {}
-        for step in sorted(wanted | {earlier for shown in steps for earlier, _ in self._metered_steps(shown)}):
+        wanted, levels = set(steps), self._levels
+        metered = {earlier for shown in steps for earlier, _ in self._metered_steps(shown)}
+        for step in sorted(wanted | metered - levels.keys()):
             picture = self._picture(step)
             levels[step] = metered_stops(picture)
             if step in wanted:

@@ -21,6 +21,7 @@ from gen_art.output.check import check_preset
 from gen_art.output.playback import Playback
 from gen_art.preset.camera import CameraSpec
 from gen_art.preset.estimate import refuse_if_too_large
+from gen_art.renderer.auto_exposure import metering_ages
 from gen_art.renderer.painter import Painter
 from gen_art.simulation import Simulation
 
@@ -176,6 +177,9 @@ class Player:
                 longest = max(longest, look.ribbon.length if look.ribbon else 0.0)
                 longest = max(longest, (look.length or clock.speed / clock.fps) if look.draw == "streak" else 0.0)
                 longest = max(longest, clock.step if look.goes_by("acceleration") else 0.0)
+        auto = self.preset.develop.auto_exposure
+        if auto is not None:
+            longest = max(longest, max(metering_ages(auto, clock.fps)) * clock.speed)
         if self.preset.camera is not None and self.preset.camera.subframes > 1:
             longest = max(longest, clock.speed / clock.fps)
         return max(0, step - math.ceil(longest / clock.step))
