@@ -69,14 +69,16 @@ class Playback:
         dome = SkyDome.of(preset.sky) if preset.sky is not None else None
         self.painter = Painter(
             size, self.camera, preset.looks, 0.0,
-            preset.camera.supersample if preset.camera else 1, Scene.of(preset, self.sim.members.values(), dome),
+            preset.camera.supersample if preset.camera else 1,
+            Scene.of(preset, self.sim.members.values(), dome, self.sim.preset.colliders if self.sim.preset else None),
             transparent,
         )  # fmt: skip
         self._precision = precision
         self._shows_acceleration = any(
             look is not None and look.goes_by("acceleration") for look in preset.looks.values()
         )
-        self._last_shown = self.sim.steps_done if sim is not None else -1
+        self._first_step = 0 if sim is None else sim.steps_done
+        self._last_shown = -1 if sim is None else sim.steps_done
         self._tell = tell
         self._levels: dict[int, float] = {}  # by step: what the pictures were metered at, for automatic exposure
         self.stopwatch = Stopwatch()
@@ -118,6 +120,29 @@ class Playback:
         interval = max(1, -(-steps // MOMENTS))
         return interval, steps + interval
 
+    @property
+    def begun(self) -> int:
+        """The number of steps that its simulation had done when this playback began."""
+        return self._first_step
+
+    def begins_at(self, step: int) -> int:
+        """The step from which a picture after `step` steps must be played to be the film's, with all of its trails and blur."""
+        clock = self.preset.clock
+        auto, first = self.preset.develop.auto_exposure, step
+        if auto is not None:
+            first -= round(max(metering_ages(auto, clock.fps)) * clock.fps) * clock.steps_per_frame
+        first -= (self._subframes - 1) * self._subframe_interval
+        reaches = [reach for _, reach in self._path_steps.values()]
+        for history in self.painter.histories.values():
+            reaches.append(math.ceil(history.ribbon.length / clock.step) + 1)
+        if self._trail_interval and self.painter.trails:
+            longest = max(look.trail.half_life for look in self.painter.trails.values() if look.trail is not None)
+            faded = math.ceil(_HALF_LIVES * longest * clock.speed / clock.step)
+            first -= faded + self._trail_interval
+        if self._shows_acceleration:
+            reaches.append(1)
+        return max(0, first - max(reaches, default=0))
+
     def step_of(self, time: float) -> int:
         """The number of steps from the start to film time `time`. Raises UsageError for a time between two steps."""
         return self.preset.clock.step_at(time)
@@ -150,7 +175,8 @@ class Playback:
         clock = self.preset.clock
         ages = metering_ages(self.preset.develop.auto_exposure, clock.fps)
         metered = [(step - round(age * clock.fps) * clock.steps_per_frame, age) for age in ages]
-        return [(earlier, age) for earlier, age in metered if earlier >= clock.preroll_steps or earlier == step]
+        first = max(clock.preroll_steps, self._first_step)
+        return [(earlier, age) for earlier, age in metered if earlier >= first or earlier == step]
 
     def _picture(self, step: int) -> np.ndarray:
         pictures: list[np.ndarray] = []
@@ -169,7 +195,9 @@ class Playback:
         for at, action in self._due_actions(step):
             actions.setdefault(at, []).append(action)
         interval = self._subframe_interval
-        painted = [step - k * interval for k in range(self._subframes) if step >= k * interval]
+        painted = [
+            at for at in (step - k * interval for k in range(self._subframes)) if at >= self._first_step or at == step
+        ]
         for at in painted:
             actions.setdefault(at, []).append(paint)
         wait = Wait(self._tell, step) if self._tell is not None and self._last_shown < 0 else None

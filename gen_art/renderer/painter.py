@@ -186,6 +186,11 @@ class Painter:
             )
         return pixels
 
+    @property
+    def shown_size(self) -> tuple[int, int]:
+        """(width, height) of its pictures."""
+        return self.size[0] // self.supersample, self.size[1] // self.supersample
+
     def keep_surfaces_of(self, before: "Painter") -> None:
         """Take over the light of surfaces that another painter of this size has drawn; what has changed is drawn anew."""
         if before.size == self.size and before._surfaces is not None:

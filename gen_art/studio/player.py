@@ -6,23 +6,25 @@ then False); `settle` computes the motion anew from its start, a slice at a time
 going back quick.
 """
 
-import math
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gen_art.errors import UsageError
+from gen_art.errors import DivergedError, OutputError, UsageError
 from gen_art.output.check import check_preset
 from gen_art.output.playback import Playback
 from gen_art.preset.camera import CameraSpec
 from gen_art.preset.estimate import refuse_if_too_large
-from gen_art.renderer.auto_exposure import metering_ages
+from gen_art.preset.load import load_preset
+from gen_art.renderer.fitting import fit_of
 from gen_art.renderer.painter import Painter
+from gen_art.renderer.survey import Moment, survey
 from gen_art.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -31,12 +33,14 @@ if TYPE_CHECKING:
 __all__ = ["Player", "Shown", "Superseded"]
 
 SLICE = 0.05  # s that is computed between two looks at whether there is something better to do
-SNAPSHOT_PAUSE = 0.5  # s of computing between two snapshots
+SNAPSHOT_PAUSE = (
+    0.5  # s of computing between two snapshots, at least, and WRITTEN times as long as writing the last one took
+)
+WRITTEN = 4.0
 MOST_SNAPSHOTS = 512_000_000  # bytes of all of them
 DEVELOPED = ("develop", "labels", "axes", "gallery", "expect")  # keys that change nothing before the linear picture
 DRAWN = ("camera", "sky", "light", "ground", "shadows", "wormhole")  # keys that change no motion
 DRAWN_PARTS = ("look", "looks")  # of a system
-FADED = 5.0  # half-lives after which a trail is seen no more
 
 
 class Superseded(Exception):
@@ -59,13 +63,24 @@ class Shown:
     seconds: dict[str, float]
 
 
+@dataclass(frozen=True)
+class _Light:
+    """The linear picture that was drawn last, and what it is of."""
+
+    frame: int
+    size: tuple[int, int]
+    with_history: bool
+    linear: np.ndarray
+    exposure: float
+
+
 class Player:
     """The pictures of a preset that changes.
 
     precision, threads : as for Simulation
     superseded : asked between slices of a long computation; where it says yes, `Superseded` is raised, and what was computed
         is kept
-    Its files lie in a folder of its own until `close`.
+    Its files lie in a folder of its own until `close`. Each picture of `show` is drawn by `playback` of `sim`.
     """
 
     def __init__(
@@ -75,14 +90,14 @@ class Player:
         self.preset: Preset | None = None
         self.sim: Simulation | None = None
         self.is_exact = True
+        self.playback: Playback | None = None
         self._superseded = superseded
         self._folder = tempfile.TemporaryDirectory(prefix="gen-art-studio-")
-        self.playback: Playback | None = None
         self._painter: Painter | None = None  # the last one, whose surfaces may rest
-        self._key: tuple = ()  # (size, whether with history) of the playback
-        self._linear: tuple | None = None  # (frame, size, linear picture, exposure) of the last one drawn
+        self._light: _Light | None = None
+        self._surveyed: tuple[dict, list[Moment]] | None = None  # (plain data, what `camera.frame` goes by)
         self._snapshots: dict[int, Path] = {}  # by steps done
-        self._computed = 0.0  # s since the last snapshot
+        self._computed, self._pause = 0.0, SNAPSHOT_PAUSE  # s since the last snapshot, and until the next
 
     @property
     def frames(self) -> int:
@@ -94,7 +109,7 @@ class Player:
 
     def forget(self) -> None:
         """Start anew at the next change, also with an equal preset: its files or plugins are others."""
-        self.preset = self.sim = self.playback = self._painter = self._linear = None
+        self.preset = self.sim = self.playback = self._painter = self._light = self._surveyed = None
         self._drop_snapshots()
 
     def change(self, preset: "Preset") -> str:
@@ -110,43 +125,41 @@ class Player:
         need = "motion" if before is None else _need(before, preset)
         if need == "motion":  # nothing else changes the number of particles
             refuse_if_too_large(preset, self.precision, preset.camera.size if preset.camera else CameraSpec().size)
-        if before is not None and _frame_of(before) == _frame_of(preset):
-            preset.fits.update(before.fits)  # of a motion that changed: until it is computed anew
-        self.preset = preset
+        # a preset of its own, because the fits of `camera.frame` are kept in it
+        self.preset = preset = load_preset(preset)
         if need == "develop":
             if self.playback is not None:
                 self.playback.preset = preset
             return need
-        self.playback = self._linear = None
+        self.playback = self._light = None
         if need == "motion":
             self._drop_snapshots()
             self.is_exact = not self._carry_over(same_clock=before is not None and before.clock == preset.clock)
-        elif self.sim is not None:
-            self.sim.preset = preset
         return need
 
-    def show(self, frame: int, size: tuple[int, int], whole: bool = True) -> Shown:
+    def show(self, frame: int, size: tuple[int, int], with_history: bool = True) -> Shown:
         """The picture of a frame, from 0 on. Raises the errors of gen_art.errors.
 
-        whole : with all of its trails, ribbons and motion blur, for which a few frames before it may have to be played again
+        with_history : with all of its trails, ribbons and motion blur, for which frames before it may have to be played again
         """
         assert self.preset is not None
         frame = min(max(0, frame), self.preset.clock.frames - 1)
         started = time.perf_counter()
-        if self._linear is None or self._linear[:3] != (frame, size, whole):
+        light = self._light
+        if light is None or (light.frame, light.size, light.with_history) != (frame, size, with_history):
             step = self._step_of(frame)
-            playback = self._playback_before(step, size, whole)
+            playback = self._playback_before(step, size, with_history)
             linear, exposure = next(playback.pictures([step]))
-            self._linear = frame, size, whole, np.array(linear), exposure
+            light = self._light = _Light(frame, size, with_history, np.array(linear), exposure)
             self._computed += time.perf_counter() - started
             self._keep_snapshot()
         assert self.playback is not None
         drawn = time.perf_counter()
-        picture = self.playback.developed(self._linear[3], self._linear[4], frame)
+        picture = self.playback.developed(light.linear, light.exposure, frame)
         seconds = {"draw": drawn - started, "develop": time.perf_counter() - drawn}
         return Shown(picture[..., :3], frame, self.is_exact, self.playback.particles, seconds)
 
-    def settle(self, frame: int) -> Iterator[float]:
+    def settle(self, frame: int, size: tuple[int, int]) -> Iterator[float]:
         """Compute the motion of a frame from its start, a slice at each turn; yields the part that is done, 0..1.
 
         Afterwards the pictures are exact. A caller that has something better to do drops the iterator.
@@ -154,45 +167,33 @@ class Player:
         if self.is_exact:
             return
         assert self.preset is not None
-        anew = self._start()
-        target = self._history_of(self._step_of(frame))
+        anew, step = self._start(), self._step_of(frame)
+        target = self._plan(anew, size).begins_at(step)
         while anew.steps_done < target:
             self._slice(anew, target)
             yield anew.steps_done / target
-        self.preset.fits.clear()
         self.sim, self.is_exact = anew, True
-        self.playback = self._linear = None
+        self.playback = self._light = None
 
     def _step_of(self, frame: int) -> int:
         assert self.preset is not None
         return self.preset.clock.preroll_steps + frame * self.preset.clock.steps_per_frame
 
-    def _history_of(self, step: int) -> int:
-        """The step from which a picture after `step` steps has to be played, so that its trails and ribbons are whole."""
-        assert self.preset is not None
-        clock, longest = self.preset.clock, 0.0
-        for look in self.preset.looks.values():
-            if look is not None:
-                longest = max(longest, FADED * look.trail.half_life * clock.speed if look.trail else 0.0)
-                longest = max(longest, look.ribbon.length if look.ribbon else 0.0)
-                longest = max(longest, (look.length or clock.speed / clock.fps) if look.draw == "streak" else 0.0)
-                longest = max(longest, clock.step if look.goes_by("acceleration") else 0.0)
-        auto = self.preset.develop.auto_exposure
-        if auto is not None:
-            longest = max(longest, max(metering_ages(auto, clock.fps)) * clock.speed)
-        if self.preset.camera is not None and self.preset.camera.subframes > 1:
-            longest = max(longest, clock.speed / clock.fps)
-        return max(0, step - math.ceil(longest / clock.step))
-
-    def _playback_before(self, step: int, size: tuple[int, int], whole: bool) -> Playback:
-        """A Playback that can play on to a step, with all that the step's picture needs if it is to be whole."""
+    def _playback_before(self, step: int, size: tuple[int, int], with_history: bool) -> Playback:
+        """A Playback that can play on to a step, with all that the step's picture needs."""
         assert self.preset is not None
         playback = self.playback
-        if playback is not None and self._key == (size, whole) and playback.sim.steps_done < step:
-            return playback
-        first = self._history_of(step) if whole else step
-        if self.sim is None or self.sim.steps_done > first:
-            if self.sim is not None and not self.is_exact and self.sim.steps_done <= step:
+        if playback is not None and playback.painter.shown_size == size and playback.sim.steps_done < step:
+            first = playback.begins_at(step) if with_history else step - self.preset.clock.steps_per_frame
+            if first <= playback.sim.steps_done and (not with_history or playback.begun <= first):
+                return playback
+        self.playback = self._light = None
+        if self.sim is None:
+            self.sim, self.is_exact = self._nearest(step), True
+        self._fit(size, with_history)
+        first = self._plan(self.sim, size).begins_at(step) if with_history else step
+        if self.sim.steps_done > first:
+            if not self.is_exact and self.sim.steps_done <= step:
                 first = self.sim.steps_done  # there is no state before this one: what follows has its history alone
             else:
                 self.sim, self.is_exact = self._nearest(first), True
@@ -203,12 +204,25 @@ class Player:
                 raise Superseded
         if first < step:
             self._keep_snapshot()
-        self._key = size, whole
-        self.playback = Playback(self.preset, size, self.precision, self.threads, sim=self.sim)
+        self.playback = self._plan(self.sim, size)
         if self._painter is not None:
             self.playback.painter.keep_surfaces_of(self._painter)
         self._painter = self.playback.painter
         return self.playback
+
+    def _plan(self, sim: Simulation, size: tuple[int, int]) -> Playback:
+        return Playback(self.preset, size, self.precision, self.threads, sim=sim)
+
+    def _fit(self, size: tuple[int, int], at_rest: bool) -> None:
+        """Find the fit of `camera.frame`. While something moves it goes by what was surveyed before the change."""
+        assert self.preset is not None
+        if self.preset.camera is None or self.preset.camera.frame is None:
+            return
+        data = self.preset.resolved()
+        if self._surveyed is None or (at_rest and self.is_exact and self._surveyed[0] != data):
+            self._surveyed = data, survey(self.preset, self.precision, self.threads)
+        self.preset.fits.clear()
+        fit_of(self.preset, size, self.precision, self.threads, self._surveyed[1])
 
     def _start(self) -> Simulation:
         assert self.preset is not None
@@ -237,32 +251,33 @@ class Player:
         assert self.preset is not None
         try:
             self.sim = carried.continued(self.preset)
-        except UsageError:  # its systems are others
+        except (UsageError, DivergedError):  # its systems are others, or its numbers left the finite ones
             return False
         return True
 
     def _keep_snapshot(self) -> None:
         assert self.sim is not None
         step = self.sim.steps_done
-        if not self.is_exact or self._computed < SNAPSHOT_PAUSE or step in self._snapshots:
+        if not self.is_exact or self._computed < self._pause or step in self._snapshots:
             return
-        path = Path(self._folder.name) / f"{step}.gas"
-        self.sim.save(path)
-        self._snapshots[step] = path
+        path, started = Path(self._folder.name) / f"{step}.gas", time.perf_counter()
+        with suppress(OutputError):  # without room for it, going back takes longer
+            self.sim.save(path)
+            if path.stat().st_size > MOST_SNAPSHOTS // 3:
+                path.unlink()
+            else:
+                self._snapshots[step] = path
         self._computed = 0.0
-        while len(self._snapshots) > 2 and sum(p.stat().st_size for p in self._snapshots.values()) > MOST_SNAPSHOTS:
+        self._pause = max(SNAPSHOT_PAUSE, WRITTEN * (time.perf_counter() - started))
+        while sum(one.stat().st_size for one in self._snapshots.values()) > MOST_SNAPSHOTS:
             steps = sorted(self._snapshots)  # the one whose neighbours are nearest to each other is missed least
             least = min(range(1, len(steps) - 1), key=lambda k: steps[k + 1] - steps[k - 1])
-            self._snapshots.pop(steps[least]).unlink()
+            self._snapshots.pop(steps[least]).unlink(missing_ok=True)
 
     def _drop_snapshots(self) -> None:
         for path in self._snapshots.values():
-            path.unlink()
+            path.unlink(missing_ok=True)
         self._snapshots = {}
-
-
-def _frame_of(preset: "Preset"):
-    return None if preset.camera is None else preset.camera.frame
 
 
 def _need(before: "Preset", after: "Preset") -> str:

@@ -187,15 +187,15 @@ class Worker(threading.Thread):
         width, height = wish.size
         if wish.moving and min(width, height) >= COARSE_FROM:
             width, height = width // COARSE, height // COARSE
-        self._send(self._player.show(self._frame, (width, height), whole=wish.playing))
+        self._send(self._player.show(self._frame, (width, height), with_history=wish.playing))
 
     def _draw_whole(self) -> None:
-        self._send(self._player.show(self._frame, self._wish.size, whole=True))
+        self._send(self._player.show(self._frame, self._wish.size, with_history=True))
         self._is_whole = True
 
     def _settle(self) -> None:
         """One slice of the motion computed anew."""
-        self._settling = self._settling or self._player.settle(self._frame)
+        self._settling = self._settling or self._player.settle(self._frame, self._wish.size)
         part = next(self._settling, None)
         self._tell({"type": "status", "anew": part})
 

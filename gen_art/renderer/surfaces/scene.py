@@ -1,6 +1,6 @@
 """What lights a picture and what stands in it: the lamp and the sky, the ground, and the colliders that are drawn."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -36,12 +36,20 @@ class Scene:
     wormhole: Wormhole | None = None
 
     @classmethod
-    def of(cls, preset, systems: Iterable, dome: SkyDome | None = None) -> "Scene":
-        """The scene of a preset and its ParticleSystems; without a preset, of their colliders alone."""
+    def of(
+        cls, preset, systems: Iterable, dome: SkyDome | None = None, shared: Sequence[Collider] | None = None
+    ) -> "Scene":
+        """The scene of a preset and its ParticleSystems; without a preset, of their colliders alone.
+
+        shared : the preset's colliders as the systems have them, where those were made of an equal preset before
+        """
         colliders = tuple(collider for system in systems for collider in system.colliders)
         if preset is None:
             return cls(colliders=colliders, dome=dome)
-        everything = (*preset.colliders, *colliders)  # those of the preset are there even if no system meets them
+        everything = (
+            *(preset.colliders if shared is None else shared),
+            *colliders,
+        )  # those of the preset are there even if no system meets them
         return cls(preset.light, preset.ground, preset.shadows, everything, dome, preset.wormhole)
 
     @property
