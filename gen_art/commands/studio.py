@@ -28,6 +28,8 @@ def command(preset, port, no_browser, plugins, precision, threads):
     live = LivePlugins(plugins)
     live.load()
     try:
+        import watchfiles  # noqa: F401
+
         from gen_art.studio.document import Document
         from gen_art.studio.server import Studio, listening_socket, serve
     except ImportError as error:

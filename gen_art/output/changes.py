@@ -31,9 +31,7 @@ def _set(node: Any, path: list, value: Any) -> Any:
     if not path:
         return value
     key = path[0]
-    inside = (
-        key in node if isinstance(node, dict) else isinstance(node, list) and isinstance(key, int) and key < len(node)
-    )
+    inside = key in node if isinstance(node, dict) else isinstance(node, list) and key in range(len(node))
     if not inside:
         raise UsageError(
             f"the recipe is damaged: it changes {'.'.join(map(str, path))}, which the preset does not have"

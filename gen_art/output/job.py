@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     AnyPreset: TypeAlias = Preset | str | Path | Mapping[str, Any]
 
-__all__ = ["QUALITIES", "check_target", "picture_size", "plan_film", "plan_still", "render", "still"]
+__all__ = ["QUALITIES", "check_target", "loaded", "picture_size", "plan_film", "plan_still", "render", "still"]
 
 # quality -> factor on the width and height; all but "final" also choose the codec profile "preview"
 QUALITIES = {"draft": 0.5, "preview": 1.0, "final": 1.0}
@@ -137,15 +137,16 @@ def _write_picture(
             submit(write_still, path, picture, recipe, overwrite)
 
 
-def _load(preset, fps=None, quality: str = "final") -> "Preset":
+def loaded(preset, fps=None, quality: str = "final") -> "Preset":
+    """The preset that a job of this quality makes its pictures of: a draft has no supersample."""
     from gen_art.preset.load import load_preset
     from gen_art.preset.schema import Preset
 
-    loaded = preset if isinstance(preset, Preset) else load_preset(preset)
+    found = preset if isinstance(preset, Preset) else load_preset(preset)
     overrides: dict[str, float] = {} if fps is None else {"clock.fps": fps}
-    if quality == "draft" and loaded.camera is not None and loaded.camera.supersample > 1:
+    if quality == "draft" and found.camera is not None and found.camera.supersample > 1:
         overrides["camera.supersample"] = 1
-    return load_preset(loaded, overrides=overrides) if overrides else loaded
+    return load_preset(found, overrides=overrides) if overrides else found
 
 
 def _frame_numbers(frames, preset) -> Sequence[int]:
@@ -198,7 +199,7 @@ def render(
         plugins=plugins, progress=progress, codec=codec, profile=profile,
     )  # fmt: skip
     loaded_plugins = load_plugins(plugins)
-    spec = _load(preset, fps, quality)
+    spec = loaded(preset, fps, quality)
     numbers = _frame_numbers(frames, spec)
     target, size, _ = plan_film(
         spec, out, precision=precision, size=size, scale=scale, quality=quality, overwrite=overwrite,
@@ -274,7 +275,7 @@ def still(
         plugins=plugins, progress=progress, time=time,
     )  # fmt: skip
     loaded_plugins = load_plugins(plugins)
-    spec = _load(preset, fps, quality)
+    spec = loaded(preset, fps, quality)
     time = spec.poster_time if time is None else time
     target, size, _ = plan_still(
         spec, out, time, precision=precision, size=size, scale=scale, quality=quality, overwrite=overwrite,

@@ -33,13 +33,13 @@ from gen_art.simulation.no_effect import undrawn_systems
 if TYPE_CHECKING:
     from gen_art.simulation import Simulation
 
-__all__ = ["Playback"]
+__all__ = ["Playback", "largest_divisor"]
 
 _HALF_LIVES = 16  # a trail starts this many half-lives before frame 0: light from earlier has faded
 _ENDLESS = 2**62  # end of a range of steps without end
 
 
-def _largest_divisor(number: int, most: int) -> int:
+def largest_divisor(number: int, most: int) -> int:
     """The largest divisor of `number` that is at most `most`, or 1."""
     return max(n for n in range(1, max(1, min(most, number)) + 1) if number % n == 0)
 
@@ -91,7 +91,7 @@ class Playback:
         clock, trails = self.preset.clock, [k.trail for k in self.painter.trails.values() if k.trail is not None]
         if not trails:
             return range(0), 1
-        interval = clock.steps_per_frame // _largest_divisor(clock.steps_per_frame, max(t.substeps for t in trails))
+        interval = clock.steps_per_frame // largest_divisor(clock.steps_per_frame, max(t.substeps for t in trails))
         longest = max(t.half_life for t in trails)
         exposures = math.ceil(_HALF_LIVES * longest * clock.speed / clock.step / interval)
         first = max(clock.preroll_steps % interval, clock.preroll_steps - exposures * interval)
@@ -106,7 +106,7 @@ class Playback:
         if wanted == 1 or steps == 0:
             self.painter.shutter = exposure_time
             return 0, 1
-        number = _largest_divisor(steps, wanted)
+        number = largest_divisor(steps, wanted)
         self.painter.shutter = exposure_time / number
         return steps // number, number
 

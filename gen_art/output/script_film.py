@@ -13,6 +13,7 @@ from gen_art.arguments import shown
 from gen_art.errors import EncoderError, OutputError, UsageError
 from gen_art.output import job
 from gen_art.output.formats import check_film_size, find_format
+from gen_art.output.playback import largest_divisor
 from gen_art.output.stills import write_still
 from gen_art.output.target import check_size_of, check_writable, find_target
 from gen_art.preset.develop import DevelopSpec
@@ -118,7 +119,7 @@ class Film:
     path : .mp4 .mov .webm .mkv .gif .webp
     size : (width, height)
     speed : simulated seconds for a second of film, by which trails fade, streaks are long and a camera's path goes; the
-        preset's, or as the first two pictures have it, when None (the first picture has no streaks then)
+        preset's, or measured between the first two pictures, when None: their streaks and trails are then not whole
     camera, looks, sky, light, ground, develop : as for ga.still
     codec, profile, bits, transparent, overwrite : as for ga.render
     Raises UsageError for wrong options, OutputError and EncoderError as ga.render.
@@ -147,7 +148,7 @@ class Film:
         self._sim: Simulation | None = None
         self._painter: Painter | None = None
         self._next: dict[str, int] = {}  # by what is kept between pictures, the step at which it is due
-        self._last_time = 0.0
+        self._first_time = self._last_time = 0.0
         self._writer = film_writer(self.path, self._size, self._fps, None, self._film, 0, overwrite)
         self._open = True
 
@@ -163,6 +164,7 @@ class Film:
         if self._speed is None and self.frames == 1:
             self._set_speed((sim.time - self._last_time) * self._fps)
         linear = self._painter.paint(sim, self._film_time(sim))
+        self._painter.remember_velocities(sim)
         spec = _develop_of(sim, self._develop)
         picture = tone_map.develop(linear, spec, self.frames, self._film.transparent, self._film.depth)
         self._writer.add(picture)
@@ -198,7 +200,7 @@ class Film:
         self._painter = painter_of(sim, self._size, transparent=self._film.transparent, **self._drawing)
         if self._speed is None and sim.preset is not None:
             self._speed = sim.preset.clock.speed
-        self._sim = sim
+        self._sim, self._first_time = sim, sim.time
         if self._speed is not None:
             self._set_speed(self._speed)
         for name in (*self._painter.histories, *self._painter.paths):
@@ -219,9 +221,11 @@ class Film:
             self._next["trails"] = self._sim.steps_done + self._interval("trails")
 
     def _film_time(self, sim: "Simulation") -> float:
-        if sim.preset is not None:
+        if self._speed is None:
+            return 0.0
+        if sim.preset is not None and self._speed == sim.preset.clock.speed:
             return film_time_of(sim)
-        return self.frames / self._fps
+        return (sim.time - self._first_time) / self._speed
 
     def _interval(self, what: str) -> int:
         """Steps between two moments at which something is kept."""
@@ -229,7 +233,8 @@ class Film:
         dt, frame = self._sim.dt, self._speed / self._fps
         if what == "trails":
             substeps = max(look.trail.substeps for look in self._painter.trails.values() if look.trail is not None)
-            return max(1, round(frame / dt / substeps))
+            steps = max(1, round(frame / dt))
+            return steps // largest_divisor(steps, substeps)
         if what in self._painter.histories:
             ribbon = self._painter.histories[what].ribbon
             return max(1, round(ribbon.length / ribbon.points / dt))

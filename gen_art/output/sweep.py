@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gen_art.errors import GenArtError, UsageError
+from gen_art.files import sha256
 from gen_art.output import job
 from gen_art.output.read_recipe import read_recipe
 from gen_art.output.recipe import version
@@ -62,6 +63,12 @@ def plan_sweep(
     """
     variations = [variation for row in rows for variation in row]
     presets = [preset for row in presets_of(PresetSource.of(source), rows, overrides or {}) for preset in row]
+    if (time is not None and any(options.get(key) for key in ("codec", "profile"))) or (
+        time is not None and frames is not None
+    ):
+        raise UsageError(
+            "--frames, --codec and --profile are of films, and --time is of pictures: give one or the other"
+        )
     if "#" in Path(out).name:
         raise UsageError(f"-o {out}: a sweep makes films or single pictures, not a picture for each frame")
     units: list[Unit] = []
@@ -141,21 +148,26 @@ def _named(out: str, variation: "Variation", preset: "Preset", number: int, digi
 
 
 def _is_of(path: Path, preset: "Preset", is_film: bool, options: Mapping[str, Any], plugins: Sequence) -> bool:
-    """Whether the recipe inside a file says that it is this unit's."""
+    """Whether the recipe inside a file says that it was made of this preset in this way."""
     try:
         recipe = read_recipe(path)
     except GenArtError:
         return False
+    given = {key: value for key, value in options.items() if key not in ("time", "precision")}
+    target, size = job.check_target(preset, path, moving=is_film, overwrite=True, **given)
     quality = options.get("quality", "final")
-    size = job.picture_size(preset, options.get("size"), options.get("scale"), quality, even=is_film)
     wanted = {
-        "kind": "film" if is_film else "still", "preset": preset.resolved(), "gen_art": version(), "size": list(size),
-        "quality": quality, "precision": options.get("precision", "f32"), "transparent": options.get("transparent", False),
+        "kind": "film" if is_film else "still", "preset": job.loaded(preset, quality=quality).resolved(),
+        "gen_art": version(), "size": list(size), "quality": quality, "precision": options.get("precision", "f32"),
+        "transparent": options.get("transparent", False), "bits": target.bits,
         "plugins": [{"name": plugin.name, "sha256": plugin.sha256} for plugin in plugins],
     }  # fmt: skip
-    if is_film:
+    if target.film is not None:
         frames = options["frames"]
         wanted["frames"] = [frames[0], frames[-1], frames[1] - frames[0] if len(frames) > 1 else 1]
+        wanted |= {"codec": target.film.codec.name, "profile": target.film.profile}
     else:
         wanted["time"] = options["time"]
-    return all(recipe.get(key) == value for key, value in wanted.items())
+    files = {str(file): sha256(file.place) for file in preset.files}
+    made_of = {file["path"]: file["sha256"] for file in recipe.get("files", ())}
+    return files == made_of and all(recipe.get(key) == value for key, value in wanted.items())

@@ -12,7 +12,7 @@ from gen_art.preset.overrides import split_path
 from gen_art.preset.reader import read_value
 from gen_art.preset.values import number, shown
 
-__all__ = ["MOST", "Axis", "Variation", "grid_of", "mutations", "parse_seeds", "parse_vary"]
+__all__ = ["MOST", "Axis", "Variation", "grid_of", "in_rows", "mutations", "parse_seeds", "parse_vary"]
 
 MOST = 10_000  # variations of one sheet or sweep
 LARGEST_SEED = 2**63 - 1
@@ -84,7 +84,7 @@ def parse_seeds(text: str) -> Axis:
         if last > LARGEST_SEED:
             raise UsageError(f"--seeds {shown(text)}: a seed is at most 2^63 - 1")
         if len(seeds) + last - first + 1 > MOST:
-            raise too_many(len(seeds) + last - first + 1)
+            raise _too_many(len(seeds) + last - first + 1)
         seeds += range(first, last + 1)
     return Axis("seed", tuple(seeds))
 
@@ -102,7 +102,7 @@ def grid_of(axes: Sequence[Axis]) -> list[list[Variation]]:
     for axis in axes:
         number_of *= len(axis.values)
     if number_of > MOST:
-        raise too_many(number_of)
+        raise _too_many(number_of)
     first = axes[0].variations
     if len(axes) == 1:
         return in_rows(first)
@@ -117,7 +117,7 @@ def in_rows(variations: Sequence[Variation]) -> list[list[Variation]]:
     return [list(variations[k : k + columns]) for k in range(0, len(variations), columns)]
 
 
-def too_many(count: int) -> UsageError:
+def _too_many(count: int) -> UsageError:
     return UsageError(f"{count:,} variations are asked for; there can be {MOST:,}")
 
 
@@ -146,10 +146,10 @@ def _moved(knob: Knob, amount: float, seed: str) -> int | float:
     value = knob.number
     assert value is not None
     part = random.Random(seed).uniform(-amount, amount)  # a text as seed: the same on every system
-    if knob.range is None:
-        return _plain(float(f"{value * (1.0 + part):.4g}"))
-    moved = float(f"{value + part * (knob.range.hi - knob.range.lo):.4g}")
-    return _plain(min(max(moved, knob.range.lo), knob.range.hi))
+    moved = value * (1.0 + part) if knob.range is None else value + part * (knob.range.hi - knob.range.lo)
+    if knob.range is not None:
+        moved = min(max(moved, knob.range.lo), knob.range.hi)
+    return round(moved) if isinstance(knob.value, int) else float(f"{moved:.4g}")
 
 
 def _plain(value: float) -> int | float:

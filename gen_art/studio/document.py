@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from gen_art.errors import GenArtError, OutputError, PresetError, UsageError
 from gen_art.files import beside
 from gen_art.preset.load import PresetSource
-from gen_art.preset.reader import read_text
+from gen_art.preset.reader import MAX_BYTES, read_text
 from gen_art.preset.shipped import find, presets_folder
 from gen_art.preset.writing import changed_text, text_without
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["LARGEST_TEXT", "Document"]
 
-LARGEST_TEXT = 1_000_000  # bytes of a preset
+LARGEST_TEXT = MAX_BYTES  # of a preset
 MOST_UNDO = 500
 
 
@@ -44,6 +44,7 @@ class Document:
         self._undone: list[str] = []
         self._done: list[str] = []
         self.problems: list[dict] = []
+        self._is_readable = True
         self.preset: Preset = source.load()
 
     @property
@@ -75,27 +76,36 @@ class Document:
             },
         }  # fmt: skip
 
-    def set(self, values: dict[str, Any]) -> bool:
-        """Set values by dotted path; whether the preset is valid with them. `settle` takes them into the text."""
-        before = dict(self._overrides)
+    def set(self, values: dict[str, Any]) -> list[dict]:
+        """Set values by dotted path; the problems that they have, with which nothing is set.
+
+        `settle` takes them into the text. Raises UsageError while the text cannot be read.
+        """
+        self._check_readable()
+        before, problems = dict(self._overrides), self.problems
         for path, value in values.items():
             self._overrides.pop(path, None)
             self._overrides[path] = value
-        valid = self._load()
-        if not valid:
-            self._overrides = before
-        return valid
+        if self._load():
+            return []
+        found, self._overrides, self.problems = self.problems, before, problems
+        return found
 
     def settle(self) -> bool:
         """Take the values that were set into the text; whether there were any."""
         if not self._overrides:
             return False
-        text = changed_text(self.text, self._overrides)
-        self._overrides = {}
+        self._check_readable()
+        text, self._overrides = changed_text(self.text, self._overrides), {}
         return self.write(text)
+
+    def _check_readable(self) -> None:
+        if not self._is_readable:
+            raise UsageError("the text cannot be read as YAML: mend it before a control changes it")
 
     def remove(self, path: str) -> bool:
         """Remove a key with what is below it; whether the preset is valid without."""
+        self._check_readable()
         self.settle()
         return self.write(text_without(self.text, path))
 
@@ -110,14 +120,17 @@ class Document:
 
     def undo(self) -> bool:
         """Go back to the text before; whether it is valid."""
-        self.settle()
+        if self._is_readable:
+            self.settle()
         if not self._done:
             return not self.problems
         self._undone.append(self.text)
         return self._take(self._done.pop())
 
     def redo(self) -> bool:
-        """Take back an undo; whether the text is valid."""
+        """Take back an undo; whether the text is valid. After values that were set since, there is nothing to take back."""
+        if self._is_readable:
+            self.settle()
         if not self._undone:
             return not self.problems
         self._done.append(self.text)
@@ -125,19 +138,23 @@ class Document:
 
     def reload(self) -> bool:
         """Read the file again, as it was changed elsewhere; whether it is valid. Raises OutputError if it is gone."""
-        try:
-            text = self.file.read_text(encoding="utf-8")
-        except (OSError, ValueError) as error:
-            raise OutputError(f"cannot read {self.file.name}: {getattr(error, 'strerror', None) or error}") from error
+        text = self._on_disk()
         if text == self.saved_text:  # it was saved from here, or only a file that it names has changed
             return self._take(self.text) if not self._overrides else self._load()
         self.saved_text = text
         self._overrides = {}
         return self.write(text)
 
+    def _on_disk(self) -> str:
+        try:
+            return self.file.read_text(encoding="utf-8-sig")
+        except (OSError, ValueError) as error:
+            raise OutputError(f"cannot read {self.file.name}: {getattr(error, 'strerror', None) or error}") from error
+
     def save(self) -> Path:
         """Write the text to its file. Raises UsageError for a shipped preset, or while there are problems."""
-        self.settle()
+        if self._is_readable:
+            self.settle()
         if self.path is None:
             raise UsageError(
                 f"'{self.name}' is a preset of gen-art and cannot be saved: `gen-art new mine --from {self.name}` makes a copy "
@@ -145,6 +162,10 @@ class Document:
             )
         if self.problems:
             raise UsageError("the preset has problems; correct them before it is saved")
+        if self.path.is_file() and self._on_disk() not in (self.saved_text, self.text):
+            raise UsageError(
+                f"{self.path.name} was changed elsewhere and is not read again yet: save once more in a moment"
+            )
         with beside(self.path, True) as temporary:
             temporary.write_text(self.text, encoding="utf-8")
         self.saved_text = self.text
@@ -152,11 +173,13 @@ class Document:
 
     def _take(self, text: str) -> bool:
         self.text, self._overrides = text, {}
+        self._is_readable = False
         try:
             parsed = read_text(text, f"{self.name}.yaml")
         except PresetError as error:
             self.problems = _listed(error)
             return False
+        self._is_readable = not parsed.problems
         self._source = PresetSource(self.name, parsed, self.folder, parsed.plain())
         return self._load()
 

@@ -104,6 +104,11 @@ class Player:
         """The frames of the film."""
         return self.preset.clock.frames if self.preset is not None else 0
 
+    @property
+    def fps(self) -> float:
+        """Frames of a second of the film."""
+        return self.preset.clock.fps if self.preset is not None else 30.0
+
     def close(self) -> None:
         self._folder.cleanup()
 

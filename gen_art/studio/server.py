@@ -7,15 +7,19 @@ must come from the page itself. The page names no path: it edits the one preset 
 import asyncio
 import base64
 import json
+import math
+import os
 import secrets
 import socket
 import struct
 import threading
 from collections.abc import Sequence
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+import uvicorn
+import websockets  # noqa: F401  (uvicorn imports it at the first socket: that it is missing must be said before)
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
 from starlette.requests import HTTPConnection, Request
@@ -37,6 +41,7 @@ __all__ = ["LARGEST_MESSAGE", "Studio", "listening_socket", "serve"]
 
 PAGE = Path(__file__).parent / "page"
 LARGEST_MESSAGE = 2 * LARGEST_TEXT  # bytes of a message from the page
+MOST_QUEUED = 8  # messages that wait for a page, above which it gets no more pictures
 LARGEST_PICTURE = 4096  # pixels of a side
 POLICY = (  # of what the page may load: its own files, and pictures that it was sent
     "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
@@ -98,7 +103,7 @@ class Studio:
 
     def knows(self, connection: HTTPConnection) -> bool:
         """Whether a request has the token."""
-        return secrets.compare_digest(connection.query_params.get("token", ""), self.token)
+        return secrets.compare_digest(connection.query_params.get("token", "").encode(), self.token.encode())
 
     async def _page(self, request: Request):
         if not self.knows(request):
@@ -139,19 +144,21 @@ class Studio:
             if was_editor and self._pages:
                 self._put(self._pages[0], {"type": "hello", "editor": True, "frame": self._poster_frame()})
                 self.worker.reconnected()
-            if not self._pages:
-                self.worker.want(playing=False, moving=False)
+            self.worker.want(playing=False, moving=False, diagnosed=False)
 
     async def _send_all(self, page: WebSocket, queue: asyncio.Queue) -> None:
-        while True:
-            message = await queue.get()
-            if isinstance(message, bytes):
-                await page.send_bytes(message)
-            else:
-                await page.send_text(json.dumps(message))
+        with suppress(WebSocketDisconnect, RuntimeError):  # the page has gone
+            while True:
+                message = await queue.get()
+                if isinstance(message, bytes):
+                    await page.send_bytes(message)
+                else:
+                    await page.send_text(_json(message))
 
     def _put(self, page: WebSocket, message: dict | bytes) -> None:
-        self._queues[page].put_nowait(message)
+        """Queue a message for a page; a picture for one that is far behind is left out."""
+        if not isinstance(message, bytes) or self._queues[page].qsize() < MOST_QUEUED:
+            self._queues[page].put_nowait(message)
 
     def _tell_all(self, message: dict | bytes) -> None:
         for page in self._pages:
@@ -159,7 +166,7 @@ class Studio:
 
     def _deliver(self, header: dict, picture: bytes) -> None:
         """From the worker: length of the header (4 bytes, big-endian), header as JSON, JPEG."""
-        head = json.dumps(header).encode()
+        head = _json(header).encode()
         self._from_worker(struct.pack(">I", len(head)) + head + picture)
 
     def _tell(self, message: dict) -> None:
@@ -179,17 +186,19 @@ class Studio:
                     self.worker.shown()
                 return
             if page is not self._pages[0]:
+                if kind == "view":  # every page says what it would like to see
+                    return
                 self._put(page, {"type": "error", "text": "another page edits this preset; this one watches"})
                 return
-            await getattr(self, f"_on_{kind}")(message)
+            await getattr(self, f"_on_{kind}")(page, message)
         except GenArtError as error:
             self._put(page, {"type": "error", "text": str(error)})
-        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        except (ValueError, KeyError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
             self._put(
                 page, {"type": "error", "text": f"the page sent what cannot be understood: {type(error).__name__}"}
             )
 
-    async def _on_view(self, message: dict) -> None:
+    async def _on_view(self, page: WebSocket, message: dict) -> None:
         changes: dict[str, Any] = {}
         if "frame" in message:
             changes["frame"] = max(0, int(message["frame"]))
@@ -199,42 +208,50 @@ class Studio:
         changes |= {key: bool(message[key]) for key in ("playing", "moving", "diagnosed") if key in message}
         self.worker.want(**changes)
 
-    async def _on_set(self, message: dict) -> None:
+    async def _on_set(self, page: WebSocket, message: dict) -> None:
         """Values by path; with `done` the text takes them over."""
-        valid = self.document.set(dict(message["values"])) if message["values"] else not self.document.problems
-        problems = self.document.problems
-        if valid:
-            self.worker.want(preset=self.document.preset, moving=not message.get("done", True))
-        if message.get("done", True):
+        done = bool(message.get("done", True))
+        values = dict(message["values"])
+        problems = self.document.set(values) if values else []
+        self.worker.want(preset=self.document.preset, moving=not done)
+        if done:
             self.document.settle()
-            self._show_document(None if valid else problems)
+            self._show_document(problems)
+        elif problems:
+            self._put(page, {"type": "error", "text": "; ".join(f"{one['path']}: {one['text']}" for one in problems)})
 
-    async def _on_remove(self, message: dict) -> None:
+    async def _on_remove(self, page: WebSocket, message: dict) -> None:
         self._edited(self.document.remove(str(message["path"])))
 
-    async def _on_text(self, message: dict) -> None:
+    async def _on_text(self, page: WebSocket, message: dict) -> None:
         self._edited(self.document.write(str(message["text"])))
 
-    async def _on_undo(self, message: dict) -> None:
+    async def _on_undo(self, page: WebSocket, message: dict) -> None:
         self._edited(self.document.undo())
 
-    async def _on_redo(self, message: dict) -> None:
+    async def _on_redo(self, page: WebSocket, message: dict) -> None:
         self._edited(self.document.redo())
 
-    async def _on_save(self, message: dict) -> None:
+    async def _on_save(self, page: WebSocket, message: dict) -> None:
         path = self.document.save()
         self._show_document()
         self._tell_all({"type": "said", "text": f"saved {path.name}"})
 
-    async def _on_final(self, message: dict) -> None:
-        frame, preset, plugins = int(message["frame"]), self.document.preset, self._plugins.load()
+    async def _on_final(self, page: WebSocket, message: dict) -> None:
+        frame, preset, plugins = max(0, int(message["frame"])), self.document.preset, self._plugins.load()
 
         def make() -> None:
-            self._tell({"type": "said", "text": "rendering the final picture"})
+            self._tell({"type": "said", "text": "rendering the final picture", "stays": True})
             name, data = final_picture(preset, frame, self.precision, self.threads, plugins)
-            self._tell({"type": "final", "name": name, "png": base64.b64encode(data).decode("ascii")})
+            picture = {"type": "final", "name": name, "png": base64.b64encode(data).decode("ascii")}
+            if self._loop is not None:
+                self._loop.call_soon_threadsafe(self._put_if_there, page, picture)
 
         self.worker.do(make)
+
+    def _put_if_there(self, page: WebSocket, message: dict) -> None:
+        if page in self._queues:
+            self._put(page, message)
 
     def _edited(self, valid: bool) -> None:
         if valid:
@@ -251,11 +268,47 @@ class Studio:
         """Files were saved elsewhere, or are gone: what is seen is made anew."""
         try:
             if set(paths) != {self.document.file}:
-                self._plugins.load()
-                self.worker.do(self.worker.forget)
+                await self._reload_plugins()
             self._edited(self.document.reload())
         except GenArtError as error:
             self._tell_all({"type": "error", "text": str(error)})
+        except Exception as error:  # of a plugin, which may raise anything; the watch goes on
+            self._tell_all({"type": "error", "text": f"this is a bug: {type(error).__name__}: {error}"})
+
+    async def _reload_plugins(self) -> None:
+        """In the worker's thread, where nothing is drawn meanwhile."""
+        loop, done = asyncio.get_running_loop(), asyncio.get_running_loop().create_future()
+
+        def reload() -> None:
+            error: BaseException | None = None
+            try:
+                self._plugins.load()
+            except Exception as raised:
+                error = raised
+            self.worker.forget()
+            if error is None:
+                loop.call_soon_threadsafe(done.set_result, None)
+            else:
+                loop.call_soon_threadsafe(done.set_exception, error)
+
+        self.worker.do(reload)
+        await done
+
+
+def _json(message: dict) -> str:
+    """JSON, in which numbers that are not finite are text: JSON has none."""
+
+    def finite(value: Any) -> Any:
+        if isinstance(value, float) and not math.isfinite(value):
+            return str(value)
+        if isinstance(value, dict):
+            return {key: finite(item) for key, item in value.items()}
+        return [finite(item) for item in value] if isinstance(value, (list, tuple)) else value
+
+    try:
+        return json.dumps(message, allow_nan=False)
+    except ValueError:
+        return json.dumps(finite(message))
 
 
 class _Guard:
@@ -294,7 +347,8 @@ class _Guard:
 def listening_socket(port: int) -> socket.socket:
     """A socket of this machine alone; port 0 takes a free one. Raises OSError for one that is taken."""
     found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    if os.name != "nt":  # there it would let two studios have one port
+        found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         found.bind(("127.0.0.1", port))
         found.listen(64)  # so that who reads the address can connect at once
@@ -306,8 +360,6 @@ def listening_socket(port: int) -> socket.socket:
 
 def serve(studio: Studio, found: socket.socket) -> None:
     """Serve until the process is stopped."""
-    import uvicorn
-
     port = found.getsockname()[1]
     studio.hosts = frozenset({f"127.0.0.1:{port}", f"localhost:{port}"})
     config = uvicorn.Config(

@@ -3,6 +3,7 @@
 Everything that computes runs in this one thread. It is told what is wanted (`want`) and calls back with pictures and words.
 """
 
+import math
 import tempfile
 import threading
 import time
@@ -16,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 from PIL import Image
 
-from gen_art.errors import GenArtError
+from gen_art.errors import GenArtError, UsageError
+from gen_art.preset.load import load_preset
 from gen_art.studio.player import Player, Shown, Superseded
 
 if TYPE_CHECKING:
@@ -72,6 +74,8 @@ class Worker(threading.Thread):
         self._seen = self._failed = -1  # versions of the wish: the one worked on, and one that ended in an error
         self._changed_at = 0.0
         self._settling: Iterator[float] | None = None
+        self._settling_frame = 0
+        self._due = 0.0  # when the next frame of a playing film is
         self._is_whole = False  # the last picture: drawn in full, with its trails
 
     def want(self, **changes: Any) -> None:
@@ -97,6 +101,9 @@ class Worker(threading.Thread):
     def forget(self) -> None:
         """Make everything anew at the next picture. To be run by `do`."""
         self._player.forget()
+        self._settling = None
+        with self._changed:
+            self._version += 1
 
     def do(self, job: Callable[[], None]) -> None:
         """Run a job in this thread, before the next picture."""
@@ -128,40 +135,46 @@ class Worker(threading.Thread):
     def _turn(self) -> None:
         """Wait until there is something to do, and do it."""
         with self._changed:
-            step, pause = self._next_step()
+            job = self._jobs.pop(0) if self._jobs else None
+            step, pause = (job, None) if job is not None else self._next_step()
             if step is None:
-                self._changed.wait(pause)
+                if not self._stopping:
+                    self._changed.wait(pause)
                 return
-            if self._jobs:
-                step = self._jobs.pop(0)
         try:
             step()
         except Superseded:
             pass
         except GenArtError as error:
-            self._failed = self._seen
-            self._tell({"type": "error", "text": str(error)})
+            self._fail(str(error), job is None)
         except Exception as error:
-            self._failed = self._seen
             traceback.print_exc()
-            self._tell({"type": "error", "text": f"this is a bug: {type(error).__name__}: {error}"})
+            self._fail(f"this is a bug: {type(error).__name__}: {error}", job is None)
+
+    def _fail(self, words: str, of_picture: bool) -> None:
+        if of_picture:
+            self._failed = self._seen  # the next picture is that of another wish
+        self._tell({"type": "error", "text": words})
 
     def _next_step(self) -> tuple[Callable[[], None] | None, float | None]:
         """(what to do now, or None; then how many seconds to wait at most)."""
-        wish, is_new = self._wish, self._seen != self._version
-        if self._jobs or self._stopping:
-            return self._nothing, None
-        if wish.preset is None or self._failed == self._version or self._credits <= 0:
+        wish, now = self._wish, time.monotonic()
+        if self._stopping or wish.preset is None or self._failed == self._version or self._credits <= 0:
             return None, None
-        if is_new:
+        if self._seen != self._version:
             self._take_wish()
             return self._draw_now, None
         if wish.playing:
+            if now < self._due:
+                return None, self._due - now
+            self._due = max(
+                now, self._due + 1.0 / self._player.fps
+            )  # no faster than the film, and no hurry after a pause
             self._frame = (self._frame + 1) % max(1, self._player.frames)
             return self._draw_now, None
         if wish.moving:
             return None, None
-        rest = self._changed_at + REST - time.monotonic()
+        rest = self._changed_at + REST - now
         if rest > 0.0:
             return None, rest
         if not self._player.is_exact:
@@ -173,17 +186,15 @@ class Worker(threading.Thread):
         if not wish.playing or wish.frame != self._wished_frame:
             self._frame = wish.frame
         self._wished_frame = wish.frame
-        self._seen, self._changed_at = self._version, time.monotonic()
-        self._settling, self._is_whole = None, False
-
-    def _nothing(self) -> None:
-        pass
+        self._seen, self._changed_at, self._is_whole = self._version, time.monotonic(), False
+        self._due = self._changed_at
 
     def _draw_now(self) -> None:
         """The picture as soon as it can be: small while something moves, and without the trails of frames before."""
         wish = self._wish
         assert wish.preset is not None
-        self._player.change(wish.preset)
+        if self._player.change(wish.preset) == "motion" or self._frame != self._settling_frame:
+            self._settling = None
         width, height = wish.size
         if wish.moving and min(width, height) >= COARSE_FROM:
             width, height = width // COARSE, height // COARSE
@@ -195,9 +206,12 @@ class Worker(threading.Thread):
 
     def _settle(self) -> None:
         """One slice of the motion computed anew."""
-        self._settling = self._settling or self._player.settle(self._frame, self._wish.size)
+        if self._settling is None:
+            self._settling, self._settling_frame = self._player.settle(self._frame, self._wish.size), self._frame
         part = next(self._settling, None)
         self._tell({"type": "status", "anew": part})
+        if part is None:
+            self._settling = None
 
     def _send(self, shown: Shown) -> None:
         data = BytesIO()
@@ -208,21 +222,23 @@ class Worker(threading.Thread):
             "height": height, "exact": shown.is_exact, "particles": shown.particles, "seconds": shown.seconds,
         }  # fmt: skip
         if self._wish.diagnosed and self._player.sim is not None:
-            found = self._player.sim.diagnostics()
-            header["diagnostics"] = {
-                "energy": float(found.energy), "kinetic": float(found.kinetic_energy),
-                "momentum": [float(x) for x in found.momentum], "count": int(found.count),
-            }  # fmt: skip
+            sums = self._player.sim.diagnostics()
+            momentum = math.hypot(*(float(x) for x in sums.momentum))
+            header["diagnostics"] = {"energy": float(sums.energy), "momentum": momentum, "count": int(sums.count)}
         with self._changed:
             self._credits -= 1
         self._deliver(header, data.getvalue())
 
 
 def final_picture(preset: "Preset", frame: int, precision: str, threads: int | None, plugins) -> tuple[str, bytes]:
-    """(file name, bytes) of a frame as `gen-art still` writes it."""
+    """(file name, bytes) of a frame as `gen-art still` writes it. Raises UsageError for a frame past the end."""
     from gen_art.output import job
 
+    if frame >= preset.clock.frames:
+        raise UsageError(f"frame {frame} lies past the end: the film has frames 0 to {preset.clock.frames - 1}")
     with tempfile.TemporaryDirectory(prefix="gen-art-studio-") as folder:
         path = Path(folder) / f"{preset.name}.png"
-        job.still(preset, path, frame / preset.clock.fps, precision=precision, threads=threads, plugins=plugins)
+        job.still(
+            load_preset(preset), path, frame / preset.clock.fps, precision=precision, threads=threads, plugins=plugins
+        )
         return path.name, path.read_bytes()

@@ -74,6 +74,7 @@ def test_a_file_made_in_another_way_is_not_replaced_unasked(gen_art, piece, chan
         ("{seed}.mp4", ("--seeds", "0..10000"), "10,001 variations"),
         ("{seed}_####.png", ("--seeds", "1,2"), "not a picture for each frame"),
         ("{seed}.avi", ("--seeds", "1,2"), "is not a"),
+        ("{seed}.png", ("--seeds", "1,2", "--time", "1", "--codec", "h264"), "--time is of pictures"),
         ("{seed}.mp4", (), "say what varies"),
     ],
 )  # fmt: skip
@@ -87,3 +88,22 @@ def test_a_wrong_variation_is_found_before_anything_is_made(gen_art, piece, tmp_
     result = gen_art("sweep", piece, "-o", "{cd}.png", "--vary", "forces.drag.cd=0.5,-1", "--time", "0.5")
     assert result.status == 3 and "this is the variation with cd -1" in result.err
     assert [path.name for path in tmp_path.iterdir()] == ["piece.yaml"]
+
+
+def test_a_film_with_another_codec_is_another(gen_art, piece):
+    command = (
+        "sweep",
+        piece,
+        "-o",
+        "{seed}.mp4",
+        "--seeds",
+        "1,2",
+        *SMALL,
+        "--quality",
+        "draft",
+        "--set",
+        "camera.supersample=2",
+    )
+    assert gen_art(*command).status == 0
+    assert "2 of 2 are made already" in gen_art(*command).err
+    assert gen_art(*command, "--codec", "h265").status == 5

@@ -124,3 +124,9 @@ def test_wrong_mutations():
     ):  # fmt: skip
         with pytest.raises(UsageError, match=words):
             mutations(*arguments)
+
+
+def test_a_knob_that_is_a_whole_number_stays_one():
+    found = mutations({"count": Knob(8, Range(1.0, 20.0)), "free": Knob(100)}, 0.5, 50, seed=1)
+    assert all(isinstance(value, int) for one in found for value in one.changes.values())
+    assert len({one.changes["knobs.count"] for one in found[1:]}) > 5

@@ -16,7 +16,7 @@ def document(tmp_path):
 
 
 def test_a_value_is_known_at_once_and_the_text_takes_it_over(document):
-    assert document.set({"knobs.push": 8}) and document.preset.knobs["push"].value == 8
+    assert document.set({"knobs.push": 8}) == [] and document.preset.knobs["push"].value == 8
     assert document.text == TEXT and document.data["knobs"]["push"]["value"] == 8 and not document.is_saved
     assert document.settle()
     assert document.text == TEXT.replace("value: 9,", "value: 8,"), "all else as it was, comments too"
@@ -42,16 +42,17 @@ def test_undo_takes_back_what_the_text_has_not_taken_over(document):
 
 def test_a_wrong_value_is_refused_and_the_last_preset_stays(document):
     before = document.preset
-    assert not document.set({"systems.drops.look.draw": "disk"})
-    assert document.preset is before and "did you mean 'disc'" in document.problems[0]["text"]
-    assert document.set({"develop.exposure": 1.0}) and document.problems == []
+    refused = document.set({"systems.drops.look.draw": "disk"})
+    assert document.preset is before and "did you mean 'disc'" in refused[0]["text"] and document.problems == []
+    assert document.set({"develop.exposure": 1.0}) == []
     document.settle()
+    document.save()
     assert "draw: disc" in document.text and "exposure: 1.0" in document.text
 
 
 def test_a_path_that_does_not_exist_is_a_sentence(document):
-    assert not document.set({"systems.drips.look.draw": "disc"})
-    assert "there is no 'drips' in systems; did you mean 'drops'" in document.problems[0]["text"]
+    refused = document.set({"systems.drips.look.draw": "disc"})
+    assert "there is no 'drips' in systems; did you mean 'drops'" in refused[0]["text"]
 
 
 def test_text_with_problems_names_their_lines_and_keeps_the_picture(document):
@@ -66,7 +67,7 @@ def test_text_with_problems_names_their_lines_and_keeps_the_picture(document):
 
 
 def test_keys_are_added_and_removed(document):
-    assert document.set({"develop.vignette": 0.5})
+    assert document.set({"develop.vignette": 0.5}) == []
     document.settle()
     assert "vignette: 0.5" in document.text
     assert document.remove("develop.vignette") and document.text == TEXT
@@ -102,3 +103,33 @@ def test_a_shipped_preset_is_not_saved():
 def test_a_text_of_megabytes_is_refused(document):
     with pytest.raises(UsageError, match="at most"):
         document.write("#" * (LARGEST_TEXT + 1))
+
+
+def test_controls_wait_while_the_text_cannot_be_read(document):
+    document.set({"knobs.push": 8})
+    document.write("seed: [5")
+    for use in (lambda: document.set({"seed": 3}), lambda: document.remove("seed")):
+        with pytest.raises(UsageError, match="mend it before a control changes it"):
+            use()
+    assert document.undo() and document.text == TEXT, "the way back is open"
+    assert document.set({"seed": 3}) == []
+
+
+def test_a_redo_after_a_change_of_a_value_keeps_that_value(document):
+    document.write(TEXT.replace("seed: 5", "seed: 6"))
+    document.undo()
+    document.set({"knobs.push": 8})
+    document.redo()
+    assert document.preset.knobs["push"].value == 8 and document.preset.seed == 5
+    assert document.undo() and document.text == TEXT
+
+
+def test_a_file_that_was_changed_elsewhere_is_not_overwritten_unseen(document, tmp_path):
+    document.set({"knobs.push": 8})
+    (tmp_path / "mine.yaml").write_text(TEXT.replace("seed: 5", "seed: 6"), encoding="utf-8")
+    with pytest.raises(UsageError, match="was changed elsewhere"):
+        document.save()
+    document.reload()
+    document.set({"knobs.push": 7})
+    document.save()
+    assert "seed: 6" in (tmp_path / "mine.yaml").read_text(encoding="utf-8")

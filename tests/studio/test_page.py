@@ -80,8 +80,7 @@ def test_a_slider_changes_the_picture_and_the_text(page):
     value = until(lambda: (match := re.search(r"push: \{value: ([\d.]+)", text(page))) and match[1] != "9" and match[1])
     assert 11 < float(value) < 14
     expect(knob(page, "push.value").locator("input[type=text]")).to_have_value(value)
-    expect(page.locator("#picture")).to_have_attribute("data-exact", "true", timeout=PATIENCE)
-    assert pixels(page) != before
+    until(lambda: page.locator("#picture").get_attribute("data-exact") == "true" and pixels(page) != before)
     assert "# how fast" in text(page), "comments stay"
     expect(page.locator("#saved")).to_have_text("mine.yaml, changed")
 

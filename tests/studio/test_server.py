@@ -34,6 +34,7 @@ def test_who_may_ask(studio):
     page = f"/?token={studio.token}"
     assert answer(studio, page)[0] == 200
     assert answer(studio, page, f"localhost:{studio.port}")[0] == 200
+    assert answer(studio, "/?token=%C3%A9")[0] == 403
     assert answer(studio, "/")[0] == 403 and answer(studio, "/?token=guess")[0] == 403
     assert answer(studio, page, "evil.example")[0] == 403
     assert answer(studio, page, f"evil.example:{studio.port}")[0] == 403
@@ -152,6 +153,8 @@ def test_a_second_page_watches(studio):
         ("3", "cannot be understood"),
         ('{"type": "remove", "path": "systems.nothing"}', "is not in the preset"),
         ('{"type": "view", "size": [1e99, "a"]}', "cannot be understood"),
+        ('{"type": "view", "frame": 1e999}', "cannot be understood"),
+        ('{"type": "final", "frame": 999}', "lies past the end"),
         ("[" * 100_000, "cannot be understood"),
     ],
 )
@@ -261,3 +264,30 @@ def test_a_plugin_that_is_saved_is_loaded_again(tmp_path):
             assert received(socket, "picture", lambda picture: picture["jpeg"] == first["jpeg"])
     finally:
         running.stop()
+
+
+def test_broken_text_and_controls_at_once(studio):
+    with studio.socket() as socket:
+        received(socket, "document")
+        send(socket, type="text", text="seed: [5")
+        assert received(socket, "document", lambda state: state["problems"])
+        send(socket, type="set", values={"seed": 3}, done=True)
+        assert "mend it" in received(socket, "error")["text"]
+        send(socket, type="undo")
+        assert received(socket, "document")["text"] == TEXT
+        send(socket, type="set", values={"clock.step": 0}, done=False)
+        assert "clock.step" in received(socket, "error")["text"]
+        send(socket, type="set", values={"clock.step": 0}, done=True)
+        assert received(socket, "document")["problems"]
+        send(socket, type="view", size=[640, 360], frame=12)
+        assert received(socket, "picture", lambda picture: picture["frame"] == 12)["width"] == 640, (
+            "in full: nothing moves"
+        )
+
+
+def test_numbers_that_json_does_not_have(studio):
+    with studio.socket() as socket:
+        received(socket, "document")
+        send(socket, type="text", text=TEXT.replace("seed: 5", "seed: 1e999"))
+        state = received(socket, "document", lambda state: state["problems"])
+        assert state["problems"][0]["path"] == "seed"

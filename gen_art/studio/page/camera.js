@@ -17,6 +17,7 @@ export class CameraHandle {
   #studio;
   #drag = null;
   #rest = 0;
+  #burst = null; // the pose to which turns of the wheel and keys add up, until the text has taken them over
 
   constructor(studio) {
     this.#studio = studio;
@@ -33,6 +34,14 @@ export class CameraHandle {
     const camera = this.#studio.data?.camera ?? {};
     if (camera.path !== undefined || camera.orbit !== undefined) {
       this.#studio.notice("this camera moves by its path or orbit: change those among the controls");
+      return null;
+    }
+    if (this.#studio.data?.camera === undefined) {
+      this.#studio.notice("this preset has no camera: add one among the controls, and it can be moved");
+      return null;
+    }
+    if (JSON.stringify([camera.position, camera.target, camera.up, camera.fov, camera.height]).includes("$")) {
+      this.#studio.notice("this camera goes by knobs: turn those");
       return null;
     }
     const vector = (value, otherwise) => (Array.isArray(value) ? value.map((x) => number(x, 0)) : otherwise);
@@ -83,12 +92,22 @@ export class CameraHandle {
   }
 
   #dolly(factor) {
-    const pose = this.#pose();
+    const pose = this.#burst ?? this.#pose();
     if (pose === null) return;
-    if (pose.height !== undefined) this.#set({ "camera.height": round(number(pose.height, 1) * factor) }, false);
-    else this.#set({ "camera.position": add(pose.target, add(pose.position, pose.target, -1), factor).map(round) }, false);
+    if (pose.height !== undefined) {
+      const height = round(number(pose.height, 1) * factor);
+      this.#inBurst({ ...pose, height }, { "camera.height": height });
+    } else {
+      const position = add(pose.target, add(pose.position, pose.target, -1), factor).map(round);
+      this.#inBurst({ ...pose, position }, { "camera.position": position });
+    }
+  }
+
+  #inBurst(pose, values) {
+    this.#burst = pose;
+    this.#set(values, false);
     clearTimeout(this.#rest);
-    this.#rest = setTimeout(() => this.#studio.settle(), 250);
+    this.#rest = setTimeout(() => { this.#burst = null; this.#studio.settle(); }, 250);
   }
 
   #key(event) {
@@ -97,8 +116,10 @@ export class CameraHandle {
     if (turns !== undefined) {
       event.preventDefault();
       event.stopPropagation();
-      const pose = this.#pose();
-      if (pose !== null) this.#set(this.#orbited(pose, ...turns), true);
+      const pose = this.#burst ?? this.#pose();
+      if (pose === null) return;
+      const values = this.#orbited(pose, ...turns);
+      this.#inBurst({ ...pose, position: values["camera.position"] }, values);
     }
   }
 

@@ -35,9 +35,9 @@ export class Controls {
     document.getElementById("search").oninput = (event) => this.#filter(event.target.value);
   }
 
-  // Show the values of a document. Controls that somebody holds stay as they are.
+  // Show the values of a document.
   show(document_) {
-    const shapes = JSON.stringify([shapeOf(document_.data), shapeOf(document_.knobs)]);
+    const shapes = JSON.stringify([shapeOf(document_.data), Object.values(document_.knobs).map((knob) => [knob.range, knob.unit])]);
     if (shapes === this.#shapes) {
       for (const root of [this.#knobs, this.#tree]) {
         for (const row of root.querySelectorAll("[data-path]")) row.renew?.(valueAt(document_.data, row.dataset.path));
@@ -124,14 +124,17 @@ export class Controls {
     if (!isKnob) row.lastChild.append(this.#remover(path, "remove"));
     row.dataset.path = path;
     row.dataset.words = `${path} ${words}`.toLowerCase();
-    const set = (now, done) => this.#studio.set({ [path]: now }, done);
+    const set = (now, done) => {
+      row.value = null; // so that a value which is refused gives way to the one that stays
+      this.#studio.set({ [path]: now }, done);
+    };
     const build = (shown) => {
       row.value = JSON.stringify(shown);
       inputs.replaceChildren(...this.#inputs(shown, schema, path, range, set));
     };
     build(value);
     row.renew = (now) => {
-      if (now === undefined || JSON.stringify(now) === row.value || inputs.contains(document.activeElement) && inputs.held) return;
+      if (now === undefined || JSON.stringify(now) === row.value) return;
       const at = [...inputs.querySelectorAll("input, select")].indexOf(document.activeElement);
       build(now);
       if (at >= 0) inputs.querySelectorAll("input, select")[at]?.focus();

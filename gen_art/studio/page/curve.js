@@ -50,7 +50,7 @@ export function curveEditor(value, path, set) {
     paint();
     set(points, false);
   };
-  canvas.onpointerup = () => { if (held >= 0) set(points, true); held = -1; };
+  canvas.onpointerup = canvas.onpointercancel = () => { if (held >= 0) set(points, true); held = -1; };
   canvas.ondblclick = (event) => {
     const at = place(event);
     const found = nearest(at);

@@ -6,12 +6,18 @@ export class Editor {
   #problems = document.getElementById("problems");
   #pause = 0;
   #sent = "";
+  #unsent = null; // what sends the text that was typed last
 
   constructor(studio) {
     this.#text.addEventListener("input", () => {
       this.#number([]);
       clearTimeout(this.#pause);
-      this.#pause = setTimeout(() => { this.#sent = this.#text.value; studio.write(this.#text.value); }, 300);
+      this.#unsent = () => {
+        this.#unsent = null;
+        this.#sent = this.#text.value;
+        studio.write(this.#text.value);
+      };
+      this.#pause = setTimeout(() => this.flush(), 300);
     });
     this.#text.addEventListener("scroll", () => { this.#lines.scrollTop = this.#text.scrollTop; });
     this.#text.addEventListener("keydown", (event) => {
@@ -22,9 +28,15 @@ export class Editor {
     });
   }
 
+  // Send what was typed and is not sent yet.
+  flush() {
+    clearTimeout(this.#pause);
+    this.#unsent?.();
+  }
+
   show(text, problems) {
-    const typing = document.activeElement === this.#text && this.#text.value !== this.#sent;
-    if (!typing && this.#text.value !== text) {
+    if (this.#unsent !== null) return; // of a text that is being typed on
+    if (this.#text.value !== text) {
       const [start, end, top] = [this.#text.selectionStart, this.#text.selectionEnd, this.#text.scrollTop];
       this.#text.value = text;
       this.#text.setSelectionRange(start, end);

@@ -29,7 +29,7 @@ class Studio {
     on("document", (state) => this.#take(state));
     on("lost", () => this.notice("the studio does not answer; trying again", true));
     on("connected", () => this.notice(""));
-    on("said", (message) => this.notice(message.text));
+    on("said", (message) => this.notice(message.text, message.stays));
     on("warning", (message) => this.#problem(message.text));
     on("error", (message) => this.#problem(message.text));
     on("status", (status) => this.notice(status.anew === null ? "" : `computing the motion anew: ${Math.round(100 * status.anew)}%`, true));
@@ -49,8 +49,8 @@ class Studio {
   }
 
   settle() { this.set({}, true); }
-  remove(path) { this.#connection.send({ type: "remove", path }); }
-  write(text) { this.#connection.send({ type: "text", text }); }
+  remove(path) { this.#flush(); this.#connection.send({ type: "remove", path }); }
+  write(text) { this.#flush(); this.#connection.send({ type: "text", text }); }
 
   notice(words, stays = false) {
     $("notice").textContent = words;
@@ -67,7 +67,7 @@ class Studio {
 
   #greet(hello) {
     document.body.dataset.editor = hello.editor;
-    if (!hello.editor) this.notice("another page edits this preset; this one watches", true);
+    this.notice(hello.editor ? "" : "another page edits this preset; this one watches", true);
     if (this.#document === null) this.#view.frame = hello.frame;
     this.#view.renew();
   }
@@ -99,17 +99,25 @@ class Studio {
   }
 
   #buttons() {
-    for (const type of ["undo", "redo", "save"]) $(type).onclick = () => { this.#flush(); this.#connection.send({ type }); };
+    for (const type of ["undo", "redo", "save"]) $(type).onclick = () => this.#ask(type);
     const choose = (id, action) => { $(id).onclick = () => { $("export").open = false; action(); }; };
-    choose("final", () => this.#connection.send({ type: "final", frame: this.#view.frame }));
+    choose("final", () => { this.#editor.flush(); this.#flush(); this.#connection.send({ type: "final", frame: this.#view.frame }); });
     choose("copy-yaml", () => this.#copy(this.#document.text, "the YAML"));
     choose("copy-command", () => this.#copy(this.#command(), "the command"));
     choose("copy-python", () => this.#copy(this.#python(), "the Python lines"));
   }
 
+  // Undo, redo or save, after all that was typed and turned has been sent.
+  #ask(type) {
+    if (document.activeElement !== $("text")) document.activeElement?.blur?.();
+    this.#editor.flush();
+    this.#flush();
+    this.#connection.send({ type });
+  }
+
   #time() { return Number((this.#view.frame / (Number(this.data.clock?.fps) || 30)).toFixed(6)); }
   #source() { return this.#document.file ?? this.#document.name; }
-  #command() { return `gen-art still ${this.#source()} --time ${this.#time()} -o ${this.#document.name}.png`; }
+  #command() { return `gen-art still '${this.#source()}' --time ${this.#time()} -o '${this.#document.name}.png'`; }
   #python() { return `import gen_art as ga\n\nga.still("${this.#source()}", "${this.#document.name}.png", ${this.#time()})`; }
 
   async #copy(text, what) {
@@ -127,6 +135,7 @@ class Studio {
     link.href = URL.createObjectURL(new Blob([bytes], { type: "image/png" }));
     link.download = message.name;
     link.click();
+    URL.revokeObjectURL(link.href);
     this.notice(`rendered ${message.name}`);
   }
 
@@ -157,14 +166,14 @@ class Studio {
 
   #key(event) {
     const control = event.ctrlKey || event.metaKey;
-    if (control && event.key === "s") { event.preventDefault(); $("save").click(); return; }
+    if (control && event.key === "s") { event.preventDefault(); this.#ask("save"); return; }
     if (event.target.matches("input, textarea, select, button, summary, [role=tab]")) return;
     const actions = {
       " ": () => this.#view.toggle(), ArrowLeft: () => this.#view.go(this.#view.frame - 1), ArrowRight: () => this.#view.go(this.#view.frame + 1),
       Home: () => this.#view.go(0), End: () => this.#view.go(this.#view.frames - 1),
     };
-    if (control && event.key === "z") { event.preventDefault(); $("undo").click(); }
-    else if (control && event.key === "y") { event.preventDefault(); $("redo").click(); }
+    if (control && event.key === "z") { event.preventDefault(); this.#ask("undo"); }
+    else if (control && event.key === "y") { event.preventDefault(); this.#ask("redo"); }
     else if (!control && !event.shiftKey && actions[event.key]) { event.preventDefault(); actions[event.key](); }
   }
 }

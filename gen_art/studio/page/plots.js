@@ -19,11 +19,12 @@ export class Plots {
     if (shown.diagnostics === undefined) return;
     const { energy, momentum, count } = shown.diagnostics;
     this.#add("energy", energy);
-    this.#add("momentum", Math.hypot(...momentum));
+    this.#add("momentum", momentum);
     this.#add("count", count);
   }
 
   #add(name, value) {
+    if (typeof value !== "number") return; // infinite, which JSON has no number for
     const values = this.#series[name];
     values.push(value);
     if (values.length > LENGTH) values.shift();

@@ -56,6 +56,7 @@ export class View extends EventTarget {
   }
 
   #size = "";
+  #newest = 0;
 
   resize() {
     this.#holder.classList.toggle("fits", this.fits);
@@ -75,7 +76,10 @@ export class View extends EventTarget {
 
   async #show(shown) {
     try {
+      this.#newest += 1;
+      const number = this.#newest;
       const bitmap = await createImageBitmap(shown.picture);
+      if (number < this.#newest) return; // a newer one has come meanwhile, and is shown before this one or after it
       if (this.#canvas.width !== bitmap.width || this.#canvas.height !== bitmap.height) {
         this.#canvas.width = bitmap.width;
         this.#canvas.height = bitmap.height;
@@ -87,7 +91,8 @@ export class View extends EventTarget {
     }
     this.frames = shown.frames;
     this.#scrub.max = shown.frames - 1;
-    if (this.playing || shown.frame > this.frame) this.frame = shown.frame;
+    const watches = document.body.dataset.editor === "false";
+    this.frame = this.playing || watches ? shown.frame : Math.min(this.frame, shown.frames - 1);
     this.#tell();
     const milliseconds = 1000 * (shown.seconds.draw + shown.seconds.develop);
     document.getElementById("facts").textContent =
