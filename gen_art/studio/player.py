@@ -23,7 +23,7 @@ from gen_art.preset.camera import CameraSpec
 from gen_art.preset.estimate import refuse_if_too_large
 from gen_art.preset.load import load_preset
 from gen_art.renderer.fitting import fit_of
-from gen_art.renderer.painter import Painter
+from gen_art.renderer.painter import Painter, living
 from gen_art.renderer.survey import Moment, survey
 from gen_art.simulation import Simulation
 
@@ -97,7 +97,7 @@ class Player:
         self._light: _Light | None = None
         self._surveyed: tuple[dict, list[Moment]] | None = None  # (plain data, what `camera.frame` goes by)
         self._snapshots: dict[int, Path] = {}  # by steps done
-        self._computed, self._pause = 0.0, SNAPSHOT_PAUSE  # s since the last snapshot, and until the next
+        self._computed, self._pause = 0.0, 0.0  # s since the last snapshot, and until the next
 
     @property
     def frames(self) -> int:
@@ -162,7 +162,9 @@ class Player:
         drawn = time.perf_counter()
         picture = self.playback.developed(light.linear, light.exposure, frame)
         seconds = {"draw": drawn - started, "develop": time.perf_counter() - drawn}
-        return Shown(picture[..., :3], frame, self.is_exact, self.playback.particles, seconds)
+        sim = self.playback.sim
+        alive = sum(len(living(system, sim.time)) for system in sim.systems.values())
+        return Shown(picture[..., :3], frame, self.is_exact, alive, seconds)
 
     def settle(self, frame: int, size: tuple[int, int]) -> Iterator[float]:
         """Compute the motion of a frame from its start, a slice at each turn; yields the part that is done, 0..1.

@@ -28,7 +28,7 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from gen_art.errors import GenArtError
+from gen_art.errors import GenArtError, UsageError
 from gen_art.output.dependencies import dependencies
 from gen_art.output.file_watch import FileWatch
 from gen_art.output.live_plugins import LivePlugins
@@ -238,6 +238,8 @@ class Studio:
         self._tell_all({"type": "said", "text": f"saved {path.name}"})
 
     async def _on_final(self, page: WebSocket, message: dict) -> None:
+        if self.document.problems:
+            raise UsageError("the preset has problems: mend them, and the final picture can be made")
         frame, preset, plugins = max(0, int(message["frame"])), self.document.preset, self._plugins.load()
 
         def make() -> None:
@@ -269,7 +271,17 @@ class Studio:
         try:
             if set(paths) != {self.document.file}:
                 await self._reload_plugins()
+            was_saved, before = self.document.is_saved, self.document.text
             self._edited(self.document.reload())
+            if not was_saved and self.document.text != before:
+                name = self.document.file.name
+                self._tell_all(
+                    {
+                        "type": "said",
+                        "text": f"{name} was read again; what you had changed is under Undo",
+                        "stays": True,
+                    }
+                )
         except GenArtError as error:
             self._tell_all({"type": "error", "text": str(error)})
         except Exception as error:  # of a plugin, which may raise anything; the watch goes on

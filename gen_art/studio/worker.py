@@ -164,6 +164,8 @@ class Worker(threading.Thread):
         if self._seen != self._version:
             self._take_wish()
             return self._draw_now, None
+        if self._settling is not None and not wish.moving:  # a film does not begin with the motion of before
+            return self._settle, None
         if wish.playing:
             if now < self._due:
                 return None, self._due - now

@@ -267,6 +267,49 @@ def test_it_goes_on_when_the_studio_was_killed_and_comes_back(page, studio):
     again.stop()
 
 
+def test_unsaved_changes_outlive_the_studio(page, studio):
+    field = knob(page, "glow").locator("input[type=text]")
+    field.fill("6")
+    field.blur()
+    until(lambda: "glow: 6" in text(page))
+    studio.stop()
+    again = start(studio.path, "--port", str(studio.port))
+    expect(page.locator("#notice")).to_contain_text("has your unsaved changes", timeout=PATIENCE)
+    until(lambda: "glow: 6" in text(page))
+    page.keyboard.press("Control+s")
+    until(lambda: "glow: 6" in studio.path.read_text(encoding="utf-8"))
+    again.stop()
+
+
+def test_a_refused_value_gives_way_to_the_one_that_stays(page):
+    field = page.locator('[data-path="camera.fov"] input[type=text]')
+    field.fill("abc")
+    field.blur()
+    expect(page.locator("#problem")).to_contain_text("camera.fov")
+    expect(field).to_have_value("40")
+
+
+def test_the_wheel_adds_up(page):
+    box = page.locator("#frame-holder").bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    for _ in range(10):
+        page.mouse.wheel(0, -100)
+    until(
+        lambda: (
+            float(re.search(r"position: \[[^,]+,[^,]+, ([^\]]+)\]", text(page))[1])
+            == pytest.approx(9 * 2.718281828**-1, rel=0.02)
+        )
+    )
+
+
+def test_a_second_page_watches_and_cannot_edit(page, studio, browser):
+    second = browser.new_page()
+    second.goto(studio.address)
+    expect(second.locator("#saved")).to_contain_text("this one watches", timeout=PATIENCE)
+    assert second.evaluate("document.querySelector('aside').inert && document.querySelector('header').inert")
+    second.close()
+
+
 def test_the_file_is_saved(page, studio):
     field = knob(page, "glow").locator("input[type=text]")
     field.fill("6")

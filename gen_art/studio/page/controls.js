@@ -74,14 +74,13 @@ export class Controls {
     const words = this.#schema.words(schema);
     const group = element("details", { className: "group", open: this.#open.has(path) });
     group.dataset.words = `${path} ${words}`.toLowerCase();
-    const summary = element("summary", { title: words }, name, element("span", { className: "quiet" }, Array.isArray(value) ? ` ${value.length}` : ""));
+    const summary = element("summary", { title: words }, name, element("span", { className: "quiet" }, Array.isArray(value) ? ` ${value.length}` : ""), this.#remover(path, "remove"));
     group.append(summary);
     // what nobody has opened is not built: a preset has hundreds of controls
     const fill = () => {
       if (group.children.length > 1) return;
       group.append(...this.#rows(value, schema, path));
       if (!Array.isArray(value)) group.append(this.#adder(value, schema, path));
-      group.append(this.#remover(path, "remove all of it"));
     };
     group.fill = fill;
     if (group.open) fill();
@@ -113,7 +112,7 @@ export class Controls {
   #remover(path, words) {
     const button = element("button", { className: "remove", title: words, type: "button" }, "×");
     button.setAttribute("aria-label", `${words}: ${path}`);
-    button.onclick = () => this.#studio.remove(path);
+    button.onclick = (event) => { event.preventDefault(); this.#studio.remove(path); };
     return button;
   }
 
@@ -266,11 +265,18 @@ export class Controls {
       if (wanted && shown && node.matches("details.group")) node.open = true;
       return shown;
     };
-    for (const root of [this.#knobs, this.#tree]) for (const child of root.children) if (child.matches(".row, details.group")) keep(child);
+    let found = 0;
+    for (const root of [this.#knobs, this.#tree]) for (const child of root.children) if (child.matches(".row, details.group")) found += keep(child);
+    if (wanted && found + this.#offers.children.length === 0) this.#offers.replaceChildren(element("p", { className: "quiet" }, `nothing is called ${words.trim()}`));
   }
 }
 
-const labelled = (input, path) => { input.setAttribute("aria-label", path); return input; };
+// An input with a name for those who do not see it, as wide as what stands in it.
+const labelled = (input, path) => {
+  input.setAttribute("aria-label", path);
+  if (input.matches("input[type=text], input[type=number]")) input.style.width = `calc(${Math.max(4, String(input.value).length + 1)}ch + .8rem)`;
+  return input;
+};
 
 // Text as a number, a list or a mapping where it is one.
 function written(text) {

@@ -18,8 +18,10 @@ class Studio {
   #editor = new Editor(this);
   #plots = new Plots();
   #controls = null;
+  #unsaved = null; // the text of this page when the studio was lost, if its file did not have it
   #waiting = null; // values set since the last turn of the screen
   #noticed = 0;
+  #first = true; // no picture has been shown yet
 
   async start() {
     this.#controls = new Controls(this, new Schema(await fetchSchema()));
@@ -28,9 +30,9 @@ class Studio {
     on("hello", (hello) => this.#greet(hello));
     on("document", (state) => this.#take(state));
     on("lost", () => this.notice("the studio does not answer; trying again", true));
-    on("connected", () => this.notice(""));
+    on("connected", () => this.notice(this.#first ? "computing the first picture" : "", true));
     on("said", (message) => this.notice(message.text, message.stays));
-    on("warning", (message) => this.#problem(message.text));
+    on("warning", (message) => this.#problem(message.text, true));
     on("error", (message) => this.#problem(message.text));
     on("status", (status) => this.notice(status.anew === null ? "" : `computing the motion anew: ${Math.round(100 * status.anew)}%`, true));
     on("final", (message) => this.#download(message));
@@ -43,6 +45,10 @@ class Studio {
 
   // Values by path. Those of one turn of the screen go together; with `done` the text takes them over.
   set(values, done) {
+    for (const [path, value] of Object.entries(values)) {
+      const key = /^camera\.(\w+)$/.exec(path)?.[1];
+      if (key && this.data?.camera) this.data.camera[key] = value; // the next drag goes on from here
+    }
     if (this.#waiting === null) requestAnimationFrame(() => this.#flush());
     this.#waiting = { values: { ...this.#waiting?.values, ...values }, done: done || (this.#waiting?.done ?? false) };
     if (done) this.#flush();
@@ -67,17 +73,27 @@ class Studio {
 
   #greet(hello) {
     document.body.dataset.editor = hello.editor;
-    this.notice(hello.editor ? "" : "another page edits this preset; this one watches", true);
+    for (const part of ["aside", "header"]) document.querySelector(part).inert = !hello.editor;
+    this.#unsaved = this.#document !== null && !this.#document.saved ? this.#document.text : null;
+    if (!this.#first) this.notice("");
     if (this.#document === null) this.#view.frame = hello.frame;
     this.#view.renew();
   }
 
   #take(state) {
+    const mine = this.#unsaved;
+    this.#unsaved = null;
+    if (mine !== null && state.text !== mine && state.saved && !state.undo) {
+      this.notice("the studio was started again; it has your unsaved changes from this page");
+      this.write(mine);
+      return;
+    }
     this.#document = state;
     this.data = state.data;
     $("name").textContent = state.name;
     document.title = `${state.name} - Gen Art studio`;
-    $("saved").textContent = state.file === null ? "a preset of gen-art, not saved" : state.saved ? `${state.file}, saved` : `${state.file}, changed`;
+    const watches = document.body.dataset.editor === "false";
+    $("saved").textContent = watches ? "another page edits this preset; this one watches" : state.file === null ? "a preset of gen-art, not saved" : state.saved ? `${state.file}, saved` : `${state.file}, changed`;
     $("save").disabled = state.saved;
     $("undo").disabled = !state.undo;
     $("redo").disabled = !state.redo;
@@ -89,11 +105,14 @@ class Studio {
 
   #shown(shown) {
     document.body.dataset.exact = shown.exact;
-    if (!shown.exact) this.notice("the particles go on from where they were");
+    if (this.#first) this.notice("");
+    this.#first = false;
+    if (!shown.exact) this.notice("not a frame of the film yet: the particles go on from where they were");
     this.#plots.take(shown, $("picture"));
   }
 
-  #problem(words) {
+  #problem(words, isWarning = false) {
+    $("problem").classList.toggle("warning", isWarning);
     $("problem").textContent = words;
     $("problem").hidden = words === "";
   }
@@ -103,8 +122,8 @@ class Studio {
     const choose = (id, action) => { $(id).onclick = () => { $("export").open = false; action(); }; };
     choose("final", () => { this.#editor.flush(); this.#flush(); this.#connection.send({ type: "final", frame: this.#view.frame }); });
     choose("copy-yaml", () => this.#copy(this.#document.text, "the YAML"));
-    choose("copy-command", () => this.#copy(this.#command(), "the command"));
-    choose("copy-python", () => this.#copy(this.#python(), "the Python lines"));
+    choose("copy-command", () => this.#copy(this.#command(), "the command", true));
+    choose("copy-python", () => this.#copy(this.#python(), "the Python lines", true));
   }
 
   // Undo, redo or save, after all that was typed and turned has been sent.
@@ -120,7 +139,13 @@ class Studio {
   #command() { return `gen-art still '${this.#source()}' --time ${this.#time()} -o '${this.#document.name}.png'`; }
   #python() { return `import gen_art as ga\n\nga.still("${this.#source()}", "${this.#document.name}.png", ${this.#time()})`; }
 
-  async #copy(text, what) {
+  async #copy(text, what, ofFile = false) {
+    if (ofFile && !this.#document.saved) {
+      this.#problem(this.#document.file === null
+        ? "the command would make the preset as it is shipped: copy the YAML, and save it as a file of your own"
+        : "the command would make what the file holds: save first");
+      return;
+    }
     try {
       await navigator.clipboard.writeText(text);
       this.notice(`copied ${what}`);
