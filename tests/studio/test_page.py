@@ -13,6 +13,7 @@ from tests.studio.piece import TEXT
 
 WIDTHS = (390, 820, 1360)
 PATIENCE = 120_000  # ms: kernels are compiled when they are first needed
+expect.set_options(timeout=PATIENCE)
 
 
 @pytest.fixture
@@ -30,7 +31,7 @@ def page(browser, studio):
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.set_default_timeout(PATIENCE)
     page.goto(studio.address)
-    expect(page.locator("#picture")).to_have_attribute("data-exact", "true", timeout=PATIENCE)
+    expect(page.locator("#picture")).to_have_attribute("data-exact", "true")
     yield page
     page.close()
     assert wrong == []
@@ -274,7 +275,7 @@ def test_unsaved_changes_outlive_the_studio(page, studio):
     until(lambda: "glow: 6" in text(page))
     studio.stop()
     again = start(studio.path, "--port", str(studio.port))
-    expect(page.locator("#notice")).to_contain_text("has your unsaved changes", timeout=PATIENCE)
+    expect(page.locator("#notice")).to_contain_text("has your unsaved changes")
     until(lambda: "glow: 6" in text(page))
     page.keyboard.press("Control+s")
     until(lambda: "glow: 6" in studio.path.read_text(encoding="utf-8"))
@@ -305,7 +306,7 @@ def test_the_wheel_adds_up(page):
 def test_a_second_page_watches_and_cannot_edit(page, studio, browser):
     second = browser.new_page()
     second.goto(studio.address)
-    expect(second.locator("#saved")).to_contain_text("this one watches", timeout=PATIENCE)
+    expect(second.locator("#saved")).to_contain_text("this one watches")
     assert second.evaluate("document.querySelector('aside').inert && document.querySelector('header').inert")
     second.close()
 
