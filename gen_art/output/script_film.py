@@ -130,7 +130,7 @@ class Film:
         camera: Any = None, looks: Mapping[str, Any] | None = None, sky: Any = None, light: Any = None, ground: Any = None,
         develop: Any = None, codec: str | None = None, profile: str | None = None, bits: int | None = None,
         transparent: bool = False, overwrite: bool = False,
-    ):  # fmt: skip
+    ) -> None:  # fmt: skip
         from gen_art.output.video import film_writer, partial_path  # imported here: a still needs no encoders
 
         self._size = check_size(size)
