@@ -13,10 +13,12 @@ __all__ = [
     "POSITIVE",
     "SCALE",
     "SIZE",
+    "TIME",
     "TRANSPARENT",
     "film_options",
     "grid",
     "load",
+    "one_picture_options",
     "picture_options",
     "preset_options",
     "process_options",
@@ -217,6 +219,16 @@ picture_options = _stack(
 
 
 BITS = _Word(["8", "10", "16", "32"])
+TIME = click.option("--time", type=NOT_NEGATIVE, help="Film time in seconds; the preset's gallery.time when left out.")
+
+# the one picture of a command
+one_picture_options = _stack(
+    click.option("-o", "--output", "out", required=True, metavar="OUT", help="The picture: .png .jpg .webp .exr."),
+    TIME,
+    click.option(
+        "--bits", type=BITS, help="Bits a channel: 8, or 16 as .png; 16 (half, default) or 32 (float) as .exr."
+    ),
+)
 
 # how a film is encoded
 film_options = _stack(

@@ -12,7 +12,7 @@ __all__ = ["command"]
 @click.argument("preset")
 @click.option("-o", "--output", "out", required=True, metavar="OUT", help="The picture: .png .jpg .webp.")
 @options.vary_options
-@click.option("--time", type=options.NOT_NEGATIVE, help="Film time in seconds; the gallery.time of each when left out.")
+@options.TIME
 @click.option("--cell", type=options.SIZE, help="Width and height of a cell in pixels; 320 wide when left out.")
 @click.option("--overwrite", is_flag=True, help="Replace output that exists.")
 @options.preset_options

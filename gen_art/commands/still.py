@@ -10,13 +10,7 @@ __all__ = ["command"]
 
 @click.command("still")
 @click.argument("preset")
-@click.option("-o", "--output", "out", required=True, metavar="OUT", help="The picture: .png .jpg .webp .exr.")
-@click.option(
-    "--time", type=options.NOT_NEGATIVE, help="Film time in seconds; the preset's gallery.time when left out."
-)
-@click.option(
-    "--bits", type=options.BITS, help="Bits a channel: 8, or 16 as .png; 16 (half, default) or 32 (float) as .exr."
-)
+@options.one_picture_options
 @options.picture_options
 @options.preset_options
 @options.run_options

@@ -23,17 +23,15 @@ def command(preset, port, no_browser, plugins, precision, threads):
     The address is printed, with a token, and works on this machine alone. A PRESET or plugin that is saved elsewhere is read
     again. Ctrl+C ends it.
     """
+    from gen_art.output.extras import check_installed
     from gen_art.output.live_plugins import LivePlugins
 
     live = LivePlugins(plugins)
     live.load()
-    try:
-        import watchfiles  # noqa: F401
+    check_installed("the studio", "starlette", "uvicorn", "websockets", "watchfiles")
+    from gen_art.studio.document import Document
+    from gen_art.studio.server import Studio, listening_socket, serve
 
-        from gen_art.studio.document import Document
-        from gen_art.studio.server import Studio, listening_socket, serve
-    except ImportError as error:
-        raise UsageError(f"the studio needs {error.name}, which `pip install 'gen-art[studio]'` brings") from None
     if preset == "-":
         raise UsageError("the studio opens a name or a file, not standard input")
     document = Document(preset)

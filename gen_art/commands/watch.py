@@ -15,13 +15,7 @@ __all__ = ["command"]
 
 @click.command("watch")
 @click.argument("preset")
-@click.option("-o", "--output", "out", required=True, metavar="OUT", help="The picture: .png .jpg .webp .exr.")
-@click.option(
-    "--time", type=options.NOT_NEGATIVE, help="Film time in seconds; the preset's gallery.time when left out."
-)
-@click.option(
-    "--bits", type=options.BITS, help="Bits a channel: 8, or 16 as .png; 16 (half, default) or 32 (float) as .exr."
-)
+@options.one_picture_options
 @options.size_options
 @click.option(
     "--overwrite", is_flag=True, help="Replace OUT even if it exists and is no picture that gen-art has made."

@@ -3,6 +3,7 @@
 What each extra needs is read from the package's metadata: that of the source checkout, or else of the installed package.
 """
 
+import importlib.util
 import re
 import tomllib
 from collections.abc import Iterable
@@ -10,7 +11,9 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-__all__ = ["PURPOSES", "Extra", "extras"]
+from gen_art.errors import UsageError
+
+__all__ = ["PURPOSES", "Extra", "check_installed", "extras"]
 
 PURPOSES = {
     "exr": "pictures of linear light as .exr",
@@ -39,6 +42,15 @@ class Extra:
     @property
     def installed(self) -> bool:
         return not self.missing
+
+
+def check_installed(what: str, *packages: str) -> None:
+    """Raise UsageError that names what `what` needs, if one of these packages cannot be imported."""
+    missing = [name for name in packages if importlib.util.find_spec(name) is None]
+    if missing:
+        verb = "is" if len(missing) == 1 else "are"
+        names = " ".join(missing)
+        raise UsageError(f"{what} needs {' and '.join(missing)}, which {verb} not installed: pip install {names}")
 
 
 def extras() -> list[Extra]:

@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
 
-from gen_art.errors import UsageError
 from gen_art.files import Stamp, stamp
+from gen_art.output.extras import check_installed
 
-__all__ = ["FileWatch", "check_watchfiles"]
+__all__ = ["FileWatch"]
 
 _LOOK = 1.0  # s between two looks without a message
 _QUIET = 0.05  # s without a change, after which a file counts as saved
@@ -22,19 +22,11 @@ _GONE = 0.3  # s after which a missing file counts as deleted: some editors dele
 _STEP, _LONGEST = 20, 200  # ms: messages are collected until a step without one, for this time at most
 
 
-def check_watchfiles() -> None:
-    """Raise UsageError unless the package watchfiles is installed."""
-    try:
-        import watchfiles  # noqa: F401
-    except ImportError:
-        raise UsageError("watching files needs watchfiles, which is not installed: pip install watchfiles") from None
-
-
 class FileWatch:
     """A watch over the files of `follow`. To be closed, also by `with`: a thread listens to the system."""
 
     def __init__(self) -> None:
-        check_watchfiles()
+        check_installed("watching files", "watchfiles")
         self._stamps: dict[Path, Stamp | None] = {}
         self._folders: frozenset[Path] = frozenset()
         self._woken, self._closed = threading.Event(), threading.Event()

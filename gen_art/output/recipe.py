@@ -39,8 +39,11 @@ def version() -> str:
         return getattr(gen_art, "__version__", "0")
 
 
-def make_recipe(preset, *, plugins=(), fit=None, **job) -> dict:
-    """The recipe of a picture or film of `preset`; `job` says what was rendered, `fit` is that of `camera.frame`."""
+def make_recipe(preset, *, plugins=(), fit=None, files=None, **job) -> dict:
+    """The recipe of a picture or film of `preset`; `job` says what was rendered, `fit` is that of `camera.frame`.
+
+    files : those that it needs; the preset's when None
+    """
     verdict = verdict_of(preset, version())
     return {
         "format": FORMAT,
@@ -50,7 +53,7 @@ def make_recipe(preset, *, plugins=(), fit=None, **job) -> dict:
         **({"fit": {"move": list(fit.move), "factor": fit.factor}} if fit is not None else {}),
         **({"expect": verdict} if verdict is not None else {}),
         "plugins": [{"name": p.name, "sha256": p.sha256} for p in plugins],
-        "files": _file_entries(preset.files),
+        "files": _file_entries(preset.files if files is None else files),
         "preset": preset.resolved(),
     }
 

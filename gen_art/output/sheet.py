@@ -112,8 +112,9 @@ def write_sheet(
                 {"label": label, "time": time, "changes": changes_between(first.resolved(), preset.resolved())}
             )
             report(r * len(rows[0]) + c, playback.particles)
+    files = list(dict.fromkeys(file for row in rows for preset, _ in row for file in preset.files))
     recipe = make_recipe(
-        first, plugins=plugins, kind="sheet", cells=cells, size=list(size), quality="final", precision=precision,
+        first, files=files, plugins=plugins, kind="sheet", cells=cells, size=list(size), quality="final", precision=precision,
         transparent=False,
     )  # fmt: skip
     write_still(target.path, page.pixels, recipe, overwrite)

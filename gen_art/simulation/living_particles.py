@@ -1,5 +1,6 @@
 """What a script reads of the particles of a system, once it is part of a simulation."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["LivingParticles"]
 
 
-class LivingParticles:
+class LivingParticles(ABC):
     """The living particles of a system: read-only copies in the order of their ids."""
 
     def __init__(self) -> None:
@@ -32,9 +33,9 @@ class LivingParticles:
         self._simulation: Simulation | None = None
 
     @property
+    @abstractmethod
     def ledger_rows(self) -> list[LedgerRow]:
         """The rows of its ledger, in the order of the ledger kernel."""
-        raise NotImplementedError
 
     @property
     def state(self) -> Particles:

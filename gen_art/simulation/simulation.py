@@ -78,6 +78,12 @@ def _checked_domain(given: Any) -> PeriodicBox | None:
         raise UsageError("; ".join(problems)) from None
 
 
+def _parts(system: ParticleSystem) -> tuple:
+    """What must agree in a system for the particles of one to go on in the other."""
+    saved = [(one.name, list(one.saved_arrays)) for one in system.interactions]
+    return [emitter.name for emitter in system.emitters], saved, system.entries, system.attribute_names
+
+
 def _check_events(members: Mapping[str, ParticleSystem]) -> None:
     for system in members.values():
         for emitter in system.emitters:
@@ -476,10 +482,25 @@ class Simulation:
     def continued(self, preset: "Preset") -> "Simulation":
         """A simulation of another preset that goes on from this one's particles and time.
 
-        Its systems, emitters and interactions must have the same names, and its step be the same. Births go on by its own
-        schedule. Raises UsageError for a preset of other systems, DivergedError if a position or a velocity is not finite.
+        Its step, and the names of its systems, emitters, interactions and, with a ledger, forces must be the same. Births go
+        on by its own schedule. Raises UsageError for another preset, DivergedError if a position or a velocity is not finite.
         """
-        return type(self)(preset, precision=self.precision, advice="none")._take_particles(self._snapshot())
+        other = type(self)(preset, precision=self.precision, advice="none")
+        if other.dt != self.dt or list(other.members) != list(self.members):
+            raise UsageError("the preset has another step, or other systems")
+        for name, system in self.members.items():
+            twin = other.members[name]
+            booked_alike = self.keeps_ledger == other.keeps_ledger and (
+                not self.keeps_ledger or system.ledger_rows == twin.ledger_rows
+            )
+            if _parts(system) != _parts(twin) or not booked_alike:
+                raise UsageError(f"system '{name}' has other emitters, forces between particles or ledger entries")
+        try:
+            return other._take_particles(self._snapshot())
+        except (ValueError, LookupError) as error:  # as of bodies or springs of another number
+            if isinstance(error, GenArtError):
+                raise
+            raise UsageError(f"the particles cannot go on under this preset: {error}") from error
 
     def _take_particles(self, snapshot: "Snapshot") -> "Simulation":
         """Go on from the particles of a snapshot of another preset; returns this simulation."""

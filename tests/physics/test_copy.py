@@ -34,14 +34,17 @@ def cases():
         lambda: simulation(arrays(), interactions=[I.Springs(pairs=[(0, 1), (2, 3), (4, 5)], stiffness=9.0, tear=0.3)]),
     )
     box = {"periodic": {"min": (0, 0, 0), "max": (9, 9, 9), "axes": "xz"}}
-    boxed = lambda: {"s": ga.ParticleSystem(**arrays(), forces=[F.Gravity()])}  # noqa: E731
-    yield "box", lambda: ga.Simulation(boxed(), dt=0.01, domain=box, ledger=True)
-    bodies = lambda: ga.bodies([ga.body({"box": (1, 1, 1)}, points=20, position=(0, 0.6, 0), spin=(1, 2, 0))])  # noqa: E731
     floor = [ga.colliders.Plane()]
-    yield (
-        "bodies",
-        lambda: ga.Simulation({"b": bodies().system(forces=[F.Gravity()], colliders=floor)}, dt=0.01, ledger=True),
-    )
+
+    def boxed():
+        systems = {"s": ga.ParticleSystem(**arrays(), forces=[F.Gravity()])}
+        return ga.Simulation(systems, dt=0.01, domain=box, ledger=True)
+
+    def body():
+        bodies = ga.bodies([ga.body({"box": (1, 1, 1)}, points=20, position=(0, 0.6, 0), spin=(1, 2, 0))])
+        return ga.Simulation({"b": bodies.system(forces=[F.Gravity()], colliders=floor)}, dt=0.01, ledger=True)
+
+    yield from (("box", boxed), ("bodies", body))
 
 
 CASES = dict(cases())

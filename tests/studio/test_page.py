@@ -67,6 +67,14 @@ def open_all(page) -> None:
         )
 
 
+def turn(page, name: str, value: int) -> None:
+    """Write a knob's value into its field, and wait for the text to have it."""
+    field = knob(page, name).locator("input[type=text]")
+    field.fill(str(value))
+    field.blur()
+    until(lambda: f"{name}: {value}" in text(page))
+
+
 def knob(page, name: str):
     return page.locator(f'#knobs [data-path="knobs.{name}"]')
 
@@ -267,18 +275,12 @@ def test_it_goes_on_when_the_studio_was_killed_and_comes_back(page, studio):
     count = shown(page)
     again = start(studio.path, "--port", str(studio.port))
     until(lambda: shown(page) > count)
-    field = knob(page, "glow").locator("input[type=text]")
-    field.fill("6")
-    field.blur()
-    until(lambda: "glow: 6" in text(page))
+    turn(page, "glow", 6)
     again.stop()
 
 
 def test_unsaved_changes_outlive_the_studio(page, studio):
-    field = knob(page, "glow").locator("input[type=text]")
-    field.fill("6")
-    field.blur()
-    until(lambda: "glow: 6" in text(page))
+    turn(page, "glow", 6)
     studio.stop()
     again = start(studio.path, "--port", str(studio.port))
     expect(page.locator("#notice")).to_contain_text("has your unsaved changes")
@@ -318,10 +320,7 @@ def test_a_second_page_watches_and_cannot_edit(page, studio, browser):
 
 
 def test_the_file_is_saved(page, studio):
-    field = knob(page, "glow").locator("input[type=text]")
-    field.fill("6")
-    field.blur()
-    until(lambda: "glow: 6" in text(page))
+    turn(page, "glow", 6)
     page.keyboard.press("Control+s")
     expect(page.locator("#saved")).to_have_text("mine.yaml, saved")
     assert studio.path.read_text(encoding="utf-8") == TEXT.replace("glow: 3", "glow: 6")

@@ -107,6 +107,21 @@ def test_births_go_on_by_the_new_rate_without_a_burst(player):
     assert 80 <= born <= 100, "3000 a second for a thirtieth of one, less those that die"
 
 
+def test_a_force_that_is_added_or_a_ledger_entry_that_changes_is_no_bug(player):
+    """With a ledger, of a look that goes by joules, other forces or entries start the motion anew; without one it goes on."""
+    player.change(preset())
+    player.show(20, SIZE)
+    player.change(preset(forces__drag={"linear": 0.1}))
+    assert not player.is_exact, "carried on"
+    by = {"color": {"by": {"dissipated": "drag"}, "range": "0..0.001", "gradient": ["white", "blue"]}}
+    booked = {"systems__drops__look__emission": by, "forces__drag": {"linear": 0.1}}
+    for changes in (booked, {**booked, "forces__damping": 0.2}):
+        piece = preset(**changes)
+        assert player.change(piece) == "motion"
+        list(player.settle(20, SIZE))
+        assert np.array_equal(player.show(20, SIZE).picture, frame_of(piece, 20))
+
+
 def test_systems_of_other_names_start_anew(player):
     player.change(preset())
     player.show(20, SIZE)
