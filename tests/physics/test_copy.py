@@ -134,3 +134,33 @@ def test_the_mutant_that_begins_a_new_ledger_is_found():
     for one in (sim, twin):
         one.step(5)
     assert twin.ledger().as_dict() != sim.ledger().as_dict()
+
+
+def test_particles_go_on_under_another_preset_of_the_same_parts():
+    """Without a ledger any force may change; with one its rows, and always the step, must be the same."""
+    data = {
+        "version": 1, "clock": {"duration": 1, "step": 0.01}, "forces": {"gravity": [0, -9.81, 0], "drag": {"linear": 0.1}},
+        "systems": {"s": {"emitters": {"e": {"rate": 500, "velocity": {"sphere": 1}}}}},
+    }  # fmt: skip
+    other = {**data, "forces": {"damping": 0.5, "drag": {"linear": 0.1}}}
+    sim = ga.Simulation(ga.load_preset(data))
+    sim.step(20)
+    before = sim.digest()
+    twin = sim.continued(ga.load_preset(other))
+    assert twin.digest() == before and twin.steps_done == 20
+    twin.step(10)
+    assert twin["s"].count == 150 and sim.digest() == before
+    with_ledger = {**data, "systems": {"s": {**data["systems"]["s"], "look": _by_drag()}}}
+    sim = ga.Simulation(ga.load_preset(with_ledger))
+    sim.step(20)
+    assert sim.continued(ga.load_preset(with_ledger)).digest() == sim.digest()
+    with pytest.raises(ga.UsageError, match="other emitters, forces between particles or ledger entries"):
+        sim.continued(ga.load_preset({**with_ledger, "forces": other["forces"]}))
+    with pytest.raises(ga.UsageError, match="another step"):
+        sim.continued(ga.load_preset(with_ledger, overrides={"clock.step": 0.005}))
+
+
+def _by_drag() -> dict:
+    """A look that goes by joules, which makes a simulation keep its ledger."""
+    by = {"by": {"dissipated": "drag"}, "range": "0..1", "gradient": ["white", "blue"]}
+    return {"draw": "disc", "emission": {"color": by}}
