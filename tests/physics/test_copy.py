@@ -139,7 +139,7 @@ def test_the_mutant_that_begins_a_new_ledger_is_found():
 def test_particles_go_on_under_another_preset_of_the_same_parts():
     """Without a ledger any force may change; with one its rows, and always the step, must be the same."""
     data = {
-        "version": 1, "clock": {"duration": 1, "step": 0.01}, "forces": {"gravity": [0, -9.81, 0], "drag": {"linear": 0.1}},
+        "version": 1, "clock": {"duration": 1, "fps": 20, "step": 0.01}, "forces": {"gravity": [0, -9.81, 0], "drag": {"linear": 0.1}},
         "systems": {"s": {"emitters": {"e": {"rate": 500, "velocity": {"sphere": 1}}}}},
     }  # fmt: skip
     other = {**data, "forces": {"damping": 0.5, "drag": {"linear": 0.1}}}
