@@ -114,9 +114,28 @@ def lines(result) -> list[str]:
     return [line[9:].rpartition(",")[0] for line in result.out.splitlines()]
 
 
+NOWHERE_ELSE = '''\
+import gen_art as ga
+from gen_art import ti
+
+
+@ga.force("nowhere_else")
+class NowhereElse(ga.Force):
+    """A push along x. a = strength x; strength in m/s^2."""
+
+    strength: float = ga.param(3.0, unit="m/s^2")
+
+    @ti.func
+    def acceleration(self, p, t, q):
+        return ti.Vector([q.strength, 0.0, 0.0])
+'''
+
+
 def test_a_saved_number_makes_the_picture_again_and_compiles_nothing(watch, preset, pictures):
-    number, force = edit(preset, "[0, -1, 0]", "[0, 9, 0]"), edit(preset, "forces: {", "forces: {damping: 1, ")
-    result = watch("my.yaml", "-o", "my.png", steps=[pictures.then(number), pictures.then(force)])
+    plugin = preset.parent / "nowhere_else.py"  # a force of its own, which no other test of this process has compiled
+    plugin.write_text(NOWHERE_ELSE, encoding="utf-8")
+    number, force = edit(preset, "[0, -1, 0]", "[0, 9, 0]"), edit(preset, "forces: {", "forces: {nowhere_else: {}, ")
+    result = watch("my.yaml", "-o", "my.png", "--plugin", plugin, steps=[pictures.then(number), pictures.then(force)])
     pictures.note()
     assert (result.status, result.err) == (130, "\ngen-art: stopped\n")
     assert lines(result) == ["my.png: first picture", *["my.png: my.yaml changed"] * 2]
