@@ -9,7 +9,7 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import sync_playwright
 
-from tests.output.test_gallery_page import CHROMIUM, QUIET
+from tests import chromium
 
 server = subprocess.Popen(
     [sys.executable, "-m", "gen_art", "studio", "fire", "--no-browser"], stdout=subprocess.PIPE, text=True
@@ -17,7 +17,7 @@ server = subprocess.Popen(
 assert server.stdout is not None
 address = server.stdout.readline().strip()
 with sync_playwright() as playwright:
-    browser = playwright.chromium.launch(executable_path=CHROMIUM, args=QUIET)
+    browser = playwright.chromium.launch(executable_path=chromium.PATH, args=chromium.QUIET)
     page = browser.new_page(viewport={"width": 1280, "height": 760})
     page.goto(address)
     while int(page.locator("#picture").get_attribute("data-shown") or 0) < 2:  # small at once, then in full

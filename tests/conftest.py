@@ -9,6 +9,7 @@ from gen_art.backend import runtime
 from gen_art.emitters.base import EMITTERS, SHAPES, VELOCITIES
 from gen_art.forces.base import FORCES
 from gen_art.interactions.base import INTERACTIONS
+from tests import chromium
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -25,3 +26,18 @@ def _registries_as_they_were():
     for one, earlier in zip(kept, before):
         one.clear()
         one.update(earlier)
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """Chromium, one for the whole process: Playwright cannot be started twice in one."""
+    if chromium.PATH is None:
+        if os.environ.get("CI"):
+            pytest.fail("no Chromium is installed: .ci/run installs it")
+        pytest.skip("no Chromium is installed (Debian: apt install chromium)")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=chromium.PATH, args=chromium.QUIET)
+        yield started
+        started.close()

@@ -1,6 +1,5 @@
 """The page of the gallery: complete, and good to use in a browser from the file system, by mouse, touch and keyboard."""
 
-import os
 import shutil
 
 import numpy as np
@@ -17,14 +16,6 @@ from tests.output.delta_e import lab
 
 NAMES = [name for family in families() for name in family.pieces]
 SHIPPED = presets_folder().parent / "gallery"
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-QUIET = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-]
 
 
 def test_every_shipped_preset_hangs_once():
@@ -99,20 +90,6 @@ def folder(tmp_path_factory):
             shutil.copy(out / f"one{suffix}", out / f"{name}{suffix}")
     (out / "index.html").write_text(page(out), encoding="utf-8")
     return out
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if CHROMIUM is None:
-        if os.environ.get("CI"):
-            pytest.fail("no Chromium is installed: .ci/run installs it")
-        pytest.skip("no Chromium is installed (Debian: apt install chromium)")
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as play:
-        started = play.chromium.launch(executable_path=CHROMIUM, args=QUIET)
-        yield started
-        started.close()
 
 
 @pytest.fixture

@@ -12,7 +12,6 @@ from urllib.parse import parse_qs, urlsplit
 import pytest
 from websockets.sync.client import connect
 
-from tests.output.test_gallery_page import CHROMIUM, QUIET
 from tests.studio.piece import TEXT
 
 ROOT = Path(__file__).parents[2]
@@ -78,16 +77,3 @@ def received(socket, kind: str, holds=lambda message: True) -> dict:
             message = json.loads(data)
         if message["type"] == kind and holds(message):
             return message
-
-
-@pytest.fixture(scope="session")
-def browser():
-    """Chromium; without it these tests are skipped, as those of the gallery are."""
-    if CHROMIUM is None:
-        pytest.skip("needs Chromium: apt-get install chromium")
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=QUIET)
-        yield browser
-        browser.close()
