@@ -21,7 +21,6 @@ from gen_art.output.check import check_preset
 from gen_art.output.playback import Playback
 from gen_art.preset.camera import CameraSpec
 from gen_art.preset.estimate import refuse_if_too_large
-from gen_art.preset.load import load_preset
 from gen_art.renderer.fitting import fit_of
 from gen_art.renderer.painter import Painter, living
 from gen_art.renderer.survey import Moment, survey
@@ -124,14 +123,13 @@ class Player:
         one before then stays.
         """
         before = self.preset
-        if before is not None and before == preset:
+        if before is not None and (before is preset or before == preset):
             return "nothing"
         check_preset(preset)
         need = "motion" if before is None else _need(before, preset)
         if need == "motion":  # nothing else changes the number of particles
             refuse_if_too_large(preset, self.precision, preset.camera.size if preset.camera else CameraSpec().size)
-        # a preset of its own, because the fits of `camera.frame` are kept in it
-        self.preset = preset = load_preset(preset)
+        self.preset = preset
         if need == "develop":
             if self.playback is not None:
                 self.playback.preset = preset
@@ -151,7 +149,7 @@ class Player:
         frame = min(max(0, frame), self.preset.clock.frames - 1)
         started = time.perf_counter()
         light = self._light
-        if light is None or (light.frame, light.size, light.with_history) != (frame, size, with_history):
+        if light is None or (light.frame, light.size) != (frame, size) or with_history > light.with_history:
             step = self._step_of(frame)
             playback = self._playback_before(step, size, with_history)
             linear, exposure = next(playback.pictures([step]))

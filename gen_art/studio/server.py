@@ -41,6 +41,7 @@ __all__ = ["LARGEST_MESSAGE", "Studio", "listening_socket", "serve"]
 PAGE = Path(__file__).parent / "page"
 LARGEST_MESSAGE = 2 * LARGEST_TEXT  # bytes of a message from the page
 MOST_QUEUED = 8  # messages that wait for a page, above which it gets no more pictures
+SETTLE_AFTER = 0.3  # s after a change is done, in which its picture is made
 LARGEST_PICTURE = 4096  # pixels of a side
 POLICY = (  # of what the page may load: its own files, and pictures that it was sent
     "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
@@ -61,6 +62,7 @@ class Studio:
         self._pages: list[WebSocket] = []  # the first one edits
         self._queues: dict[WebSocket, asyncio.Queue] = {}
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._settling: asyncio.TimerHandle | None = None  # when the text takes over what was set
         self.worker = Worker(self._deliver, self._tell, precision, threads)
 
     @property
@@ -213,11 +215,26 @@ class Studio:
         values = dict(message["values"])
         problems = self.document.set(values) if values else []
         self.worker.want(preset=self.document.preset, moving=not done)
-        if done:
-            self.document.settle()
-            self._show_document(problems)
+        if problems and done:
+            self._settle(problems)
         elif problems:
             self._put(page, {"type": "error", "text": "; ".join(f"{one['path']}: {one['text']}" for one in problems)})
+        elif done:
+            self._settle_later()
+
+    def _settle(self, problems: list[dict] | None = None) -> None:
+        """Let the text take over the values that were set, and show it."""
+        if self._settling is not None:
+            self._settling.cancel()
+            self._settling = None
+        self.document.settle()
+        self._show_document(problems)
+
+    def _settle_later(self) -> None:
+        """After the picture, which writing YAML would hold up."""
+        if self._settling is not None:
+            self._settling.cancel()
+        self._settling = asyncio.get_running_loop().call_later(SETTLE_AFTER, self._settle)
 
     async def _on_remove(self, page: WebSocket, message: dict) -> None:
         self._edited(self.document.remove(str(message["path"])))

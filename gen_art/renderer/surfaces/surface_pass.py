@@ -103,7 +103,7 @@ class SurfacePass:
         self.depths = np.full((size[1], size[0], SUBPIXELS), NEVER, np.float32)
         self.bounds = np.full((-(-size[1] // TILE), -(-size[0] // TILE), 2), NEVER, np.float32)
         self._checked = False  # whether the shapes' distances were tested, once for a film
-        self._sky: tuple | None = None  # (light, what hides it, the SkyLight of these)
+        self._sky: tuple | None = None  # ((the light from all sides, what hides it), the SkyLight of these)
         self._parts: LightParts | None = None
         self._maps = NO_MAPS
         self._disc, self._blur = lamp_disc(), blur_points()
@@ -219,10 +219,11 @@ class SurfacePass:
     def _sky_light(self, casters: ShadowCasters, table: np.ndarray, hidden_by, shadows: bool) -> SkyLight:
         """The sky's light past what hides it; that of the last picture where neither has changed."""
         positions, areas, radii = _hiding_sky(casters, table, hidden_by)
-        light, given = casters.light, (positions, areas * shadows, radii)
-        if self._sky is None or self._sky[0] is not light or not all(map(np.array_equal, self._sky[1], given)):
-            self._sky = light, given, SkyLight.of(light, *given)
-        return self._sky[2]
+        hiding = positions, areas * shadows, radii
+        given = casters.light.ambient, *hiding
+        if self._sky is None or not all(map(np.array_equal, self._sky[0], given)):
+            self._sky = given, SkyLight.of(casters.light, *hiding)
+        return self._sky[1]
 
 
 def _without_smoke(numbers: np.ndarray, surfaces) -> np.ndarray:
