@@ -48,7 +48,8 @@ def check_preset(preset: "Preset") -> None:
     if preset.camera is not None:
         with _place(preset, "camera"):
             camera = Camera.from_spec(preset.camera)
-            for time in {preset.poster_time, *np.linspace(0.0, preset.clock.duration, _MOMENTS).tolist()}:
+            film = np.linspace(0.0, preset.clock.duration, _MOMENTS).tolist() if camera.moves else []
+            for time in {preset.poster_time, *film}:
                 camera.at(time)
             supersample = preset.camera.supersample
             check_size(tuple(side * supersample for side in preset.camera.size), supersample)

@@ -252,6 +252,12 @@ class Preset(Model):
         """The fits of its camera that are known, for `camera.frame`: see gen_art/renderer/fitting.py."""
         return self._fits
 
+    def with_own_fits(self) -> "Preset":
+        """The same preset, whose camera is fitted without a trace in this one."""
+        same = self.model_copy()
+        same._fits = {}
+        return same
+
     @property
     def folder(self) -> Path:
         """The folder of the files that the preset names."""

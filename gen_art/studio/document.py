@@ -113,8 +113,6 @@ class Document:
         """Replace the text; whether it is valid. The text before can be undone to."""
         if len(text.encode("utf-8", "replace")) > LARGEST_TEXT:
             raise UsageError(f"a preset has at most {LARGEST_TEXT:,} bytes")
-        if self._is_readable:
-            self.settle()
         if text != self.text:
             self._done = [*self._done, self.text][-MOST_UNDO:]
             self._undone = []

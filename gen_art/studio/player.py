@@ -129,7 +129,7 @@ class Player:
         need = "motion" if before is None else _need(before, preset)
         if need == "motion":  # nothing else changes the number of particles
             refuse_if_too_large(preset, self.precision, preset.camera.size if preset.camera else CameraSpec().size)
-        self.preset = preset
+        self.preset = preset = preset.with_own_fits()
         if need == "develop":
             if self.playback is not None:
                 self.playback.preset = preset

@@ -240,6 +240,7 @@ class Studio:
         self._edited(self.document.remove(str(message["path"])))
 
     async def _on_text(self, page: WebSocket, message: dict) -> None:
+        self.document.settle()
         self._edited(self.document.write(str(message["text"])))
 
     async def _on_undo(self, page: WebSocket, message: dict) -> None:
@@ -271,8 +272,10 @@ class Studio:
         if page in self._queues:
             self._put(page, message)
 
-    def _edited(self, valid: bool) -> None:
-        if valid:
+    def _edited(self, valid: bool, anew: bool = False) -> None:
+        if valid and anew:
+            self.worker.renew(self.document.preset)
+        elif valid:
             self.worker.want(preset=self.document.preset, moving=False)
         self._show_document()
 
@@ -285,10 +288,11 @@ class Studio:
     async def _files_changed(self, paths: Sequence[Path]) -> None:
         """Files were saved elsewhere, or are gone: what is seen is made anew."""
         try:
-            if set(paths) != {self.document.file}:
+            anew = set(paths) != {self.document.file}
+            if anew:
                 await self._reload_plugins()
             was_saved, before = self.document.is_saved, self.document.text
-            self._edited(self.document.reload())
+            self._edited(self.document.reload(), anew)
             if not was_saved and self.document.text != before:
                 name = self.document.file.name
                 self._tell_all(
@@ -313,7 +317,6 @@ class Studio:
                 self._plugins.load()
             except Exception as raised:
                 error = raised
-            self.worker.forget()
             if error is None:
                 loop.call_soon_threadsafe(done.set_result, None)
             else:

@@ -98,12 +98,15 @@ class Worker(threading.Thread):
             self._version += 1
             self._changed.notify()
 
-    def forget(self) -> None:
-        """Make everything anew at the next picture. To be run by `do`."""
+    def renew(self, preset: "Preset") -> None:
+        """Make everything anew, of this preset: the files that it names, or the plugins, are others."""
+        with self._changed:
+            self._jobs.append(self._forget)
+            self.want(preset=preset, moving=False)
+
+    def _forget(self) -> None:
         self._player.forget()
         self._settling = None
-        with self._changed:
-            self._version += 1
 
     def do(self, job: Callable[[], None]) -> None:
         """Run a job in this thread, before the next picture."""
