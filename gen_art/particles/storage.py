@@ -67,6 +67,10 @@ class Particles:
         self.count_at = 0
         self._allocate(np.dtype(dtype), capacity)
 
+    def __repr__(self) -> str:
+        with_attributes = f", with {', '.join(self.attributes)}" if self.attributes else ""
+        return f"<Particles: {self.count:,} of {self.capacity:,} slots, {self.floats.dtype}{with_attributes}>"
+
     def _allocate(self, dtype, capacity: int) -> None:
         size = capacity + PADDING
         if size >= 2**31 // max(1, FIRST_ATTRIBUTE + len(self.attributes)):

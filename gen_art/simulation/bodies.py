@@ -11,9 +11,19 @@ from gen_art.simulation.system import ParticleSystem
 
 __all__ = ["Bodies", "bodies"]
 
+_NAMED = 6  # bodies that are named where a group says what it is
+
 
 class Bodies(Group):
     """Rigid bodies and the particles that represent them; `system()` makes a ParticleSystem of them."""
+
+    def __repr__(self) -> str:
+        count, names = len(self.members), list(dict.fromkeys(body.name for body in self.members))
+        listed = ", ".join(names[:_NAMED]) + (", ..." if len(names) > _NAMED else "")
+        return (
+            f"<Bodies: {count:,} bod{'y' if count == 1 else 'ies'} ({listed}) of {self.mass.sum():.4g} kg, "
+            f"{len(self.mass):,} particles>"
+        )
 
     def system(self, *, rigid: Mapping | None = None, interactions=(), attributes=None, **others) -> ParticleSystem:
         """A ParticleSystem of these bodies.

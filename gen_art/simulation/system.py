@@ -16,6 +16,7 @@ from gen_art.integrators import scheme
 from gen_art.integrators.schemes import charged
 from gen_art.interactions import Interaction
 from gen_art.interactions.ledger_labels import LedgerRow, check_entry, composition_of, ledger_rows
+from gen_art.interactions.rigid.interaction import Rigid
 from gen_art.kernel_methods import PARTICLE, attributes_read, is_own
 from gen_art.particles.entries import LedgerEntry
 from gen_art.particles.fixed import FIXED
@@ -26,6 +27,7 @@ from gen_art.registry import suggest
 from gen_art.simulation.living_particles import LivingParticles
 
 if TYPE_CHECKING:
+    from gen_art.interactions.rigid.body_state import BodyState
     from gen_art.preset.look import Look
     from gen_art.simulation.simulation import Simulation
 
@@ -252,6 +254,20 @@ class ParticleSystem(LivingParticles):
         if len(chosen) and self._initial["velocity"][:, chosen].any():
             raise UsageError("fixed particles do not move: their velocity must be 0")
         return chosen
+
+    @property
+    def bodies(self) -> "list[BodyState]":
+        """The rigid bodies as they are now, in their order: `system.bodies[0].position`.
+
+        Raises UsageError for a system without rigid bodies, or that is not part of a simulation yet.
+        """
+        rigid = next((one for one in self.interactions if isinstance(one, Rigid)), None)
+        if rigid is None:
+            raise UsageError("the system has no rigid bodies: give it some by ga.bodies(...).system(...)")
+        states = rigid.states()
+        if states is None:
+            raise UsageError("the system is not part of a simulation yet: make a ga.Simulation of it")
+        return states
 
     @property
     def reports_impacts(self) -> bool:

@@ -319,3 +319,59 @@ def test_a_stack_stays(monkeypatch):
 def test_a_stack_stays_for_ten_seconds(precision):
     moved, gained = creep(10, 10.0, precision)
     assert moved < drift_bound(10, 1 / 240, 10.0, 80) and gained < 1e-6
+
+
+# -- what a script reads
+
+
+def thrown() -> ga.Simulation:
+    """A box that flies without rotating, and a ball that rotates about z, both turned at their start."""
+    box = ga.body({"box": [1.0, 3.0, 2.0]}, mass=2.0, position=(1, 2, 3), turn=(0, 0, np.pi / 2), velocity=(1, 0, 0))
+    ball = ga.body({"sphere": 0.5}, mass=4.0, position=(9, 2, 3), turn=(0, 0, 0.3), spin=(0, 0, 2.0), name="ball")
+    system = ga.bodies([box, ball]).system(forces=[ga.forces.Gravity((0, -10.0, 0))])
+    return ga.Simulation({"s": system}, dt=0.01, precision="f64")
+
+
+def about_z(angle: float) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+
+def test_bodies_say_where_they_are():
+    sim = thrown()
+    box, ball = sim["s"].bodies
+    assert np.allclose(box.rotation, about_z(np.pi / 2), atol=1e-12), "as given, whatever its principal axes are"
+    sim.step(100)
+    assert np.allclose(box.position, [1, 2, 3]), "what was read stays"
+    box, ball = sim["s"].bodies
+    assert np.allclose(box.position, [2, -3, 3]) and np.allclose(box.velocity, [1, -10, 0])  # leapfrog is exact here
+    assert np.allclose(box.rotation, about_z(np.pi / 2), atol=1e-12) and np.allclose(box.spin, 0, atol=1e-12)
+    assert np.allclose(ball.rotation, about_z(0.3 + 2.0), atol=1e-9) and np.allclose(ball.spin, [0, 0, 2])
+    assert np.allclose(ball.angular_momentum, [0, 0, 0.4 * 4.0 * 0.25 * 2.0], rtol=1e-9)
+    assert repr(ball).startswith("<BodyState 'ball': 4 kg at (9, -3, 3) m, velocity (0, -10, 0) m/s, spin (")
+
+
+def test_a_long_body_keeps_the_axes_of_its_shape():
+    """Two boxes askew have principal axes that are not those of the shape."""
+    askew = ga.body([{"box": [4.0, 0.2, 0.2], "turn": [0, 0, 30]}, {"sphere": 0.3}], turn=(0, 0, 0.2), spin=(0, 0, 1.0))
+    sim = ga.Simulation({"s": ga.bodies([askew]).system()}, dt=0.01, precision="f64")
+    assert np.allclose(sim["s"].bodies[0].rotation, about_z(0.2), atol=1e-9)
+    sim.step(50)
+    assert np.allclose(sim["s"].bodies[0].rotation, about_z(0.7), atol=1e-6)
+
+
+def test_bodies_are_asked_of_what_has_none():
+    with pytest.raises(ga.UsageError, match="no rigid bodies"):
+        ga.ParticleSystem(position=np.zeros((1, 3))).bodies  # noqa: B018
+    ball = ga.bodies([ga.body({"sphere": 0.5})])
+    with pytest.raises(ga.UsageError, match="not part of a simulation yet"):
+        ball.system().bodies  # noqa: B018
+
+
+def test_bodies_say_what_they_are():
+    ball = ga.body({"sphere": 0.5}, mass=2.0, position=(1, 2, 3), spin=(0, 0, 4), pivot=(1, 2, 3), name="ball")
+    n = len(ball.masses)
+    at = "2 kg at (1, 2, 3) m, velocity (0, 0, 0) m/s, spin (0, 0, 4) rad/s"
+    assert repr(ball) == f"<Body 'ball': {at}, on a pivot; {n} particles>"
+    assert repr(ga.bodies([ball])) == f"<Bodies: 1 body (ball) of 2 kg, {n} particles>"
+    assert "<Bodies: 2 bodies (ball, body) of" in repr(ga.bodies([ball, ga.body({"sphere": 1.0}, position=(9, 9, 9))]))

@@ -28,7 +28,7 @@ _CARRIERS = 6
 _GRAIN = 3 / 4  # default radius of the particles, relative to their spacing
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Body:
     """A body at its start. Its frame has the origin at the centre of mass, or at the pivot, and axes along principal axes.
 
@@ -65,6 +65,14 @@ class Body:
     tint: float = 0.0
     name: str = ""
     offset: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+    def __repr__(self) -> str:
+        vector = lambda v: f"({', '.join(f'{x:.4g}' for x in v)})"  # noqa: E731
+        held = {FREE: "", PIVOTED: ", on a pivot", AXLED: ", on an axle", STATIC: ", static"}[self.constraint]
+        return (
+            f"<Body '{self.name}': {self.mass:.4g} kg at {vector(self.place)} m, velocity {vector(self.velocity)} m/s, "
+            f"spin {vector(self.spin)} rad/s{held}; {len(self.masses):,} particles>"
+        )
 
     @property
     def reach(self) -> float:

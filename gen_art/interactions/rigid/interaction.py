@@ -99,6 +99,12 @@ class Rigid(Interaction):
     def shapes(self, state: Particles) -> Shapes | None:
         return self._world.shapes() if self._world is not None else None
 
+    def states(self) -> list | None:
+        """The BodyState of each body, or None before a simulation has them."""
+        from gen_art.interactions.rigid.body_state import body_states
+
+        return body_states(self._world) if self._world is not None else None
+
     def take_colliders(self, colliders: list, names: dict) -> list:
         """Take over the system's colliders, which act on the bodies instead of their particles."""
         for one in colliders:
