@@ -1,5 +1,7 @@
 """A user's force that cannot be right is refused by a sentence, before it is compiled."""
 
+import linecache
+
 import numpy as np
 import pytest
 
@@ -142,3 +144,38 @@ def test_what_only_the_compiler_sees_is_a_sentence_too():
     ) as caught:
         sim.step(1)
     assert "\n" not in str(caught.value)
+
+
+CELL = '''
+import numpy as np
+
+import gen_art as ga
+from gen_art import ti
+
+
+@ga.force("nudge")
+class Nudge(ga.Force):
+    """A push. Source: none."""
+
+    strength: float = ga.param(1.0, unit="m/s^2")
+
+    @ti.func
+    def acceleration(self, p, t, q):
+        return ti.Vector([AXES])
+
+
+system = ga.ParticleSystem(position=np.zeros((1, 3)), forces=[Nudge(3.0)])
+ga.Simulation({"s": system}, dt=0.125, precision="f64").step(8)
+'''
+
+
+def test_a_class_may_stand_in_a_cell_of_a_notebook_and_is_replaced_when_the_cell_runs_again():
+    """As IPython runs a cell: its text is in `linecache` alone, and the cells share one namespace."""
+    space: dict = {"__name__": "__main__"}
+    for number, (axes, expected) in enumerate(
+        {"q.strength, 0.0, 0.0": [3, 0, 0], "0.0, q.strength, 0.0": [0, 3, 0]}.items()
+    ):
+        text, name = CELL.replace("AXES", axes), f"<ipython-input-{number}-cell>"
+        linecache.cache[name] = (len(text), None, text.splitlines(True), name)
+        exec(compile(text, name, "exec"), space)
+        assert np.allclose(space["system"].velocity, [expected])
