@@ -352,7 +352,7 @@ def test_bodies_say_where_they_are():
 
 
 def test_a_long_body_keeps_the_axes_of_its_shape():
-    """Two boxes askew have principal axes that are not those of the shape."""
+    """A rod that lies askew has principal axes that are not those of the shape."""
     askew = ga.body([{"box": [4.0, 0.2, 0.2], "turn": [0, 0, 30]}, {"sphere": 0.3}], turn=(0, 0, 0.2), spin=(0, 0, 1.0))
     sim = ga.Simulation({"s": ga.bodies([askew]).system()}, dt=0.01, precision="f64")
     assert np.allclose(sim["s"].bodies[0].rotation, about_z(0.2), atol=1e-9)

@@ -20,7 +20,7 @@ from gen_art.interactions.rigid.quaternions import matrices, product, quaternion
 from gen_art.interactions.rigid.shapes import Part, parts_of
 from gen_art.interactions.rigid.small_matrices import apply, apply_transposed, compose, cross, norm, symmetric_eigen
 
-__all__ = ["AXLED", "FREE", "MOST_POINTS", "PIVOTED", "STATIC", "Body", "body", "moved"]
+__all__ = ["AXLED", "FREE", "MOST_POINTS", "PIVOTED", "STATIC", "Body", "body", "motion_text", "moved"]
 
 FREE, PIVOTED, AXLED, STATIC = range(4)
 MOST_POINTS = 1_000_000
@@ -67,17 +67,22 @@ class Body:
     offset: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
     def __repr__(self) -> str:
-        vector = lambda v: f"({', '.join(f'{x:.4g}' for x in v)})"  # noqa: E731
         held = {FREE: "", PIVOTED: ", on a pivot", AXLED: ", on an axle", STATIC: ", static"}[self.constraint]
         return (
-            f"<Body '{self.name}': {self.mass:.4g} kg at {vector(self.place)} m, velocity {vector(self.velocity)} m/s, "
-            f"spin {vector(self.spin)} rad/s{held}; {len(self.masses):,} particles>"
+            f"<Body '{self.name}': {motion_text(self.mass, self.place, self.velocity, self.spin)}{held}; "
+            f"{len(self.masses):,} particles>"
         )
 
     @property
     def reach(self) -> float:
         """A distance, m, from the origin that no point of the body is beyond."""
         return max(float(norm(part.center) + norm(part.half) + part.radius) for part in self.parts)
+
+
+def motion_text(mass: float, position, velocity, spin) -> str:
+    """A body's mass, place, velocity and spin in words."""
+    at, v, w = (f"({', '.join(f'{x:.4g}' for x in vector)})" for vector in (position, velocity, spin))
+    return f"{mass:.4g} kg at {at} m, velocity {v} m/s, spin {w} rad/s"
 
 
 def body(

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen_art.interactions.rigid.body import motion_text
 from gen_art.interactions.rigid.quaternions import matrices, rotation
 from gen_art.interactions.rigid.small_matrices import compose, transposed
 from gen_art.interactions.rigid.world import World
@@ -33,10 +34,7 @@ class BodyState:
     angular_momentum: np.ndarray
 
     def __repr__(self) -> str:
-        at, velocity, spin = (
-            f"({', '.join(f'{x:.4g}' for x in v)})" for v in (self.position, self.velocity, self.spin)
-        )
-        return f"<BodyState '{self.name}': {self.mass:.4g} kg at {at} m, velocity {velocity} m/s, spin {spin} rad/s>"
+        return f"<BodyState '{self.name}': {motion_text(self.mass, self.position, self.velocity, self.spin)}>"
 
 
 def body_states(world: World) -> list[BodyState]:
