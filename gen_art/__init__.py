@@ -28,6 +28,8 @@ if (
     from gen_art.forces.base import Force as Force
     from gen_art.forces.base import force as force
     from gen_art.forces.medium import Medium as Medium
+    from gen_art.interactions.base import interaction as interaction
+    from gen_art.interactions.pair_law import PairLaw as PairLaw
     from gen_art.interactions.rigid.body import body as body
     from gen_art.interactions.spring_nets import chain as chain
     from gen_art.interactions.spring_nets import cloth as cloth
@@ -72,6 +74,7 @@ _NAMES = {
     "KeyLight": "gen_art.preset.light",
     "Look": "gen_art.preset.look",
     "Medium": "gen_art.forces.medium",
+    "PairLaw": "gen_art.interactions.pair_law",
     "ParticleSystem": "gen_art.simulation",
     "PresetError": "gen_art.errors",
     "Shape": "gen_art.emitters.base",
@@ -94,6 +97,7 @@ _NAMES = {
     "force": "gen_art.forces.base",
     "forces": "",
     "integrators": "",
+    "interaction": "gen_art.interactions.base",
     "interactions": "",
     "load_preset": "gen_art.preset.load",
     "log": "gen_art.maths.elementary",
@@ -112,10 +116,10 @@ _NAMES = {
 
 __all__ = [
     "AdviceWarning", "Camera", "Diagnostics", "DivergedError", "Emitter", "Film", "Force", "GenArtError", "Ground",
-    "KeyLight", "Look", "Medium", "ParticleSystem", "PresetError", "Shape", "Simulation", "Sky", "SurfaceLook",
+    "KeyLight", "Look", "Medium", "PairLaw", "ParticleSystem", "PresetError", "Shape", "Simulation", "Sky", "SurfaceLook",
     "UsageError", "Velocity", "__version__", "adaptive", "bodies", "body", "chain", "cloth", "colliders", "cos",
-    "develop", "emitter", "emitters", "exp", "force", "forces", "integrators", "interactions", "load_preset", "log",
-    "orbital_elements", "param", "power", "render", "render_frame", "rope", "shape", "sin", "still", "ti", "velocity",
+    "develop", "emitter", "emitters", "exp", "force", "forces", "integrators", "interaction", "interactions", "load_preset",
+    "log", "orbital_elements", "param", "power", "render", "render_frame", "rope", "shape", "sin", "still", "ti", "velocity",
 ]  # fmt: skip
 
 

@@ -7,7 +7,7 @@ particle's key would make every run another one.
 import ast
 import inspect
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 
 from gen_art.errors import UsageError
 from gen_art.registry import suggest
@@ -54,13 +54,16 @@ def check_kernel_methods(cls: type, names: tuple[str, ...]) -> None:
                 )
 
 
-def attributes_read(cls: type, names: tuple[str, ...]) -> dict[str, str]:
-    """The declared attributes that these methods read of a particle `p`: {attribute: method}."""
+def attributes_read(
+    cls: type, names: tuple[str, ...], particles: tuple[str, ...] = ("p",), but: Collection[str] = PARTICLE
+) -> dict[str, str]:
+    """The attributes other than those in `but` that these methods read of their arguments `particles`: {attribute: method}."""
     found: dict[str, str] = {}
     for name in names:
         method = getattr(cls, name, None)
         if callable(method):
-            found |= {read: name for read in _attributes_of(inspect.unwrap(method), "p") if read not in PARTICLE}
+            source = inspect.unwrap(method)
+            found |= {read: name for p in particles for read in _attributes_of(source, p) if read not in but}
     return found
 
 

@@ -37,6 +37,7 @@ class ForceRequest:
     source_rows, sources, m : the same of the particles that exert the forces, of this system or of another
     span : s, the length of the kick that the accelerations serve; 0 for a stage of Runge-Kutta
     dt : s, the whole step
+    time : s, of this stage
     """
 
     rows: np.ndarray
@@ -48,6 +49,7 @@ class ForceRequest:
     span: float
     dt: float
     precision: str
+    time: float
 
 
 @dataclass

@@ -227,6 +227,7 @@ class _Control:
                     at = 3 * part.stepper.part_offsets[k]
                     request = ForceRequest(
                         part.rows, part.state, part.n, other.rows, other.state, other.n, 0.0, self.sim.dt, self.sim.precision,
+                        first * self.sim.dt + tau,
                     )  # fmt: skip
                     interaction.accelerate(request, part.stepper.pair[at : at + 3 * len(interaction.parts)])
             if part.n:

@@ -69,7 +69,7 @@ class BlockSteps:
         everything = [(name, k) for name, stepper in self._steppers.items() for k in self._interactions(stepper)]
         for name, k in everything:
             if not known:
-                self._find(name, k, None, h)
+                self._find(name, k, None, h, first * self._dt)
             self._every[name, k] = self._wanted(name, k)
         for part in range(self.parts):
             now = first * self.parts + part
@@ -79,7 +79,7 @@ class BlockSteps:
             ended = part + 1
             for name, k in everything:
                 ending = ended % self._every[name, k] == 0
-                self._find(name, k, None if ending.all() else np.flatnonzero(ending), h)
+                self._find(name, k, None if ending.all() else np.flatnonzero(ending), h, (now + 1) * h)
             self._kick_by(ended, everything)
             for stepper in self._steppers.values():
                 stepper.stage(now, h, 1, 2)
@@ -113,8 +113,8 @@ class BlockSteps:
             factor = np.where(part % every == 0, every, 0).astype(found.dtype)
             self._steppers[name].pair[self._rows(name, k), : found.shape[1]] = factor * found
 
-    def _find(self, name: str, k: int, some: np.ndarray | None, h: float) -> None:
-        """Compute the accelerations by one interaction, of all particles or of those in the slots `some`."""
+    def _find(self, name: str, k: int, some: np.ndarray | None, h: float, time: float) -> None:
+        """Compute the accelerations by one interaction at `time`, s, of all particles or of those in the slots `some`."""
         if some is not None and not len(some):
             return
         stepper = self._steppers[name]
@@ -123,7 +123,7 @@ class BlockSteps:
         other = self._steppers[one.source_system or name].system.state
         targets = state if some is None else state.some(some)
         request = ForceRequest(
-            targets.floats, targets, targets.count, other.floats, other, other.count, h, self._dt, self._precision
+            targets.floats, targets, targets.count, other.floats, other, other.count, h, self._dt, self._precision, time
         )  # fmt: skip
         if some is None:
             out = stepper.pair[rows]

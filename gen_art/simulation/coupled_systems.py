@@ -72,7 +72,7 @@ class CoupledSystems:
             active = {name: stepper for name, stepper in coupled.items() if g < len(stepper.system.scheme.stages)}
             if g > 0 or self._accelerations_at != first:
                 for name, stepper in active.items():
-                    self._sum_pair_forces(stepper, g)
+                    self._sum_pair_forces(stepper, first, g)
             for name, stepper in active.items():
                 if any(interaction.implicit for interaction in stepper.system.interactions):
                     self._implicit_stage(name, stepper, first, g)
@@ -121,8 +121,8 @@ class CoupledSystems:
             if self.ledger and before is not None:
                 self.ledger.record_turn(name, mover, state, before)
 
-    def _sum_pair_forces(self, stepper: Stepper, g: int) -> None:
-        """Compute the accelerations of the forces between particles at stage g, for one system."""
+    def _sum_pair_forces(self, stepper: Stepper, first: int, g: int) -> None:
+        """Compute the accelerations of the forces between particles at stage g of a step, for one system."""
         system = stepper.system
         for k, interaction in enumerate(system.interactions):
             if interaction.implicit:
@@ -132,6 +132,7 @@ class CoupledSystems:
                 request = ForceRequest(
                     stepper.stage_rows(g), system.state, system.state.count, other.stage_rows(g), other.system.state,
                     other.system.state.count, stepper.span(g, self.dt), self.dt, self.precision,
+                    (first + system.scheme.stages[g][1]) * self.dt,
                 )  # fmt: skip
                 first = 3 * stepper.part_offsets[k]
                 interaction.accelerate(request, stepper.pair[first : first + 3 * len(interaction.parts)])

@@ -73,9 +73,9 @@ def test_a_tight_pair_in_a_wide_cloud_moves_as_with_short_steps_for_all(monkeypa
     asked = []
     find = block_steps.BlockSteps._find
 
-    def counted(self, name, k, some, h):
+    def counted(self, name, k, some, h, time):
         asked.append(200 if some is None else len(some))
-        find(self, name, k, some, h)
+        find(self, name, k, some, h, time)
 
     monkeypatch.setattr(block_steps.BlockSteps, "_find", counted)
     blocks = places(cluster(5, 0.04), 0.4)

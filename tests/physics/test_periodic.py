@@ -249,7 +249,7 @@ def test_forces_are_those_of_nearest_images(axes):
     state, out = sim.systems["s"], np.zeros((3, sim.systems["s"].floats.shape[1]))
     rows, away = state.floats.copy(), np.random.default_rng(4).integers(-3, 4, (n, 3))
     rows[:3, :n] += (away * LENGTHS * [axis in axes for axis in "xyz"]).T
-    contacts.accelerate(ForceRequest(rows, state, n, rows, state, n, 0.01, 0.01, "f64"), out)
+    contacts.accelerate(ForceRequest(rows, state, n, rows, state, n, 0.01, 0.01, "f64", 0.0), out)
 
     def expected(axes):
         d = apart((x[:, None] - x[None]).reshape(-1, 3), 0, axes).reshape(n, n, 3)

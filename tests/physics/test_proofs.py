@@ -81,7 +81,9 @@ def accelerations(sim, name):
     state, one = sim.systems[name], sim[name].interactions[0]
     out = np.zeros((3, state.capacity + PADDING), state.floats.dtype)
     one.accelerate(
-        ForceRequest(state.floats, state, state.count, state.floats, state, state.count, 0.0, sim.dt, sim.precision),
+        ForceRequest(
+            state.floats, state, state.count, state.floats, state, state.count, 0.0, sim.dt, sim.precision, sim.time
+        ),
         out,
     )
     return out[:, : state.count].T.astype(float)
