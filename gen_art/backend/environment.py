@@ -30,5 +30,6 @@ except importlib.metadata.PackageNotFoundError:
     ) from None
 os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
+os.environ.setdefault("TI_LOG_LEVEL", "error")  # Taichi would tell a notebook that it is one
 if not HAS_HOME:  # Taichi ends the process where HOME is not set, though it then writes nothing there
     os.environ["HOME"] = tempfile.gettempdir()

@@ -13,6 +13,7 @@ from gen_art.arguments import shown
 from gen_art.errors import EncoderError, OutputError, UsageError
 from gen_art.output import job
 from gen_art.output.formats import check_film_size, find_format
+from gen_art.output.picture import Picture
 from gen_art.output.playback import largest_divisor
 from gen_art.output.stills import write_still
 from gen_art.output.target import check_size_of, check_writable, find_target
@@ -33,8 +34,8 @@ _DEVELOPED = "develop"  # the name of its keys in messages
 
 def develop(
     linear: np.ndarray, *, bits: int = 8, transparent: bool = False, frame: int = 0, spec: DevelopSpec | None = None, **keys: Any
-) -> np.ndarray:  # fmt: skip
-    """A picture (height, width, 3 or, transparent, 4), sRGB, of uint8 or, with bits=16, uint16.
+) -> Picture:  # fmt: skip
+    """A picture (height, width, 3 or, transparent, 4), sRGB, of uint8 or, with bits=16, uint16. A notebook shows that of uint8.
 
     linear : (height, width, 4) linear premultiplied RGBA, as ga.render_frame returns it
     transparent : with a straight alpha channel
@@ -54,7 +55,8 @@ def develop(
     if not np.isfinite(light).all():
         raise UsageError("linear light must be finite: this has a NaN or an infinity")
     model = spec or model_of(DevelopSpec, _DEVELOPED, keys) or DevelopSpec()
-    return tone_map.develop(np.ascontiguousarray(light, np.float32), model, frame, transparent, bits)
+    developed = tone_map.develop(np.ascontiguousarray(light, np.float32), model, frame, transparent, bits)
+    return developed.view(Picture)
 
 
 def still(

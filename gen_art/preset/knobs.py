@@ -52,10 +52,19 @@ class Knob:
         except UsageError:
             return None
 
+    @property
+    def value_text(self) -> str:
+        """The value as text; a list or a mapping by its size."""
+        return shown(self.value) if isinstance(self.value, (list, dict)) else f"{self.value}"
+
+    @property
+    def range_text(self) -> str:
+        """The range as in YAML, or ""."""
+        return f"{self.range.lo:g}..{self.range.hi:g}" if self.range else ""
+
     def __str__(self) -> str:
-        words = shown(self.value) if isinstance(self.value, (list, dict)) else f"{self.value}"
-        words += f" {self.unit}" if self.unit else ""
-        return f"{words} ({self.range.lo:g}..{self.range.hi:g})" if self.range else words
+        words = f"{self.value_text} {self.unit}" if self.unit else self.value_text
+        return f"{words} ({self.range_text})" if self.range else words
 
 
 def is_described(written: Any) -> bool:

@@ -118,7 +118,7 @@ def validate(data: dict, name: str, source: SourceText, set_paths: list[tuple]) 
     preset = None
     token = GRAVITATION.set(_gravitation(filled))
     try:
-        preset = Preset.model_validate(filled).keep(name, written, knobs)
+        preset = Preset.model_validate(filled).keep(name, source.title, written, knobs)
     except ValidationError as error:
         found += [(item["loc"], friendly(item)) for item in error.errors()]
     finally:

@@ -70,6 +70,12 @@ class SourceText:
     root: Node
     problems: list[Problem] = field(default_factory=list)
 
+    @property
+    def title(self) -> str:
+        """The comment in the first line; "" where there is none."""
+        first = self.lines[0] if self.lines else ""
+        return first.lstrip("# ").strip() if first.startswith("#") else ""
+
     def plain(self):
         return self.root.plain()
 

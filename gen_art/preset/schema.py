@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import PrivateAttr, model_validator
 
 from gen_art.errors import UsageError
+from gen_art.html_table import html_table
 from gen_art.particles.entries import LedgerEntry
 from gen_art.preset.axes import Axes
 from gen_art.preset.camera import CameraSpec, Fit
@@ -186,6 +187,7 @@ class Preset(Model):
     gallery: Gallery = about(Gallery(), "the moments that represent the preset")
     expect: Expect | None = about(None, "what must hold of its motion; `gen-art check` runs it")
     _name: str = PrivateAttr("preset")
+    _title: str = PrivateAttr("")
     _written: dict = PrivateAttr(default_factory=dict)
     _knobs: dict[str, Knob] = PrivateAttr(default_factory=dict)
     _folder: Path = PrivateAttr(Path())
@@ -227,9 +229,14 @@ class Preset(Model):
         """The preset's name, from its file."""
         return self._name
 
-    def keep(self, name: str, written: dict, knobs: dict[str, Knob]) -> "Preset":
-        """Store the name, the folder that is being read, the plain data from which this was made, and the knobs filled in."""
-        self._name, self._written, self._folder, self._knobs = name, written, FOLDER.get(), knobs
+    @property
+    def title(self) -> str:
+        """The comment in the first line of its file, which says what is seen; "" where there is none."""
+        return self._title
+
+    def keep(self, name: str, title: str, written: dict, knobs: dict[str, Knob]) -> "Preset":
+        """Store name, title, the folder that is being read, the plain data from which this was made, and the knobs filled in."""
+        self._name, self._title, self._written, self._folder, self._knobs = name, title, written, FOLDER.get(), knobs
         return self
 
     @property
@@ -306,6 +313,22 @@ class Preset(Model):
         return f"<Preset {self._name!r}, seed {self.seed}, {self.clock.duration:g} s; {', '.join(self.systems)}>"
 
     __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the film, the systems and the knobs."""
+        clock, (width, height) = self.clock, (self.camera or CameraSpec()).size
+        facts = [
+            ("Film", f"{clock.duration:g} s, {clock.fps:g} frames a second"),
+            ("Picture", f"{width} x {height} pixels"),
+            ("Step", f"{clock.step:g} {self.units.time}"),
+            ("Seed", self.seed),
+            ("Systems", ", ".join(self.systems)),
+        ]
+        tables = [html_table(f"{self.name}: {self.title}" if self.title else self.name, facts)]
+        if self.knobs:
+            rows = [(name, knob.value_text, knob.range_text, knob.unit) for name, knob in self.knobs.items()]
+            tables.append(html_table("Knobs", rows, ("Knob", "Value", "Range", "Unit")))
+        return "\n".join(tables)
 
 
 def json_schema() -> dict:

@@ -14,6 +14,7 @@ import numpy as np
 from gen_art.backend import runtime
 from gen_art.backend.kernel_views import parameters
 from gen_art.backend.runtime import ti
+from gen_art.html_table import html_table, vector_text
 from gen_art.integrators.kernel_terms import KernelTerms
 from gen_art.integrators.particle_tile import TileTerms, repeats, view
 from gen_art.particles.rows import CHARGE, MASS, PX, PY, PZ, VX, VY, VZ
@@ -67,6 +68,21 @@ class Diagnostics:
         """Plain numbers and lists, the energy included."""
         plain = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in asdict(self).items()}
         return {**plain, "energy": self.energy}
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: each sum with its unit."""
+        rows = [
+            ("Particles", f"{self.count:,}", ""),
+            ("Mass", f"{self.mass:.8g}", "kg"),
+            ("Charge", f"{self.charge:.8g}", "C"),
+            ("Momentum", vector_text(self.momentum), "N s"),
+            ("Angular momentum", vector_text(self.angular_momentum), "N m s"),
+            ("Centre of mass", vector_text(self.center_of_mass), "m"),
+            ("Kinetic energy", f"{self.kinetic_energy:.8g}", "J"),
+            ("Potential energy", f"{self.potential_energy:.8g}", "J"),
+            ("Energy", f"{self.energy:.8g}", "J"),
+        ]
+        return html_table(f"Diagnostics at {self.time:g} s, in SI units unless the preset says otherwise", rows)
 
 
 @cache

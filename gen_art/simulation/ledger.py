@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from gen_art.html_table import html_table, vector_text
 from gen_art.integrators.ledger_kernel import make_ledger_kernel
 from gen_art.integrators.ledger_rows import DISSIPATED, LEDGER_COLUMNS, WORK
 from gen_art.integrators.step_kernels import BLOCK
@@ -124,6 +125,39 @@ class Ledger:
             return x.tolist() if isinstance(x, np.ndarray) else x
 
         return {k: plain(getattr(self, k)) for k in self.__dataclass_fields__}
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the entries that are not zero, then what came and went, then the residuals."""
+        names = [
+            name
+            for name in dict.fromkeys([*self.work, *self.dissipated, *self.impulse])
+            if self.work.get(name) or self.dissipated.get(name) or np.any(self.impulse.get(name, 0.0))
+        ]
+        entries = [
+            (name, f"{self.work.get(name, 0.0):.6g}", f"{self.dissipated.get(name, 0.0):.6g}",
+             vector_text(self.impulse.get(name, np.zeros(3))))
+            for name in names
+        ]  # fmt: skip
+        total = ("total", f"{self.work.total:.6g}", f"{self.dissipated.total:.6g}", vector_text(self.impulse.total))
+        transfers = [
+            (name, what, f"{one.count:,}", f"{one.mass:.6g}", vector_text(one.momentum), f"{one.energy:.6g}")
+            for what, those in (("born", self.born), ("died", self.died), ("outside", self.outside))
+            for name, one in those.items()
+        ]
+        residuals = [
+            ("energy, J", f"{self.residual:.3g}", f"largest energy that moved: {self.scale:.6g} J"),
+            ("momentum, N s", vector_text(self.momentum_residual), ""),
+        ]
+        tables = [
+            html_table(
+                "Ledger, in SI units unless the preset says otherwise", [*entries, total],
+                ("Force", "Work, J", "Dissipated, J", "Impulse, N s"),
+            )
+        ]  # fmt: skip
+        if transfers:
+            columns = ("Emitter or system", "What", "Particles", "Mass, kg", "Momentum, N s", "Energy, J")
+            tables.append(html_table("Born, died, changed from outside", transfers, columns))
+        return "\n".join([*tables, html_table("Residual: what the entries do not explain", residuals)])
 
 
 def _plain(record: "Transfer | Diagnostics") -> dict:

@@ -14,6 +14,7 @@ from gen_art.backend import runtime
 from gen_art.emitters.births import BirthBatch, give_birth, scheduled_births
 from gen_art.emitters.events import EventWindow, event_births
 from gen_art.errors import GenArtError, UsageError
+from gen_art.html_table import html_table
 from gen_art.maths.random import channel_of, derive
 from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.storage import Particles
@@ -232,6 +233,15 @@ class Simulation:
     def __repr__(self) -> str:
         counts = ", ".join(f"{name}: {system.count:,}" for name, system in self.members.items())
         return f"<Simulation at {self.time:g} s, dt {self.dt:g} s, {self.precision}; {counts}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the time, the step and the systems with their forces."""
+        caption = f"Simulation at {self.time:g} s, {self.steps_done:,} steps of {self.dt:g} s, {self.precision}"
+        rows = [
+            (name, f"{system.count:,}", ", ".join(system.acting) or "none", system.scheme.name)
+            for name, system in self.members.items()
+        ]
+        return html_table(caption, rows, ("System", "Particles", "Forces", "Integrator"))
 
     def __getitem__(self, name: str) -> ParticleSystem:
         if arguments.text("the name of a system", name) not in self.members:

@@ -141,14 +141,18 @@ class ParticleSystem(LivingParticles):
                     )
         self.entries = self._checked_entries(booked)
 
+    @property
+    def acting(self) -> list[str]:
+        """The names of its forces, those between particles last."""
+        return [one.name or type(one).__name__ for one in (*self.forces, *self.interactions)]
+
     def __repr__(self) -> str:
-        acting = [one.name or type(one).__name__ for one in (*self.forces, *self.interactions)]
         if self._state is None:
             count = len(self._initial["mass"]) if self._initial else 0
             name, end = "", "; not part of a simulation yet"
         else:
             count, name, end = self.count, f" '{self.name}'", ""
-        with_forces = f", {', '.join(acting)}" if acting else ""
+        with_forces = f", {', '.join(self.acting)}" if self.acting else ""
         return f"<ParticleSystem{name}: {count:,} particle{'' if count == 1 else 's'}{with_forces}, {self.scheme.name}{end}>"
 
     def enter(self, box: PeriodicBox) -> None:
