@@ -32,7 +32,6 @@ __all__ = ["sweep_on_farm"]
 
 _ALLOWED_DEATHS = 10  # of worker processes on one unit, until it counts as the unit's fault
 _ANSWER = 10.0  # seconds in which a scheduler must answer
-_LOGS = ("distributed", "tornado", "asyncio", "bokeh")
 
 
 def sweep_on_farm(
@@ -57,16 +56,27 @@ def sweep_on_farm(
             "a sweep on several processes needs the package distributed, which is not installed: "
             "pip install 'gen-art[farm]'"
         )
+    from gen_art.output.farm_logs import quiet
+
     tell = tell or (lambda sentence: None)
-    with _quiet():
+    if all(unit.is_made for unit in units):
+        return [unit.path for unit in units]
+    with quiet():
         if scheduler is not None:
             connected = _connected(arguments.text("scheduler", scheduler), tell)
         else:
             workers = arguments.whole("workers", workers, 1, 1024)
             threads = threads or max(1, processor.cores() // workers)
             connected = _started(workers, tell)
-        with connected as client:
-            _make(client, units, threads, overwrite, load_plugins(plugins), done)
+        try:
+            with connected as client:
+                _make(client, units, threads, overwrite, load_plugins(plugins), done)
+        except Exception:
+            raise
+        except BaseException as stop:  # Ctrl+C, or the signal that ends the process
+            if workers is not None:
+                _note_kept(stop, units)
+            raise
     return [unit.path for unit in units]
 
 
@@ -142,7 +152,7 @@ def _make(
     told: set[str] = set()
     failed: list[tuple[Unit, BaseException]] = []
     try:
-        for future in as_completed(futures):
+        for future in as_completed(futures, loop=client.loop):
             unit = futures[future]
             error = future.exception()
             if error is not None:
@@ -160,6 +170,15 @@ def _make(
             client.cancel(list(futures))
     if failed:
         raise _error_of(sorted(failed, key=lambda pair: units.index(pair[0])))
+
+
+def _note_kept(stop: BaseException, units: Sequence[Unit]) -> None:
+    """Name the partial films that the workers have left."""
+    for unit in units:
+        partial = partial_path(unit.path)
+        with suppress(OSError):
+            if unit.is_film and not unit.is_made and partial.stat().st_size:
+                stop.add_note(f"the finished part of a film is kept in {partial}")
 
 
 def _error_of(failed: Sequence[tuple[Unit, BaseException]]) -> BaseException:
@@ -207,7 +226,7 @@ def _started(workers: int, tell: Callable[[str], None]) -> Iterator["Client"]:
         Client(cluster) as client,
     ):  # fmt: skip
         _tell_address(client, cluster.scheduler_address, tell)
-        client.register_plugin(_worker_plugin())
+        client.register_plugin(_worker_plugin(own=True))
         yield client
 
 
@@ -226,7 +245,7 @@ def _connected(address: str, tell: Callable[[str], None]) -> Iterator["Client"]:
         _tell_address(client, address, tell)
         if not client.nthreads():
             tell("it has no workers yet: the sweep begins when the first one comes")
-        client.register_plugin(_worker_plugin())
+        client.register_plugin(_worker_plugin(own=False))
         yield client
 
 
@@ -242,21 +261,7 @@ def _tell_address(client: "Client", address: str, tell: Callable[[str], None]) -
         tell(f"Dask's scheduler is at {address}")
 
 
-def _worker_plugin() -> Any:
+def _worker_plugin(own: bool) -> Any:
     from gen_art.output.farm_worker import FarmWorker
 
-    return FarmWorker()
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep what Dask and its server log off the terminal; what goes wrong is raised as an error."""
-    loggers = [logging.getLogger(name) for name in _LOGS]
-    before = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.CRITICAL + 1)
-    try:
-        yield
-    finally:
-        for logger, level in zip(loggers, before):
-            logger.setLevel(level)
+    return FarmWorker(own)

@@ -8,21 +8,31 @@ from typing import Any
 
 from distributed import WorkerPlugin
 
+from gen_art.output.farm_logs import silence
+
 __all__ = ["FarmWorker"]
 
-_PATIENCE = 5.0  # seconds for which a worker that ends waits for its unit
+_PATIENCE = 3.0  # seconds for which a worker that ends waits for its unit; Dask kills it after four
 
 
 class FarmWorker(WorkerPlugin):
-    """Set up when the worker joins a sweep, and torn down when it ends."""
+    """Set up when the worker joins a sweep, and torn down when it ends.
+
+    own : the sweep has started this worker, in its terminal: it logs nothing, and leaves Ctrl+C to the command
+    """
 
     name = "gen-art"
     idempotent = True
 
+    def __init__(self, own: bool):
+        self.own = own
+
     def setup(self, worker: Any) -> None:
-        """Ignore Ctrl+C, which a terminal sends to all its processes: the command closes its workers."""
-        with suppress(ValueError):  # the worker does not run in the main thread of its process
-            signal.signal(signal.SIGINT, signal.SIG_IGN)
+        """A terminal sends Ctrl+C to all its processes; the command then closes its workers."""
+        if self.own:
+            silence()
+            with suppress(ValueError):  # the worker does not run in the main thread of its process
+                signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     def teardown(self, worker: Any) -> None:
         """Store the compiled kernels, in the thread that ran them."""
