@@ -2,4 +2,5 @@
 
 from gen_art.commands.main import main
 
-main()
+if __name__ == "__main__":  # the worker processes of `gen-art sweep --workers` import this file
+    main()

@@ -3,6 +3,7 @@
 A reporter is called with events: {"event": "frame", "frame": k, "frames": n, "particles": count, "fps": ..., "eta": s}, and
 of a film or a sequence at the end with the seconds of its stages: {"event": "times", "total": s, "simulate": s, ...}. Where more
 than ten seconds pass before the first picture, {"event": "wait", "steps": done, "of": n, "eta": s} tells about once a second.
+Of a sweep on several processes, {"event": "unit", "unit": made, "units": n, "path": ...} tells of each file that is made.
 Among JSON lines a warning is one too: {"event": "warning", "text": ...}.
 """
 

@@ -21,9 +21,12 @@ __all__ = ["command"]
 @options.picture_options
 @options.preset_options
 @options.run_options
+@click.option("--workers", type=click.IntRange(1, 1024), help="Number of processes that share the work.")
+@click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler whose workers do the work: tcp://10.0.0.5:8786.")
 def command(
     preset, out, seeds, vary, mutate, count, frames, time, codec, profile, bits, size, scale, quality, overwrite, transparent,
     dry_run, seed, settings, fps, duration, plugins, precision, threads, progress,
+    workers, scheduler,
 ):  # fmt: skip
     """Make a film, or a picture, of each of many variations of PRESET.
 
@@ -34,7 +37,13 @@ def command(
 
     The file extension of OUT says which, as for render and still. A sweep that was stopped goes on when the same command is
     run again: files that it has made are left as they are. Between the files nothing is compiled.
+
+    With --workers 4 four processes of this machine share the work, with --scheduler those of a cluster: docs/farm.md.
     """
+    if workers is not None and scheduler is not None:
+        raise click.UsageError(
+            "--workers starts processes here, and --scheduler uses those of a cluster: give one of them"
+        )
     source, changes, loaded = options.source(preset, seed, settings, fps, duration, plugins)
     rows = options.grid(source, changes, seeds, vary, mutate, count)
     from gen_art.commands.progress import reporter
@@ -52,12 +61,38 @@ def command(
         return
     if made:
         echo(f"{made} of {len(units)} are made already", err=True)
-    with reporter(progress) as report:
-        begin = (
-            None
-            if progress in ("json", "none")
-            else lambda k, unit: echo(f"{k + 1} of {len(units)}: {unit.path}", err=True)
-        )
-        paths = sweep(units, threads=threads, overwrite=overwrite, plugins=loaded, progress=report, begin=begin)
+    if workers is not None or scheduler is not None:
+        paths = _on_farm(units, workers, scheduler, threads, overwrite, loaded, progress)
+    else:
+        with reporter(progress) as report:
+            begin = (
+                None
+                if progress in ("json", "none")
+                else lambda k, unit: echo(f"{k + 1} of {len(units)}: {unit.path}", err=True)
+            )
+            paths = sweep(units, threads=threads, overwrite=overwrite, plugins=loaded, progress=report, begin=begin)
     for path in paths:
         echo(path)
+
+
+def _on_farm(units, workers, scheduler, threads, overwrite, plugins, progress):
+    """Make the units on several processes; a line, or an event of JSON, for each that is made."""
+    from gen_art.commands.progress import reporter
+    from gen_art.output.farm import sweep_on_farm
+
+    def tell(sentence):
+        if progress not in ("json", "none"):
+            echo(sentence, err=True)
+
+    with reporter(progress if progress in ("json", "none") else "none") as report:
+
+        def done(k, unit):
+            if report is not None:
+                report({"event": "unit", "unit": k, "units": len(units), "path": str(unit.path)})
+            else:
+                tell(f"{k} of {len(units)}: {unit.path}")
+
+        return sweep_on_farm(
+            units, workers=workers, scheduler=scheduler, threads=threads, overwrite=overwrite, plugins=plugins,
+            tell=tell, done=done,
+        )  # fmt: skip

@@ -20,6 +20,7 @@ PURPOSES = {
     "plots": "plots of gen-art audit",
     "histories": "records of a run as tables, .parquet and .zarr",
     "studio": "gen-art studio and gen-art watch",
+    "farm": "gen-art sweep on several processes or a cluster",
     "bench": "other programs that gen-art bench measures beside this one",
     "dev": "the tests and checks of the source checkout",
 }

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from gen_art.preset.schema import Preset
     from gen_art.preset.variations import Variation
 
-__all__ = ["Unit", "plan_sweep", "sweep"]
+__all__ = ["Unit", "is_of", "plan_sweep", "sweep"]
 
 FILM_OPTIONS = ("codec", "profile")
 _FIELD = re.compile(r"\{([^{}]*)\}")
@@ -90,7 +90,7 @@ def plan_sweep(
                 **{k: v for k, v in options.items() if k not in FILM_OPTIONS},
                 "time": preset.poster_time if time is None else time,
             }
-        is_made = path.is_file() and not overwrite and _is_of(path, preset, is_film, given, plugins)
+        is_made = path.is_file() and not overwrite and is_of(path, preset, is_film, given, plugins)
         if not is_made:
             (job.plan_film if is_film else job.plan_still)(preset, path, overwrite=overwrite, **given)
         units.append(Unit(preset, path, variation.label, is_film, given, is_made))
@@ -147,7 +147,7 @@ def _named(out: str, variation: "Variation", preset: "Preset", number: int, digi
     return _FIELD.sub(fill, out)
 
 
-def _is_of(path: Path, preset: "Preset", is_film: bool, options: Mapping[str, Any], plugins: Sequence) -> bool:
+def is_of(path: Path, preset: "Preset", is_film: bool, options: Mapping[str, Any], plugins: Sequence) -> bool:
     """Whether the recipe inside a file says that it was made of this preset in this way."""
     try:
         recipe = read_recipe(path)

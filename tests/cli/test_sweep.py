@@ -76,6 +76,8 @@ def test_a_file_made_in_another_way_is_not_replaced_unasked(gen_art, piece, chan
         ("{seed}.avi", ("--seeds", "1,2"), "is not a"),
         ("{seed}.png", ("--seeds", "1,2", "--time", "1", "--codec", "h264"), "--time is of pictures"),
         ("{seed}.mp4", (), "say what varies"),
+        ("{seed}.png", ("--seeds", "1,2", "--workers", "2", "--scheduler", "tcp://a:1"), "give one of them"),
+        ("{seed}.png", ("--seeds", "1,2", "--time", "1", "--scheduler", "nowhere"), "is no address such as tcp://10.0.0.5:8786"),
     ],
 )  # fmt: skip
 def test_wrong_sweeps(gen_art, piece, tmp_path, out, arguments, words):
