@@ -190,6 +190,33 @@ def test_the_density_of_a_hollow_body_is_that_of_its_surface(quantity):
         ga.body({"sphere": 1.0}, density=quantity(1.0, "g/cm^3"), hollow=True)
 
 
+def test_joints(quantity):
+    given = {
+        "ball": ([0.0, 50.0, 0.0], "cm", {"ball": ["rod", "world"]}, [0.0, 0.5, 0.0]),
+        "distance": (
+            [[0.0, 50.0, 0.0], [0.0, 150.0, 0.0]],
+            "cm",
+            {"distance": ["rod", "world"]},
+            [[0, 0.5, 0], [0, 1.5, 0]],
+        ),
+    }
+    for name, (at, unit, bodies, expected) in given.items():
+        points = [quantity(one, unit) for one in at] if name == "distance" else quantity(at, unit)
+        joint = ga.interactions.Rigid(joints={name: {**bodies, "at": points}}).values["joints"][name]
+        assert np.allclose(joint["at"], expected, rtol=1e-14)
+    hinge = {"hinge": ["rod", "world"], "at": [0, 0, 0], "range": quantity([-0.5, 0.5], "rad")}
+    hinge["motor"] = {"speed": quantity(180.0, "deg/s"), "torque": quantity(2.0, "kN m")}
+    made = ga.interactions.Rigid(joints={"arm": hinge}).values["joints"]["arm"]
+    assert np.allclose(made["range"], np.degrees([-0.5, 0.5]), rtol=1e-14)
+    assert made["motor"] == {"speed": pytest.approx(np.pi), "torque": 2000.0}
+    slider = {"slider": ["rod", "world"], "at": [0, 0, 0], "range": (0.0, quantity(50.0, "cm"))}
+    slider["motor"] = {"speed": quantity(1.0, "cm/s"), "force": quantity(1.0, "kN")}
+    made = ga.interactions.Rigid(joints={"arm": slider}).values["joints"]["arm"]
+    assert made["range"] == (0.0, 0.5) and made["motor"] == {"speed": 0.01, "force": 1000.0}
+    with pytest.raises(ga.UsageError, match="^joint 'arm': speed is in m/s, and 1.0 k.* cannot be converted to it$"):
+        ga.interactions.Rigid(joints={"arm": {**slider, "motor": {"speed": quantity(1.0, "kg")}}})
+
+
 def test_nets_orbits_and_cameras(quantity):
     rope = ga.rope(quantity([0, 0, 0], "cm"), quantity([100, 0, 0], "cm"), 5, length=quantity(120, "cm"))
     plain_rope = ga.rope([0, 0, 0], [1, 0, 0], 5, length=1.2)
@@ -228,6 +255,14 @@ WRONG = {
     "a body": (lambda kg: ga.body({"sphere": 1}, position=[kg, 0, 0]), "body: position is in m, and 3.0 k.*"),
     "a shape": (lambda kg: ga.body({"sphere": kg}), "sphere of a shape is in m, and 3.0 k.*"),
     "a name": (lambda kg: simulation()[kg], "the name of a system must be text, not 3.0 k.*"),
+    "a key of a preset": (
+        lambda kg: simulation(domain={"periodic": {"min": (0, 0, 0), "max": (kg, 1, 1)}}),
+        "the keys of a preset hold plain numbers, not 3.0 k.*",
+    ),
+    "an override": (
+        lambda kg: ga.load_preset({"version": 1}, overrides={"clock.duration": kg}),
+        "the keys of a preset hold plain numbers, not 3.0 k.*",
+    ),
     "a camera": (lambda kg: ga.Camera(height=kg), "the camera's height is in m, and 3.0 k.*"),
 }
 
