@@ -213,7 +213,7 @@ def test_joints(quantity):
     slider["motor"] = {"speed": quantity(1.0, "cm/s"), "force": quantity(1.0, "kN")}
     made = ga.interactions.Rigid(joints={"arm": slider}).values["joints"]["arm"]
     assert made["range"] == (0.0, 0.5) and made["motor"] == {"speed": 0.01, "force": 1000.0}
-    with pytest.raises(ga.UsageError, match="^joint 'arm': speed is in m/s, and 1.0 k.* cannot be converted to it$"):
+    with pytest.raises(ga.UsageError, match=r"^joint 'arm': speed is in m/s, and 1.0 k.* cannot be converted to it$"):
         ga.interactions.Rigid(joints={"arm": {**slider, "motor": {"speed": quantity(1.0, "kg")}}})
 
 
