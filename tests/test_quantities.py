@@ -176,6 +176,7 @@ def test_a_body(quantity):
     for key in ("mass", "inertia", "place", "velocity", "spin", "attitude"):
         assert np.allclose(getattr(made, key), getattr(expected, key), rtol=1e-13, atol=1e-13), key
     assert np.allclose(made.local, expected.local, rtol=1e-12, atol=1e-12)
+    assert np.allclose(made.radii, expected.radii, rtol=1e-14)
     assert all(type(value) is float for value in (made.spec["mass"], *made.spec["position"]))  # a snapshot holds it
     pivoted = ga.body({"sphere": 0.5}, pivot=quantity([0.0, 100.0, 0.0], "cm"))
     assert pivoted.place.tolist() == [0.0, 1.0, 0.0]
