@@ -1,4 +1,7 @@
-"""Checks of the arguments of public functions. Each raises a UsageError that names the argument and says what it must be."""
+"""Checks of the arguments of public functions. Each raises a UsageError that names the argument and says what it must be.
+
+Numbers, vectors and arrays may be quantities of astropy or pint, which are converted to the unit of the argument.
+"""
 
 import math
 import os
@@ -10,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from gen_art.errors import UsageError
+from gen_art.quantities import in_words, plain
 
 __all__ = ["array", "flag", "instances", "named", "number", "path", "shown", "text", "vector", "whole"]
 
@@ -18,7 +22,9 @@ _LONGEST = 60  # characters of a value in a message
 
 def shown(value: Any) -> str:
     """A value for an error message, cut to a reasonable length; lists and arrays by their size, objects by their class."""
-    if isinstance(value, np.ndarray):
+    if quantity := in_words(value):
+        words = quantity
+    elif isinstance(value, np.ndarray):
         words = f"an array of {value.dtype} with the shape {value.shape}"
     elif isinstance(value, (Mapping, list, tuple, set, frozenset)):
         words = f"a {'mapping' if isinstance(value, Mapping) else 'list'} of {len(value)}"
@@ -43,7 +49,8 @@ def _is_number(value: Any) -> bool:
 
 
 def number(name: str, value: Any, unit: str = "", low: float = -math.inf, above: float = -math.inf) -> float:
-    """The value as a finite float, at least `low` and more than `above`."""
+    """The value as a finite float, in `unit` if it is a quantity, at least `low` and more than `above`."""
+    value = plain(value, unit, name)
     try:
         result = float(value) if _is_number(value) else math.nan
     except OverflowError:
@@ -56,7 +63,7 @@ def number(name: str, value: Any, unit: str = "", low: float = -math.inf, above:
 
 def whole(name: str, value: Any, low: int = -(2**63), high: int = 2**63 - 1) -> int:
     """The value as an int from `low` to `high`; a float without a fraction is one."""
-    result = None
+    value, result = plain(value, "", name), None
     if _is_number(value) and (isinstance(value, Integral) or (math.isfinite(value) and value == int(value))):
         result = int(value)
     if result is None or not low <= result <= high:
@@ -65,8 +72,9 @@ def whole(name: str, value: Any, low: int = -(2**63), high: int = 2**63 - 1) -> 
     return result
 
 
-def vector(name: str, value: Any) -> tuple[float, float, float]:
-    """Three finite numbers."""
+def vector(name: str, value: Any, unit: str = "") -> tuple[float, float, float]:
+    """Three finite numbers, in `unit` if they are a quantity."""
+    value = plain(value, unit, name)
     try:
         if isinstance(value, (str, bytes, Mapping)):
             raise TypeError
@@ -76,11 +84,13 @@ def vector(name: str, value: Any) -> tuple[float, float, float]:
     return x, y, z
 
 
-def array(name: str, value: Any, what: str) -> np.ndarray:
+def array(name: str, value: Any, what: str, unit: str = "") -> np.ndarray:
     """The value as an array of finite float64.
 
     what : says in the message what the array must be: "numbers of the shape (n, 3)"
+    unit : of the numbers, for a quantity
     """
+    value = plain(value, unit, name)
     try:
         result = np.asarray(value)
         if result.dtype == object:  # integers that int64 does not hold, or no numbers at all

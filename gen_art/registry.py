@@ -13,6 +13,7 @@ from typing import Any, ClassVar, TypeVar
 
 from gen_art import arguments
 from gen_art.errors import UsageError
+from gen_art.quantities import plain
 
 __all__ = ["Bounds", "Parameter", "Parametric", "Registry", "param", "suggest"]
 
@@ -79,7 +80,8 @@ class Parameter:
     required: bool = False
 
     def check(self, value):
-        """The value in its canonical Python form. Raises UsageError for a wrong value."""
+        """The value in its canonical Python form, a quantity in the parameter's unit. Raises UsageError for a wrong value."""
+        value = plain(value, self.unit, self.name)
         if self.kind == "float":
             return self._in_range(arguments.number(self.name, value))
         if self.kind == "int":
@@ -137,7 +139,8 @@ def param(
     """Declare a parameter of a Force, Emitter or other Parametric class.
 
     default : its value when left out; without a default the parameter is required
-    unit : shown in the documentation; "rad" is written in degrees in YAML
+    unit : shown in the documentation, and what quantities of astropy and pint are converted to; "rad" is written in degrees
+        in YAML
     min, max : closed range
     choices : the allowed values
     doc : its meaning

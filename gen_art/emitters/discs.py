@@ -56,7 +56,9 @@ class KuzminDisc(PlacedEmitter):
     Source: Kuzmin (1956); Toomre (1963), ApJ 138, 385; Toomre (1964), ApJ 139, 1217.
     """
 
-    G: float = param(6.67430e-11, min=0, doc="constant of gravitation; units.G of the preset when left out")
+    G: float = param(
+        6.67430e-11, unit="m^3/(kg s^2)", min=0, doc="constant of gravitation; units.G of the preset when left out"
+    )
     mass: float = param(1.0, unit="kg", min=0, doc="mass of the whole disc; what is beyond the edge is drawn inside it")
     scale: float = param(1.0, unit="m", min=1e-30, doc="scale length")
     thickness: float = param(0.05, unit="m", min=0, doc="scale height")

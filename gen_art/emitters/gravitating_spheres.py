@@ -78,7 +78,9 @@ class GravitatingSphere(PlacedEmitter):
     Sources: Plummer (1911); Hernquist (1990), ApJ 356, 359; Navarro, Frenk & White (1996); Aarseth, Henon & Wielen (1974).
     """
 
-    G: float = param(6.67430e-11, min=0, doc="constant of gravitation; units.G of the preset when left out")
+    G: float = param(
+        6.67430e-11, unit="m^3/(kg s^2)", min=0, doc="constant of gravitation; units.G of the preset when left out"
+    )
     mass: float = param(1.0, unit="kg", min=0, doc="mass of all bodies")
     scale: float = param(1.0, unit="m", min=1e-30, doc="scale length")
     profile: str = param("plummer", choices=("plummer", "hernquist", "nfw", "uniform"))

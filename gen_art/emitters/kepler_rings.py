@@ -26,7 +26,9 @@ class KeplerRings(PlacedEmitter):
     quasirandom sequences.
     """
 
-    G: float = param(6.67430e-11, min=0, doc="constant of gravitation; units.G of the preset when left out")
+    G: float = param(
+        6.67430e-11, unit="m^3/(kg s^2)", min=0, doc="constant of gravitation; units.G of the preset when left out"
+    )
     central_mass: float = param(1.0, unit="kg", min=0, doc="mass of the body at the centre")
     mass: float = param(0.0, unit="kg", min=0, doc="mass of all particles of the rings")
     inner: float = param(1.0, unit="m", min=1e-30, doc="radius of the innermost circle")

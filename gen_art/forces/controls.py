@@ -20,22 +20,25 @@ MAX_ROWS = 100_000  # rows: a control for each step of half an hour at 1/60 s
 MAX_BYTES = 20_000_000
 
 
-def read_controls(given, names: tuple[str, ...]) -> dict[str, np.ndarray]:
+def read_controls(given, units: Mapping[str, str]) -> dict[str, np.ndarray]:
     """{"time": (n,), name: (n,)} float64 from a .csv file, whose first line names the columns, or from a mapping of arrays.
 
+    units : of the columns beside time, by name; angles are in degrees
     time : s, increasing
-    Only those of `names` that are present are returned. Raises UsageError if it is not such a table.
+    Only those columns that are present are returned. Raises UsageError if it is not such a table.
     """
     columns = dict(given) if isinstance(given, Mapping) else _read(given)
     label = "controls" if isinstance(given, Mapping) else str(given)
-    unknown = [str(name) for name in columns if name not in ("time", *names)]
+    unknown = [str(name) for name in columns if name not in ("time", *units)]
     if "time" not in columns or unknown:
         what = f"has no column {', '.join(sorted(unknown))} to give" if unknown else "needs a column `time`"
-        raise UsageError(f"{label}: {what}; the columns are time, {', '.join(names)}")
+        raise UsageError(f"{label}: {what}; the columns are time, {', '.join(units)}")
     if len(columns) == 1:
-        raise UsageError(f"{label}: has no input beside time; give at least one of {', '.join(names)}")
+        raise UsageError(f"{label}: has no input beside time; give at least one of {', '.join(units)}")
     table = {
-        name: arguments.array(f"{label}: {name}", column, "numbers, one for each time")
+        name: arguments.array(
+            f"{label}: {name}", column, "numbers, one for each time", "s" if name == "time" else units[name]
+        )
         for name, column in columns.items()
     }
     time = table["time"]
@@ -98,7 +101,8 @@ class Controlled(Force):
 
     def prepare(self):
         given = self.values["controls"]
-        table = {"time": np.zeros(1)} if given is None else read_controls(given, self.inputs)
+        units = {name: self.parameters[name].unit.replace("rad", "degrees") for name in self.inputs}
+        table = {"time": np.zeros(1)} if given is None else read_controls(given, units)
         columns = []
         for name in self.inputs:
             if name in table:

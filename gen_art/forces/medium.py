@@ -34,7 +34,7 @@ class Medium:
         self.density = arguments.number("a medium's density", density, "kg/m^3", low=0.0)
         terms: list[Force] = []
         if wind is not None:
-            terms.append(wind if isinstance(wind, Force) else Wind(arguments.vector("wind", wind)))
+            terms.append(wind if isinstance(wind, Force) else Wind(arguments.vector("wind", wind, "m/s")))
         if curl_noise is not None:
             noises: Any = curl_noise if isinstance(curl_noise, (list, tuple)) else [curl_noise]
             terms += [_noise(noise) for noise in noises]

@@ -28,7 +28,9 @@ class SelfGravity(DirectSum):
     Source: Dehnen & Read, Eur. Phys. J. Plus 126, 55 (2011).
     """
 
-    G: float = param(6.67430e-11, min=0, doc="constant of gravitation; units.G of the preset when left out")
+    G: float = param(
+        6.67430e-11, unit="m^3/(kg s^2)", min=0, doc="constant of gravitation; units.G of the preset when left out"
+    )
     softening: float = param(0.0, unit="m", min=0)
     method: str = param("auto", choices=("auto", "direct", "tree"))
     theta: float = param(0.6, min=0.05, max=1, doc="opening of the tree; less is more exact")

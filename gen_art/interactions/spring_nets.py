@@ -65,7 +65,7 @@ def rope(start: ArrayLike, end: ArrayLike, count: int, length: float | None = No
 
 def _string(start, end, count, length, bend) -> Net:
     count = arguments.whole("count, the points of a chain,", count, 2, MOST_POINTS)
-    a, b = np.array(arguments.vector("start", start)), np.array(arguments.vector("end", end))
+    a, b = (np.array(arguments.vector(name, given, "m")) for name, given in (("start", start), ("end", end)))
     bend = arguments.number("bend", bend, low=0.0)
     distance = math.sqrt(sum(c * c for c in b - a))
     total = distance if length is None else arguments.number("length", length, "m")
@@ -106,8 +106,8 @@ def cloth(
     if columns * rows > MOST_POINTS:
         raise UsageError(f"a cloth has at most {MOST_POINTS:,} points, not {columns:,} x {rows:,}")
     shear, bend = arguments.number("shear", shear, low=0.0), arguments.number("bend", bend, low=0.0)
-    origin = np.array(arguments.vector("corner", corner))
-    sides = [np.array(arguments.vector(name, side)) for name, side in (("across", across), ("down", down))]
+    origin = np.array(arguments.vector("corner", corner, "m"))
+    sides = [np.array(arguments.vector(name, side, "m")) for name, side in (("across", across), ("down", down))]
     u, v = np.meshgrid(np.linspace(0, 1, columns), np.linspace(0, 1, rows))
     x = origin + u.reshape(-1, 1) * sides[0] + v.reshape(-1, 1) * sides[1]
     k = np.arange(columns * rows).reshape(rows, columns)

@@ -19,6 +19,7 @@ PURPOSES = {
     "exr": "pictures of linear light as .exr",
     "plots": "plots of gen-art audit",
     "histories": "records of a run as tables, .parquet and .zarr",
+    "units": "numbers with a unit, of astropy or pint, in scripts",
     "studio": "gen-art studio and gen-art watch",
     "farm": "gen-art sweep on several processes or a cluster",
     "bench": "other programs that gen-art bench measures beside this one",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gen_art.arguments import shown
+from gen_art.arguments import number, shown
 from gen_art.errors import EncoderError, OutputError, UsageError
 from gen_art.output.background import background
 from gen_art.output.check import check_preset
@@ -276,7 +276,7 @@ def still(
     )  # fmt: skip
     loaded_plugins = load_plugins(plugins)
     spec = loaded(preset, fps, quality)
-    time = spec.poster_time if time is None else time
+    time = spec.poster_time if time is None else number("time", time, "s", low=0.0)
     target, size, _ = plan_still(
         spec, out, time, precision=precision, size=size, scale=scale, quality=quality, overwrite=overwrite,
         transparent=transparent, bits=bits,

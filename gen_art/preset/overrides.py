@@ -9,6 +9,7 @@ from gen_art.preset.knobs import Knob, is_described, value_of
 from gen_art.preset.problems import dotted
 from gen_art.preset.reader import read_value
 from gen_art.preset.values import shown
+from gen_art.quantities import in_words
 from gen_art.registry import suggest
 
 __all__ = ["apply", "fill_knobs", "parse_setting", "plain", "split_path"]
@@ -33,6 +34,8 @@ def plain(value: Any, depth: int = 0) -> Any:
         raise UsageError("a preset is nested more than 100 levels deep")
     if isinstance(value, Mapping):
         return {str(key): plain(item, depth + 1) for key, item in value.items()}
+    if quantity := in_words(value):
+        raise UsageError(f"the keys of a preset hold plain numbers, not {quantity}")
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, (list, tuple)):

@@ -14,10 +14,14 @@ from numpy.typing import ArrayLike
 from gen_art import arguments
 from gen_art.errors import UsageError
 from gen_art.preset.camera import CameraSpec, Fit
+from gen_art.quantities import plain
 from gen_art.renderer.camera_shake import shake_noise
 from gen_art.renderer.colour import linear
 
 __all__ = ["Camera", "CameraView"]
+
+_UNITS = {"up": ""} | dict.fromkeys(("position", "target", "height", "near", "far"), "m")
+_UNITS |= dict.fromkeys(("fov", "roll", "shutter"), "degrees")  # of a Camera's numbers
 
 
 @dataclass(frozen=True)
@@ -112,10 +116,12 @@ class Camera:
 
     def __post_init__(self):
         for name in ("position", "target", "up"):
-            object.__setattr__(self, name, arguments.vector(f"the camera's {name}", getattr(self, name)))
+            object.__setattr__(self, name, arguments.vector(f"the camera's {name}", getattr(self, name), _UNITS[name]))
         for name in ("fov", "height", "roll", "near", "far", "shutter"):
             if getattr(self, name) is not None or name in ("fov", "roll", "shutter"):
-                object.__setattr__(self, name, arguments.number(f"the camera's {name}", getattr(self, name)))
+                label = f"the camera's {name}"
+                number = arguments.number(label, plain(getattr(self, name), _UNITS[name], label))
+                object.__setattr__(self, name, number)
         if not isinstance(self.spec, CameraSpec):
             raise UsageError(f"the camera's spec must be the `camera` of a preset, not {arguments.shown(self.spec)}")
         if not 0.0 <= self.shutter <= 360.0:
@@ -129,7 +135,7 @@ class Camera:
         if self.height is not None and not self.height > 0.0:
             raise UsageError("the camera's height must be above 0")
         if self.lens is not None:
-            _check_lens(self.lens)
+            object.__setattr__(self, "lens", _checked_lens(self.lens))
             if self.height is not None:
                 raise UsageError("an orthographic camera has no lens: leave out lens, or give fov instead of height")
 
@@ -240,19 +246,22 @@ class Camera:
 
 def _points(given) -> np.ndarray:
     try:
-        return np.asarray(given, dtype=np.float64).reshape(-1, 3)
+        return np.asarray(plain(given, "m", "points"), dtype=np.float64).reshape(-1, 3)
     except (TypeError, ValueError, OverflowError):
         raise UsageError(f"points must be numbers of the shape (n, 3), not {arguments.shown(given)}") from None
 
 
-def _check_lens(lens) -> None:
+def _checked_lens(lens) -> tuple[float, float | None]:
     if not isinstance(lens, (tuple, list)) or len(lens) != 2:
         raise UsageError(
             f"the camera's lens must be a pair (radius, focus distance or None), not {arguments.shown(lens)}"
         )
-    arguments.number("the radius of the camera's lens", lens[0], low=0.0)
-    if lens[1] is not None:
-        arguments.number("the focus distance of the camera's lens", lens[1], above=0.0)
+    label = "the radius of the camera's lens"
+    radius = arguments.number(label, plain(lens[0], "m", label), low=0.0)
+    if lens[1] is None:
+        return radius, None
+    label = "the focus distance of the camera's lens"
+    return radius, arguments.number(label, plain(lens[1], "m", label), above=0.0)
 
 
 def _identity(x):

@@ -28,6 +28,7 @@ _DEFAULTS = {
     "radius": 0.01,
 }  # of an added particle, as of one of the start
 _NOT_NEGATIVE = ("mass", "radius")
+_UNITS = {"position": "m", "velocity": "m/s", "mass": "kg", "charge": "C", "radius": "m", "lifetime": "s"}
 
 
 def set_particles(system: "ParticleSystem", given: Mapping[str, Any], attributes: Any, where: Any) -> None:
@@ -60,7 +61,8 @@ def add_particles(system: "ParticleSystem", given: Mapping[str, Any], attributes
     """Add particles that are born now; returns their ids."""
     _refuse_bodies(system)
     state = system.state
-    x = arguments.array("position", given["position"], "numbers of the shape (n, 3), or one position of three numbers")
+    what = "numbers of the shape (n, 3), or one position of three numbers"
+    x = arguments.array("position", given["position"], what, _UNITS["position"])
     if x.shape != (3,) and (x.ndim != 2 or x.shape[1] != 3):
         raise UsageError(f"position must have the shape (n, 3), or be one position of three numbers, not {x.shape}")
     count = 1 if x.ndim == 1 else len(x)
@@ -130,7 +132,7 @@ def _numbers(name: str, given: Any, count: int) -> np.ndarray:
         if vector
         else f"one number, or numbers of the shape ({count},)"
     )
-    numbers = arguments.array(name, given, what)
+    numbers = arguments.array(name, given, what, _UNITS.get(name, ""))
     if numbers.shape not in (((3,), (count, 3)) if vector else ((), (1,), (count,))):
         raise UsageError(f"{name} must be {what}, not {arguments.shown(numbers)}")
     return np.broadcast_to(numbers, (count, 3)).T if vector else np.broadcast_to(numbers, (count,))

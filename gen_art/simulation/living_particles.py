@@ -14,6 +14,7 @@ from gen_art.interactions.ledger_labels import LedgerRow, check_entry
 from gen_art.particles.entries import LedgerEntry
 from gen_art.particles.rows import MASS, POSITION, VELOCITY
 from gen_art.particles.storage import Particles
+from gen_art.quantities import plain
 from gen_art.registry import suggest
 
 if TYPE_CHECKING:
@@ -60,6 +61,7 @@ class LivingParticles(ABC):
         """
         living = self.slots()
         what = f"ids of particles, or {len(living)} booleans, one for each living particle"
+        which = plain(which, "", name)
         try:
             chosen = np.atleast_1d(np.asarray(which))
         except (TypeError, ValueError, OverflowError):

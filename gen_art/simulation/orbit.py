@@ -53,13 +53,13 @@ def orbital_elements(
     Raises UsageError for bodies at the same place, for motion along a line, which has no plane, and for wrong shapes.
     Source: Murray & Dermott, Solar System Dynamics (1999), section 2.8.
     """
-    r = arguments.array("position", position, "numbers of the shape (3,) or (n, 3)")
+    r = arguments.array("position", position, "numbers of the shape (3,) or (n, 3)", "m")
     if r.ndim not in (1, 2) or r.shape[-1] != 3:
         raise UsageError(f"position must have the shape (3,) or (n, 3), not {r.shape}")
-    v = arguments.array("velocity", velocity, f"numbers of the shape {r.shape}")
+    v = arguments.array("velocity", velocity, f"numbers of the shape {r.shape}", "m/s")
     if v.shape != r.shape:
         raise UsageError(f"velocity must have the shape {r.shape} of position, not {v.shape}")
-    mu = arguments.array("GM", GM, "one number, or one for each orbit")
+    mu = arguments.array("GM", GM, "one number, or one for each orbit", "m^3/s^2")
     if mu.shape not in ((), r.shape[:-1]) or (mu <= 0).any():
         raise UsageError("GM must be one number above 0, or one for each orbit")
     pole, toward = _frame(axis, reference)

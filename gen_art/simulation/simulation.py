@@ -257,13 +257,14 @@ class Simulation:
 
     def steps_in(self, seconds: float) -> int:
         """The number of steps in `seconds` of simulated time. Raises UsageError unless it is a whole number."""
-        steps = arguments.number("the time to advance by", seconds, "s") / self.dt
+        seconds = arguments.number("the time to advance by", seconds, "s")
+        steps = seconds / self.dt
         if not math.isfinite(steps) or steps < 0:
-            raise UsageError(f"cannot advance by {seconds} s")
+            raise UsageError(f"cannot advance by {seconds:.12g} s")
         nearest = round(steps)
         if abs(steps - nearest) > 1e-6 * max(1.0, steps):
             raise UsageError(
-                f"{seconds} s is {steps:.6g} steps of {self.dt:g} s; the nearest is {nearest * self.dt:.12g} s"
+                f"{seconds:.12g} s is {steps:.6g} steps of {self.dt:g} s; the nearest is {nearest * self.dt:.12g} s"
             )
         return nearest
 

@@ -23,6 +23,7 @@ from gen_art.particles.fixed import FIXED
 from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.rows import FIRST_ATTRIBUTE, LIFETIME, POSITION, VELOCITY
 from gen_art.particles.storage import Particles
+from gen_art.quantities import plain
 from gen_art.registry import suggest
 from gen_art.simulation.living_particles import LivingParticles
 
@@ -218,7 +219,7 @@ class ParticleSystem(LivingParticles):
         """The initial particles' arrays by name, vectors as (3, n); empty without `position`."""
         if position is None:
             return {}
-        x = arguments.array("position", position, "numbers of the shape (n, 3)")
+        x = arguments.array("position", position, "numbers of the shape (n, 3)", "m")
         if x.ndim != 2 or x.shape[1] != 3:
             raise UsageError(f"position must have the shape (n, 3), not {x.shape}")
         n = len(x)
@@ -226,18 +227,20 @@ class ParticleSystem(LivingParticles):
         v = (
             np.zeros((n, 3))
             if velocity is None
-            else arguments.array("velocity", velocity, f"numbers of the shape ({n}, 3)")
+            else arguments.array("velocity", velocity, f"numbers of the shape ({n}, 3)", "m/s")
         )
         if v.shape != (n, 3):
             raise UsageError(f"velocity must have the shape ({n}, 3) of position, not {v.shape}")
         arrays["velocity"] = v.T
-        for name, given, default in (
-            ("mass", mass, 1.0),
-            ("charge", charge, 0.0),
-            ("radius", radius, 0.01),
-            *((k, a, 0.0) for k, a in attributes.items()),
+        for name, given, default, unit in (
+            ("mass", mass, 1.0, "kg"),
+            ("charge", charge, 0.0, "C"),
+            ("radius", radius, 0.01, "m"),
+            *((k, a, 0.0, "") for k, a in attributes.items()),
         ):
-            numbers = arguments.array(name, default if given is None else given, "one number, or one for each particle")
+            numbers = arguments.array(
+                name, default if given is None else given, "one number, or one for each particle", unit
+            )
             if numbers.shape not in ((), (1,), (n,)):
                 raise UsageError(f"{name} must be one number or have the shape ({n},), not {numbers.shape}")
             arrays[name] = np.broadcast_to(numbers, (n,))
@@ -249,6 +252,7 @@ class ParticleSystem(LivingParticles):
     def _fixed_indices(self, fixed) -> np.ndarray:
         """Indices of the fixed particles. Raises UsageError unless they are at rest."""
         n = len(self._initial["mass"]) if self._initial else 0
+        fixed = plain(fixed, "", "fixed")
         chosen = np.asarray([] if fixed is None else fixed) if _is_plain(fixed) else np.array(["?"])
         if chosen.size and chosen.dtype.kind not in "biu":
             raise UsageError(f"fixed must be indices of particles, or {n} booleans, not {arguments.shown(fixed)}")

@@ -17,8 +17,9 @@ from numpy.typing import ArrayLike
 from gen_art import arguments
 from gen_art.errors import UsageError
 from gen_art.interactions.rigid.quaternions import matrices, product, quaternion, rotation
-from gen_art.interactions.rigid.shapes import Part, parts_of
+from gen_art.interactions.rigid.shapes import Part, parts_of, plain_shape
 from gen_art.interactions.rigid.small_matrices import apply, apply_transposed, compose, cross, norm, symmetric_eigen
+from gen_art.quantities import plain
 
 __all__ = ["AXLED", "FREE", "MOST_POINTS", "PIVOTED", "STATIC", "Body", "body", "motion_text", "moved"]
 
@@ -26,6 +27,11 @@ FREE, PIVOTED, AXLED, STATIC = range(4)
 MOST_POINTS = 1_000_000
 _CARRIERS = 6
 _GRAIN = 3 / 4  # default radius of the particles, relative to their spacing
+# of the arguments of `body`; the density of a hollow one is in kg/m^2
+_UNITS = {
+    "mass": "kg", "density": "kg/m^3", "position": "m", "turn": "rad", "velocity": "m/s", "spin": "rad/s", "pivot": "m",
+    "grain": "m",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -96,7 +102,7 @@ def body(
     shape : {"sphere": radius}, {"capsule": [length of the straight part, radius]} along y, {"box": [x, y, z]}, m; or a list of
         them, each with `at`, `turn` (degrees) and `density` relative to the others; parts should not overlap
     mass : kg; when left out, density times volume (or surface)
-    density : kg/m^3
+    density : kg/m^3; kg/m^2 if hollow
     hollow : the mass is on the surface
     position : m, of the shape's origin
     turn : rad, rotation vector
@@ -111,10 +117,9 @@ def body(
     tint : a number to colour it by
     Raises UsageError.
     """
-    spec = {k: _plain(v) for k, v in locals().items()}
-    name = arguments.text("name", name)
-    _check_numbers(name, spec)
-    parts = parts_of(shape)
+    spec = _checked_spec(dict(locals()))
+    name, mass, density, tint, grain = (spec[key] for key in ("name", "mass", "density", "tint", "grain"))
+    parts = parts_of(spec["shape"])
     weights = np.array([p.share * (p.area if hollow else p.volume) for p in parts])
     total = float(mass) if mass is not None else density * float(weights.sum())
     if not (math.isfinite(total) and total > 0):
@@ -125,11 +130,11 @@ def body(
     zeros = np.zeros(_CARRIERS)
     radii = np.concatenate([np.full(len(n), spacing * _GRAIN if grain is None else float(grain)), zeros])
     n, area = np.concatenate([n, np.zeros((_CARRIERS, 3))]), np.concatenate([area, zeros])
-    shape_attitude = rotation(np.asarray(turn, float))
+    shape_attitude = rotation(np.asarray(spec["turn"], float))
     R = matrices(shape_attitude)
     offset = apply(R, centre)
-    at = np.asarray(position, float) + offset
-    origin = at if pivot is None or static else np.asarray(pivot, float)
+    at = np.asarray(spec["position"], float) + offset
+    origin = at if pivot is None or static else np.asarray(spec["pivot"], float)
     lever = apply_transposed(
         R, at - origin
     )  # from the origin of the body's frame to the centre, along the shape's axes
@@ -145,9 +150,9 @@ def body(
         for p in parts
     ]
     attitude = product(shape_attitude, quaternion(axes))
-    v, w = np.asarray(velocity, float), np.asarray(spin, float)
+    v, w = np.asarray(spec["velocity"], float), np.asarray(spec["spin"], float)
     constraint = STATIC if static else AXLED if axle is not None else PIVOTED if pivot is not None else FREE
-    direction = _axle_direction(name, constraint, axle, v, w)
+    direction = _axle_direction(name, constraint, spec["axle"], v, w)
     body_axle = apply_transposed(matrices(attitude), direction)
     return Body(
         spec, body_parts, constraint, total, inertia, body_axle, origin, attitude, v, w, to_body_frame(x), masses, radii,
@@ -161,19 +166,23 @@ def moved(one: Body, position: np.ndarray, tint: float) -> Body:
     return replace(one, spec=spec, place=position + one.offset, tint=float(tint))
 
 
-def _check_numbers(name: str, spec: dict) -> None:
-    """Raise UsageError for an argument of `body` that is not of its kind."""
+def _checked_spec(given: dict) -> dict:
+    """The arguments of `body` as plain values. Raises UsageError for one that is not of its kind."""
+    name = arguments.text("name", given["name"])
+    units = _UNITS | ({"density": "kg/m^2"} if arguments.flag(f"{name}: hollow", given["hollow"]) else {})
+    given = {**given, "shape": plain_shape(given["shape"])}
+    spec = {key: _plain(plain(value, units.get(key, ""), f"{name}: {key}")) for key, value in given.items()}
     for key in ("position", "turn", "velocity", "spin", "pivot", "axle"):
         if spec[key] is not None or key not in ("pivot", "axle"):
             arguments.vector(f"{name}: {key}", spec[key])
-    arguments.number(f"{name}: density", spec["density"], "kg/m^3", above=0.0)
+    arguments.number(f"{name}: density", spec["density"], units["density"], above=0.0)
     arguments.number(f"{name}: tint", spec["tint"])
     for key, unit in (("mass", "kg"), ("grain", "m")):
         if spec[key] is not None:
             arguments.number(f"{name}: {key}", spec[key], unit, **({"above": 0.0} if key == "mass" else {"low": 0.0}))
-    for key in ("hollow", "static"):
-        arguments.flag(f"{name}: {key}", spec[key])
+    arguments.flag(f"{name}: static", spec["static"])
     arguments.whole(f"{name}: points", spec["points"], 8, MOST_POINTS)
+    return spec
 
 
 def _plain(value):

@@ -88,6 +88,10 @@ class Rigid(Interaction):
             raise UsageError(
                 f"joints must be a mapping, such as {{elbow: {{ball: [a, b], at: [0, 1, 0]}}}}, not {shown(joints)}"
             )
+        if joints is not None:
+            from gen_art.interactions.rigid.joint import plain_joints
+
+            self.values["joints"] = plain_joints(joints)
         bodies = self.values["bodies"]
         if bodies is not None:
             self._given = [_built(spec) for spec in instances("bodies", bodies, dict, "the arguments of ga.body")]

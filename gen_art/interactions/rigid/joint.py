@@ -15,9 +15,10 @@ from gen_art.errors import UsageError
 from gen_art.interactions.rigid.body import STATIC, Body
 from gen_art.interactions.rigid.quaternions import matrices
 from gen_art.interactions.rigid.small_matrices import apply_transposed, cross, norm
+from gen_art.quantities import plain
 from gen_art.registry import suggest
 
-__all__ = ["ANGLE", "DISTANCE", "DOT", "POINT", "SLIDE", "WORLD", "Joint", "Row", "joints_of"]
+__all__ = ["ANGLE", "DISTANCE", "DOT", "POINT", "SLIDE", "WORLD", "Joint", "Row", "joints_of", "plain_joints"]
 
 WORLD = "world"
 POINT, SLIDE, DOT, DISTANCE, ANGLE = range(5)  # the kinds of rows
@@ -26,6 +27,11 @@ _MOVING = {
     "hinge": ("torque", "N m"),
     "slider": ("force", "N"),
 }  # the joints that can have a motor, and the key of its limit
+_UNITS = {
+    "hinge": {"range": "degrees", "speed": "rad/s"},
+    "slider": {"range": "m", "speed": "m/s"},
+    "distance": {"range": "m"},
+}
 _FAR = 10  # relative to a body's size: a joint farther from its centre is refused
 
 
@@ -70,6 +76,25 @@ class Joint:
     bounds: tuple[float, float] | None
     speed: float | None
     limit: float
+
+
+def plain_joints(specs: Mapping[str, Any]) -> dict[str, Any]:
+    """The same joints with the quantities of astropy or pint as plain numbers. Raises UsageError."""
+    return {name: _plain_joint(f"joint '{name}'", spec) for name, spec in specs.items()}
+
+
+def _plain_joint(where: str, spec):
+    if not isinstance(spec, dict):
+        return spec
+    kind = next((key for key in spec if key in _KINDS), "")
+    units = {"at": "m", **_UNITS.get(kind, {}), **dict([_MOVING[kind]] if kind in _MOVING else [])}
+    out = {}
+    for key, value in spec.items():
+        if key == "motor" and isinstance(value, dict):
+            out[key] = {part: plain(one, units.get(part, ""), f"{where}: {part}") for part, one in value.items()}
+        else:
+            out[key] = plain(value, units.get(key, ""), f"{where}: {key}")
+    return out
 
 
 def joints_of(specs: Mapping[str, Any], members: list[Body]) -> list[Joint]:

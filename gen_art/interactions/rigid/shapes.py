@@ -13,12 +13,14 @@ from gen_art.errors import UsageError
 from gen_art.interactions.rigid.quaternions import matrices, rotation
 from gen_art.interactions.rigid.small_matrices import apply, apply_transposed, compose, norm
 from gen_art.maths.array_functions import cos, sin
+from gen_art.quantities import plain
 from gen_art.registry import suggest
 
-__all__ = ["BALL", "BOX", "CAPSULE", "Part", "parts_of"]
+__all__ = ["BALL", "BOX", "CAPSULE", "Part", "parts_of", "plain_shape"]
 
 BALL, CAPSULE, BOX = 0, 1, 2
 _KINDS = {"sphere": BALL, "capsule": CAPSULE, "box": BOX}
+_UNITS = {"sphere": "m", "capsule": "m", "box": "m", "at": "m", "turn": "degrees"}
 MOST_SLENDER = 1e5  # largest over smallest size: the moments go by the squares, of which float64 holds 15 digits
 _GOLDEN = math.pi * (3 - math.sqrt(5))
 
@@ -128,6 +130,15 @@ def parts_of(shape) -> list[Part]:
             f"told apart, not {sizes.max() / sizes.min():.3g}"
         )
     return parts
+
+
+def plain_shape(shape):
+    """The same shape with the quantities of astropy or pint as plain numbers in m and degrees. Raises UsageError."""
+    if isinstance(shape, (list, tuple)):
+        return [plain_shape(entry) for entry in shape]
+    if not isinstance(shape, dict):
+        return shape
+    return {key: plain(value, _UNITS.get(key, ""), f"{key} of a shape") for key, value in shape.items()}
 
 
 def _part(entry) -> Part:
