@@ -136,7 +136,10 @@ class Interaction(Parametric):
         if self.periodic:
             return None
         able = ", ".join(name for name, cls in INTERACTIONS.classes.items() if getattr(cls, "periodic", False))
-        return f"{self.name} does not act across the sides of a periodic box (these do: {able}): leave out {self.name}, or the domain"
+        return (
+            f"{self.name} does not act across the sides of a periodic box (these do: {able}): "
+            f"leave out {self.name}, or the domain"
+        )
 
     def check(self, system) -> None:
         """Raise UsageError for a system that this cannot act in; called before any of its particles exists."""

@@ -22,6 +22,8 @@ PURPOSES = {
     "units": "numbers with a unit, of astropy or pint, in scripts",
     "studio": "gen-art studio and gen-art watch",
     "farm": "gen-art sweep on several processes or a cluster",
+    "notebook": "a preset played with a slider in a notebook, by ga.play",
+    "docs": "the documentation as a site, by make docs",
     "bench": "other programs that gen-art bench measures beside this one",
     "dev": "the tests and checks of the source checkout",
 }
