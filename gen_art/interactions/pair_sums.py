@@ -12,11 +12,12 @@ from functools import cache
 from gen_art.backend import runtime
 from gen_art.backend.runtime import real, ti
 
-__all__ = ["CHUNK", "LANES", "field_kernel", "half_powers", "load", "potential_kernel", "spread"]
+__all__ = ["CHUNK", "LANES", "TASK", "field_kernel", "half_powers", "load", "potential_kernel", "spread"]
 
 LANES = 16
 CHUNK = 256  # sources in a partial sum: keeps float32 sums over many thousands accurate
-_TASK = 8  # vectors of targets
+_VECTORS = 8  # of targets in a task
+TASK = _VECTORS * LANES  # targets
 
 
 @ti.func
@@ -55,12 +56,13 @@ def load(T: ti.template(), row, i):
 
 
 @cache
-def field_kernel(n: int, precision: str):
+def field_kernel(n: int, precision: str, one_task: bool = False):
     """The kernel (T, M, out, count, q) that writes q[0] times the sums of c s^(n-1) d into the first three rows of `out`.
 
     T, out : (3 or more, capacity), the capacity a multiple of LANES and at least the number of targets, `count`
     M : (4, sources), their positions, m, and amounts
     q : factor, softening^2
+    one_task : whether the calling thread does all of it, for up to TASK targets: waking the others would take longer
     """
     float_type = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(float_type, 2), ti.types.ndarray(float_type, 1)
@@ -69,11 +71,11 @@ def field_kernel(n: int, precision: str):
     @ti.kernel
     def field(T: matrix, M: matrix, out: matrix, count: ti.i32, q: vector):
         m, tiles = M.shape[1], (count + LANES - 1) // LANES
-        ti.loop_config(block_dim=1)
-        for task in range((tiles + _TASK - 1) // _TASK):
-            for t in range(_TASK // 2):
+        ti.loop_config(block_dim=1, serialize=one_task)
+        for task in range((tiles + _VECTORS - 1) // _VECTORS):
+            for t in range(_VECTORS // 2):
                 # two vectors of targets, X, Y, Z and U, V, W, share the loads of sources; the last one alone counts twice
-                i = (task * _TASK + 2 * t) * LANES
+                i = (task * _VECTORS + 2 * t) * LANES
                 if i < count:
                     second = ti.min(i + LANES, (tiles - 1) * LANES)
                     e2 = spread(q[1])
@@ -123,8 +125,8 @@ def potential_kernel(n: int, precision: str):
     def potential(T: matrix, M: matrix, out: vector, count: ti.i32, q: vector):
         m, tiles = M.shape[1], (count + LANES - 1) // LANES
         ti.loop_config(block_dim=1)
-        for task in range((tiles + _TASK - 1) // _TASK):
-            for t in range(task * _TASK, ti.min((task + 1) * _TASK, tiles)):
+        for task in range((tiles + _VECTORS - 1) // _VECTORS):
+            for t in range(task * _VECTORS, ti.min((task + 1) * _VECTORS, tiles)):
                 i, e2 = t * LANES, spread(q[1])
                 X, Y, Z, A = load(T, 0, i), load(T, 1, i), load(T, 2, i), spread(0.0)
                 for chunk in range((m + CHUNK - 1) // CHUNK):

@@ -151,6 +151,8 @@ class Particles:
 
     def alive(self, time: float) -> np.ndarray:
         """Bools: which used slots have a particle that is alive at `time`."""
+        if not self.may_die and self.last_birth <= time:
+            return np.ones(self.count, bool)
         return (self.death() > time) & (self.birth[: self.count] <= time)
 
     def wrap(self, slots: slice) -> None:

@@ -71,8 +71,9 @@ class CoupledSystems:
         for g in range(max(len(s.stages) for s in schemes)):
             active = {name: stepper for name, stepper in coupled.items() if g < len(stepper.system.scheme.stages)}
             if g > 0 or self._accelerations_at != first:
-                for name, stepper in active.items():
-                    self._sum_pair_forces(stepper, first, g)
+                for stepper in active.values():
+                    time = (first + stepper.system.scheme.stages[g][1]) * self.dt
+                    self.sum_pair_forces(stepper, g, time, stepper.pair)
             for name, stepper in active.items():
                 if any(interaction.implicit for interaction in stepper.system.interactions):
                     self._implicit_stage(name, stepper, first, g)
@@ -121,8 +122,11 @@ class CoupledSystems:
             if self.ledger and before is not None:
                 self.ledger.record_turn(name, mover, state, before)
 
-    def _sum_pair_forces(self, stepper: Stepper, first: int, g: int) -> None:
-        """Compute the accelerations of the forces between particles at stage g of a step, for one system."""
+    def sum_pair_forces(self, stepper: Stepper, g: int, time: float, out: np.ndarray) -> None:
+        """Compute the accelerations of the forces between particles at the places of stage g and at `time`, s, for one system.
+
+        out : three rows for each part of each interaction
+        """
         system = stepper.system
         for k, interaction in enumerate(system.interactions):
             if interaction.implicit:
@@ -131,8 +135,7 @@ class CoupledSystems:
             if system.state.count:
                 request = ForceRequest(
                     stepper.stage_rows(g), system.state, system.state.count, other.stage_rows(g), other.system.state,
-                    other.system.state.count, stepper.span(g, self.dt), self.dt, self.precision,
-                    (first + system.scheme.stages[g][1]) * self.dt,
+                    other.system.state.count, stepper.span(g, self.dt), self.dt, self.precision, time,
                 )  # fmt: skip
-                first = 3 * stepper.part_offsets[k]
-                interaction.accelerate(request, stepper.pair[first : first + 3 * len(interaction.parts)])
+                row = 3 * stepper.part_offsets[k]
+                interaction.accelerate(request, out[row : row + 3 * len(interaction.parts)])

@@ -119,6 +119,19 @@ class LivingParticles(ABC):
         """(n, 3) m/s, at the same time as the positions."""
         return self._copy(self.state.floats[VELOCITY, self.slots()].T)
 
+    @property
+    def acceleration(self) -> np.ndarray:
+        """(n, 3) m/s^2, by all forces together, at the same time as the positions; computed at each reading.
+
+        Impacts and thermal noise, which come in jumps, are left out. Raises UsageError where an interaction is solved over a
+        whole step (rigid bodies, stiff springs), and before the system is part of a simulation.
+        """
+        from gen_art.simulation.accelerations import accelerations
+
+        if self._simulation is None:
+            raise UsageError("this ParticleSystem is not part of a simulation yet")
+        return self._copy(accelerations(self._simulation, self.name)[:, self.slots()].T)
+
     def attribute(self, name: str) -> np.ndarray:
         """(n,) the particles' mass, charge, radius, lifetime or a declared attribute."""
         if arguments.text("the name of an attribute", name) not in self.state.channels:

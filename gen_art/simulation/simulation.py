@@ -226,6 +226,10 @@ class Simulation:
         """The Stepper of one system: its step kernel and its arguments."""
         return self._steppers[name]
 
+    def sum_pair_forces(self, name: str, out: np.ndarray) -> None:
+        """Write the present accelerations, m/s^2, by each force between the particles of a system to three rows of `out`."""
+        self._coupled.sum_pair_forces(self._steppers[name], 0, self.time, out)
+
     def living(self, name: str) -> np.ndarray:
         """Slots of a system's living particles, in the order of their ids."""
         return np.flatnonzero(self.members[name].state.alive(self.time))

@@ -1,5 +1,8 @@
 """Launching leanly does what Taichi's own way does, and vectors stay whole."""
 
+import weakref
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -38,6 +41,42 @@ def test_later_launches_take_other_arrays_numbers_and_types(kernels):
             expected[:n] = (expected[:n] * by).astype(dtype)
             scale(x, n, by)
             assert np.array_equal(x, expected), (dtype, n, by)
+
+
+def test_a_launch_takes_only_the_arguments_that_changed(kernels):
+    scale = kernels[0]
+    x, y = np.ones(4, np.float32), np.ones(4, np.float32)
+    for array, n, by, expected in (
+        (x, 4, 2.0, [2, 2, 2, 2]), (x, 4, 2.0, [4, 4, 4, 4]), (y, 4, 2.0, [2, 2, 2, 2]), (x, 2, 2.0, [8, 8, 4, 4]),
+        (x, 2, 0.5, [4, 4, 4, 4]), (x, 4, 0.5, [2, 2, 2, 2]),
+    ):  # fmt: skip
+        scale(array, n, by)
+        assert np.array_equal(array, expected)
+    for k in range(50):  # each array at the address of one before that is gone
+        fresh = np.full(4 + k % 2, k, np.float32)
+        scale(fresh, 4, 2.0)
+        assert (fresh[:4] == 2 * k).all()
+
+
+def test_no_launch_keeps_an_array_alive(kernels):
+    x = np.ones(4, np.float32)
+    for _ in range(3):
+        kernels[0](x, 4, 2.0)
+    gone = weakref.ref(x)
+    del x
+    assert gone() is None
+
+
+def test_threads_may_launch_the_same_kernel(kernels):
+    def work(seed):
+        x = np.full(3, seed, np.float32)
+        for _ in range(200):
+            kernels[0](x, 3, 2.0)
+            kernels[0](x, 3, 0.5)
+        return (x == seed).all()
+
+    with ThreadPoolExecutor(4) as pool:
+        assert all(pool.map(work, range(1, 9)))
 
 
 def test_what_taichi_refuses_is_refused_at_every_launch(kernels):

@@ -197,6 +197,14 @@ def test_a_law_sees_the_time_and_the_age():
     assert (sim["s"].position[1] == [5, 0, 0]).all()
 
 
+def test_a_second_law_sees_the_same_time():
+    two = ga.ParticleSystem(
+        position=[[0.0, 0, 0], [5, 0, 0]], charge=[1.0, 0.0], interactions=[Growing(), Growing()], integrator="rk4"
+    )
+    ga.Simulation({"s": two}, dt=0.1, precision="f64").advance(1.0)
+    assert np.abs(two.position[0] - [2 / 6, 2 / 6, 0]).max() < 1e-14
+
+
 def test_numbers_are_run_time_parameters_and_nothing_is_compiled_for_them():
     from gen_art.backend import runtime
 
