@@ -58,6 +58,7 @@ if (
     from gen_art.simulation.bodies import bodies as bodies
     from gen_art.simulation.diagnostics import Diagnostics as Diagnostics
     from gen_art.simulation.orbit import orbital_elements as orbital_elements
+    from gen_art.studio.notebook import play as play
 
 # public name -> module that holds it; "" : the name is a subpackage. Importing on first use keeps `gen-art --help` from
 # waiting for the compiler. A test holds this table and the imports above together.
@@ -103,6 +104,7 @@ _NAMES = {
     "log": "gen_art.maths.elementary",
     "orbital_elements": "gen_art.simulation.orbit",
     "param": "gen_art.registry",
+    "play": "gen_art.studio.notebook",
     "power": "gen_art.maths.elementary",
     "render": "gen_art.output.job",
     "render_frame": "gen_art.renderer.render_frame",
@@ -119,7 +121,8 @@ __all__ = [
     "KeyLight", "Look", "Medium", "PairLaw", "ParticleSystem", "PresetError", "Shape", "Simulation", "Sky", "SurfaceLook",
     "UsageError", "Velocity", "__version__", "adaptive", "bodies", "body", "chain", "cloth", "colliders", "cos",
     "develop", "emitter", "emitters", "exp", "force", "forces", "integrators", "interaction", "interactions", "load_preset",
-    "log", "orbital_elements", "param", "power", "render", "render_frame", "rope", "shape", "sin", "still", "ti", "velocity",
+    "log", "orbital_elements", "param", "play", "power", "render", "render_frame", "rope", "shape", "sin", "still", "ti",
+    "velocity",
 ]  # fmt: skip
 
 
