@@ -195,6 +195,10 @@ def test_slider_seed_and_knobs_are_sent(page):
     assert sent(page) == [] and page.get_by_label("seed").input_value() == "12"
     page.get_by_title("another seed").click()
     ((name, value),) = sent(page)
+    player = page.locator(".gen-art-player")
+    assert player.get_attribute("aria-busy") == "true"
+    page.evaluate("window.drawn(0)")
+    assert player.get_attribute("aria-busy") is None
     assert name == "seed" and value >= 0 and page.get_by_label("seed").input_value() == str(value)
     page.get_by_label("pull").focus()
     page.keyboard.press("Home")

@@ -45,6 +45,7 @@ function render({ model, el }) {
   let playing = false, asked = 0, address = null, timer = null;
 
   function send(name, value) {
+    if (name !== "frame") root.setAttribute("aria-busy", "true");  // until its picture is there
     model.set(name, value);
     model.save_changes();
   }
@@ -67,6 +68,7 @@ function render({ model, el }) {
   }
 
   function showPicture() {
+    root.removeAttribute("aria-busy");
     const before = address;
     address = URL.createObjectURL(new Blob([model.get("picture")], { type: "image/jpeg" }));
     picture.src = address;
@@ -88,7 +90,9 @@ function render({ model, el }) {
 
   function showProblem() {
     problem.textContent = model.get("problem");
-    if (problem.textContent) pause();
+    if (!problem.textContent) return;
+    root.removeAttribute("aria-busy");
+    pause();
   }
 
   play.onclick = () => {
