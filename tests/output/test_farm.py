@@ -3,6 +3,7 @@
 import importlib.util
 import os
 import signal
+import threading
 from pathlib import Path
 
 import pytest
@@ -104,6 +105,35 @@ def test_what_a_killed_process_was_making_is_made_by_another(tmp_path):
     sweep(plan(tmp_path / "other", "1..12", time=0.5))
     made = contents(tmp_path / "one")
     assert made == contents(tmp_path / "other") and len(made) == 12
+
+
+@pytest.mark.proof
+def test_a_process_killed_every_ten_seconds_loses_nothing(tmp_path):
+    """Two hundred pictures, of which each takes a good part of a second; the killed process is another one each time."""
+    killed, ended = [], threading.Event()
+
+    def kill():
+        while not ended.wait(10.0):
+            alive = sorted(children())
+            if alive:
+                killed.append(alive[len(killed) % len(alive)])
+                os.kill(killed[-1], signal.SIGKILL)
+
+    dots = PRESET["systems"]["dots"]
+    some = {**dots["emitters"]["some"], "count": 500_000}
+    many = {**PRESET, "systems": {"dots": {**dots, "emitters": {"some": some}}}}
+    thread = threading.Thread(target=kill)
+    thread.start()
+    try:
+        sweep_on_farm(plan(tmp_path / "one", "1..200", time=0.9, preset=many), workers=2, threads=1)
+    finally:
+        ended.set()
+        thread.join()
+    assert len(killed) >= 3
+    made = contents(tmp_path / "one")
+    assert len(made) == 200 and len(set(made.values())) == 200
+    sweep(plan(tmp_path / "other", "1,100,200", time=0.9, preset=many))
+    assert {name: made[name] for name in contents(tmp_path / "other")} == contents(tmp_path / "other")
 
 
 def test_what_a_process_left_that_died_is_no_obstacle(tmp_path):
