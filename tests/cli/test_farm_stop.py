@@ -64,7 +64,7 @@ def test_a_stopped_sweep_ends_its_processes_and_goes_on_later(tmp_path, number, 
         time.sleep(0.05)
     before = {path.name: path.stat().st_mtime_ns for path in tmp_path.glob("out/?.mkv")}
     again = sweep(tmp_path)
-    out, err = again.communicate(timeout=300)
+    _, err = again.communicate(timeout=300)
     assert again.returncode == 0, err
     made = {path.name: path.stat().st_mtime_ns for path in tmp_path.glob("out/*")}
     assert sorted(made) == [f"{k}.mkv" for k in range(1, 7)]
