@@ -75,18 +75,25 @@ class _Size(click.ParamType):
         return int(match[1]), int(match[2])
 
 
-class _Scale(click.ParamType):
-    """`50%` or `0.5` as 0.5."""
+class _Percent(click.ParamType):
+    """`50%` or `0.5` as 0.5, from `low` to `high`."""
 
     name = "percent"
+
+    def __init__(self, low: float, high: float, example: str):
+        self._low, self._high, self._example = low, high, example
 
     def convert(self, value, parameter, context):
         if isinstance(value, float):
             return value
         match = re.fullmatch(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*(%?)\s*", value)
         scale = float(match[1]) / (100 if match[2] else 1) if match else 0.0
-        if not 0.01 <= scale <= 16:
-            self.fail(f"{value!r}: write a percentage from 1% to 1600%: 50%", parameter, context)
+        if not self._low <= scale <= self._high:
+            self.fail(
+                f"{value!r}: write a percentage from {self._low:.0%} to {self._high:.0%}: {self._example}",
+                parameter,
+                context,
+            )
         return scale
 
 
@@ -143,7 +150,8 @@ class _Cell(click.ParamType):
 
 
 CELL = _Cell()
-FRAMES, SIZE, SCALE, SEED = _Frames(), _Size(), _Scale(), _Seed()
+FRAMES, SIZE, SEED = _Frames(), _Size(), _Seed()
+SCALE, SHARE = _Percent(0.01, 16.0, "50%"), _Percent(0.01, 1.0, "20%")
 POSITIVE, NOT_NEGATIVE = _Number(), _Number(zero=True)
 
 
@@ -253,7 +261,7 @@ vary_options = _stack(
         "--vary", multiple=True, metavar="PATH=VALUES",
         help="A value of the preset (once or twice): PATH=FIRST..LAST..COUNT, or PATH=A,B,C.",
     ),
-    click.option("--mutate", type=POSITIVE, metavar="SHARE", help="Change all knobs by up to this share: 0.2."),
+    click.option("--mutate", type=SHARE, metavar="SHARE", help="Change all knobs by up to this share: 20%."),
     click.option("--count", type=click.IntRange(1, 10_000), help="Number of mutations; 16 when left out."),
 )  # fmt: skip
 

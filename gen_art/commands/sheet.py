@@ -27,7 +27,7 @@ def command(
     gen-art sheet fire -o seeds.png --seeds 0..15
     gen-art sheet fire -o heat.png --vary knobs.heat=1200..1900..6
     gen-art sheet fire -o both.png --vary knobs.heat=1200..1900..4 --vary knobs.turbulence=1,2,3
-    gen-art sheet fire -o wild.png --mutate 0.2 --count 16
+    gen-art sheet fire -o wild.png --mutate 20% --count 16
 
     --seeds and --vary are named once or twice in all; of two, the first has a row for each value, the second a column.
     --mutate changes every knob that is a number, within its range, and --seed chooses other mutations. `gen-art rerun

@@ -53,7 +53,7 @@ def test_a_stopped_sweep_ends_its_processes_and_goes_on_later(tmp_path, number, 
             assert process.poll() is None, process.communicate()
             time.sleep(0.02)
         process.send_signal(number)
-        out, err = process.communicate(timeout=120)
+        _, err = process.communicate(timeout=120)
     finally:
         process.kill()
     assert process.returncode == status and "Traceback" not in err, err

@@ -86,10 +86,10 @@ def test_a_cell_in_full_size_has_the_bytes_of_its_still(gen_art, piece):
     assert Image.open("cell.png").size == (96, 54)
 
 
-@pytest.mark.parametrize("extension", ["png", "webp", "jpg"])
-def test_a_sheet_is_made_again(gen_art, piece, extension):
+@pytest.mark.parametrize(("extension", "share"), [("png", "0.4"), ("webp", "40%"), ("jpg", "0.4")])
+def test_a_sheet_is_made_again(gen_art, piece, extension, share):
     name = f"s.{extension}"
-    assert gen_art(*SHEET[:3], name, *SHEET[4:], "--mutate", "0.4", "--count", "5").status == 0
+    assert gen_art(*SHEET[:3], name, *SHEET[4:], "--mutate", share, "--count", "5").status == 0
     assert gen_art("rerun", name, "-o", f"again.{extension}").status == 0
     assert digest(name) == digest(f"again.{extension}")
     labels = [one["label"] for row in read_recipe(name)["cells"] for one in row]
@@ -125,6 +125,8 @@ def test_a_mutation_by_another_seed_is_another(gen_art, piece):
     [
         ((), "say what varies"),
         (("--count", "3"), "give --mutate too"),
+        (("--mutate", "300%"), "'300%': write a percentage from 1% to 100%: 20%"),
+        (("--mutate", "much"), "'much': write a percentage"),
         (("--mutate", "0.2", "--seeds", "1,2"), "leave out --seeds and --vary"),
         (("--seeds", "0..20000"), "20,001 variations are asked for; there can be 10,000"),
         (("--vary", "knobs.pus=1,2"), "there is no knob 'pus'; did you mean 'push'"),
