@@ -7,7 +7,7 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
 INSTALLED := $(VENV)/installed-$(shell cat requirements.lock pyproject.toml | cksum | cut -d' ' -f1)
 BENCH := $(VENV)/installed-bench-$(shell cat requirements-bench.lock | cksum | cut -d' ' -f1)
 
-.PHONY: demo test proofs verdicts check golden bench gallery lock clean
+.PHONY: demo test proofs verdicts check golden bench gallery docs lock clean
 
 demo: $(INSTALLED)
 	@mkdir -p out
@@ -41,6 +41,10 @@ bench: $(BENCH)
 gallery: $(INSTALLED)
 	$(BIN)/gen-art gallery
 
+# the documentation site, in site/: open site/index.html. A broken link or reference is an error
+docs: $(INSTALLED)
+	$(BIN)/python docs/make_site.py
+
 $(INSTALLED): | requirements.lock pyproject.toml
 	@test -n "$(PYTHON)" || { echo "gen-art needs Python 3.11, 3.12 or 3.13; name one: make PYTHON=/path/to/python3.12" >&2; exit 2; }
 	$(PYTHON) -m venv --clear $(VENV)
@@ -59,4 +63,4 @@ lock:
 	$(COMPILE) --extra bench -c requirements.lock pyproject.toml -o requirements-bench.lock
 
 clean:
-	rm -rf $(VENV) out build dist
+	rm -rf $(VENV) out build dist site

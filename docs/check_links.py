@@ -13,7 +13,9 @@ _LINK = re.compile(r'\]\(([^)\s]+)\)|(?:src|href)="([^"]+)"')
 
 def pages() -> list[Path]:
     """The Markdown files whose links are checked."""
-    return sorted(ROOT.glob("*.md")) + sorted((ROOT / "docs").glob("*.md")) + sorted((ROOT / "benchmarks").glob("*.md"))
+    return (
+        sorted(ROOT.glob("*.md")) + sorted((ROOT / "docs").rglob("*.md")) + sorted((ROOT / "benchmarks").glob("*.md"))
+    )
 
 
 def anchors(page: Path) -> set[str]:
