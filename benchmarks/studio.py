@@ -13,8 +13,8 @@ from pathlib import Path
 from _bench import ROOT, Bench
 from websockets.sync.client import connect
 
+from gen_art.output.player import Player
 from gen_art.preset.load import load_preset
-from gen_art.studio.player import Player
 
 bench = Bench("studio", __doc__)
 SIZE = (64, 36) if bench.quick else (640, 360)

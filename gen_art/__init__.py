@@ -40,6 +40,7 @@ if (
     from gen_art.maths.elementary import power as power
     from gen_art.maths.elementary import sin as sin
     from gen_art.output.job import render as render
+    from gen_art.output.notebook import play as play
     from gen_art.output.script_film import Film as Film
     from gen_art.output.script_film import develop as develop
     from gen_art.output.script_film import still as still
@@ -58,7 +59,6 @@ if (
     from gen_art.simulation.bodies import bodies as bodies
     from gen_art.simulation.diagnostics import Diagnostics as Diagnostics
     from gen_art.simulation.orbit import orbital_elements as orbital_elements
-    from gen_art.studio.notebook import play as play
 
 # public name -> module that holds it; "" : the name is a subpackage. Importing on first use keeps `gen-art --help` from
 # waiting for the compiler. A test holds this table and the imports above together.
@@ -104,7 +104,7 @@ _NAMES = {
     "log": "gen_art.maths.elementary",
     "orbital_elements": "gen_art.simulation.orbit",
     "param": "gen_art.registry",
-    "play": "gen_art.studio.notebook",
+    "play": "gen_art.output.notebook",
     "power": "gen_art.maths.elementary",
     "render": "gen_art.output.job",
     "render_frame": "gen_art.renderer.render_frame",

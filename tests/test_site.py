@@ -77,8 +77,8 @@ def test_the_search_finds_a_name_from_the_file_system(opened, site):
     tab.goto((site / "search.html").as_uri() + "?q=self_gravity")
     tab.locator("#search-results li a", has_text="> self_gravity").first.wait_for()
     tab.locator("#search-results li a", has_text="> self_gravity").first.click()
+    tab.locator("section#self-gravity").wait_for()  # until it is seen
     assert "forces.html" in tab.url and tab.url.endswith("#self-gravity")
-    assert tab.locator("section#self-gravity").is_visible()
 
 
 def test_pictures_are_there(opened, site):

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 from PIL import Image
 
 from gen_art.errors import GenArtError, UsageError
+from gen_art.output.player import Player, Shown, Superseded
 from gen_art.preset.load import load_preset
-from gen_art.studio.player import Player, Shown, Superseded
 
 if TYPE_CHECKING:
     from gen_art.preset.schema import Preset

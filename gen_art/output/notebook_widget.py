@@ -10,9 +10,9 @@ import traitlets
 from PIL import Image
 
 from gen_art.errors import GenArtError
+from gen_art.output.player import Player
 from gen_art.preset.load import PresetSource
 from gen_art.preset.schema import Preset
-from gen_art.studio.player import Player
 
 __all__ = ["NotebookPlayer"]
 

@@ -1,4 +1,4 @@
-"""Plays a preset for the studio: any frame, in any size, soon after any change.
+"""Plays a preset for the studio and for notebooks: any frame, in any size, soon after any change.
 
 What a change needs is decided by the paths that it touches: the picture developed again, drawn again, or the motion computed
 again. While somebody turns a knob of the motion, the particles go on from where they are with the new values (`is_exact` is

@@ -5,9 +5,9 @@ import pytest
 
 from gen_art.errors import DivergedError, PresetError
 from gen_art.output.playback import Playback
+from gen_art.output.player import Player, Superseded
 from gen_art.preset.load import load_preset
 from gen_art.preset.reader import read_text
-from gen_art.studio.player import Player, Superseded
 from tests.studio.piece import TEXT, THROUGH_TARGET, TRAILED
 
 SIZE = (96, 54)
@@ -65,7 +65,7 @@ def test_what_a_change_needs(player, changes, need):
 
 @pytest.mark.parametrize("text", [TEXT, TRAILED])
 def test_any_order_of_frames_shows_the_film(player, text, monkeypatch):
-    monkeypatch.setattr("gen_art.studio.player.SNAPSHOT_PAUSE", 0.0)  # a snapshot at each turn
+    monkeypatch.setattr("gen_art.output.player.SNAPSHOT_PAUSE", 0.0)  # a snapshot at each turn
     piece = preset(text)
     player.change(piece)
     wanted = {k: frame_of(piece, k) for k in (0, 3, 4, 11, 30, 59)}
@@ -141,7 +141,7 @@ def test_a_preset_of_which_no_picture_can_be_made_leaves_the_one_before(player):
 
 
 def test_what_is_not_wanted_any_more_is_left(monkeypatch):
-    monkeypatch.setattr("gen_art.studio.player.SLICE", 0.0)
+    monkeypatch.setattr("gen_art.output.player.SLICE", 0.0)
     asked = []
 
     def superseded():
@@ -157,9 +157,9 @@ def test_what_is_not_wanted_any_more_is_left(monkeypatch):
 
 
 def test_snapshots_are_thinned(player, monkeypatch):
-    monkeypatch.setattr("gen_art.studio.player.SNAPSHOT_PAUSE", 0.0)
-    monkeypatch.setattr("gen_art.studio.player.WRITTEN", 0.0)
-    monkeypatch.setattr("gen_art.studio.player.MOST_SNAPSHOTS", 400_000)
+    monkeypatch.setattr("gen_art.output.player.SNAPSHOT_PAUSE", 0.0)
+    monkeypatch.setattr("gen_art.output.player.WRITTEN", 0.0)
+    monkeypatch.setattr("gen_art.output.player.MOST_SNAPSHOTS", 400_000)
     player.change(preset())
     for k in range(0, 60, 2):
         player.show(k, SIZE)
@@ -201,7 +201,7 @@ def test_a_framed_camera_is_fitted_anew(player):
 
 
 def test_a_jump_forwards_can_be_left_and_what_follows_is_exact(monkeypatch):
-    monkeypatch.setattr("gen_art.studio.player.SLICE", 0.0)
+    monkeypatch.setattr("gen_art.output.player.SLICE", 0.0)
     wanted = [False]
     player = Player(superseded=lambda: wanted[0])
     player.change(preset())

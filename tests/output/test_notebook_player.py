@@ -13,7 +13,7 @@ from playwright.sync_api import expect
 import gen_art as ga
 from gen_art.renderer.render_frame import render_frame
 
-PAGE = Path(ga.__file__).parent / "studio" / "notebook_page"
+PAGE = Path(ga.__file__).parent / "output" / "notebook_page"
 SIZE = (96, 54)
 PIECE = """# Sparks in the wind.
 # Physics: gravity.

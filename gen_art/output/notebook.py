@@ -9,8 +9,8 @@ from gen_art.errors import UsageError
 from gen_art.output.extras import check_installed
 
 if TYPE_CHECKING:
+    from gen_art.output.notebook_widget import NotebookPlayer
     from gen_art.preset.schema import Preset
-    from gen_art.studio.notebook_widget import NotebookPlayer
 
 __all__ = ["play"]
 
@@ -38,10 +38,10 @@ def play(
     It needs the extra `notebook`. Raises the errors of load_preset, and UsageError for numbers that cannot be.
     """
     check_installed("ga.play", "anywidget")
+    from gen_art.output.notebook_widget import NotebookPlayer
+    from gen_art.output.player import Player
     from gen_art.preset.camera import CameraSpec
     from gen_art.preset.load import PresetSource
-    from gen_art.studio.notebook_widget import NotebookPlayer
-    from gen_art.studio.player import Player
 
     source = PresetSource.of(preset)
     loaded = source.load(overrides, seed)
