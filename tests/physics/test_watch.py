@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gen_art as ga
+from gen_art.particles.rows import LIFETIME
 
 F, I = ga.forces, ga.interactions
 GM_EARTH = 3.986004418e14  # m^3/s^2
@@ -150,10 +151,11 @@ def test_a_run_that_leaves_the_finite_numbers_stops():
 def test_a_dead_particle_stops_nothing():
     """Only the living count."""
     sim = simulated(0.1, advice="none", **ONE)
-    sim["s"].state.floats[0, 0] = np.nan
-    with pytest.raises(ga.DivergedError, match="particle 0 left"):
+    sim["s"].add(position=[[2.0, 0, 0]], lifetime=1.0)
+    sim["s"].state.floats[0, 1] = np.nan
+    with pytest.raises(ga.DivergedError, match="particle 1 left"):
         sim.digest()
-    sim["s"].state.floats[9, 0] = 0.0  # the lifetime
+    sim["s"].state.floats[LIFETIME, 1] = 0.0
     sim.digest()
 
 
