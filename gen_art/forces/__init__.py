@@ -1,6 +1,7 @@
 """Forces on single particles, and the velocity fields of a medium."""
 
 from gen_art.forces.aircraft import Aircraft
+from gen_art.forces.attractor import Attractor
 from gen_art.forces.base import FORCES, Force, force
 from gen_art.forces.buoyancy import Buoyancy, ThermalLift
 from gen_art.forces.central import CentralForce, Hernquist, PointGravity
@@ -19,6 +20,7 @@ from gen_art.forces.random_driver import RandomDriver
 from gen_art.forces.spring import Hand, Spring
 from gen_art.forces.submarine import Ballast, Propeller
 from gen_art.forces.thrust import Thrust
+from gen_art.forces.thruster import Thruster
 from gen_art.forces.vector_field import VectorField
 from gen_art.forces.wind import Wind
 
@@ -26,6 +28,7 @@ __all__ = [
     "FORCES",
     "Aircraft",
     "Aperture",
+    "Attractor",
     "Ballast",
     "Buoyancy",
     "CentralForce",
@@ -58,6 +61,7 @@ __all__ = [
     "Spring",
     "ThermalLift",
     "Thrust",
+    "Thruster",
     "VectorField",
     "Vortex",
     "Wind",

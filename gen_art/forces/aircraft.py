@@ -6,6 +6,7 @@ from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.forces.base import force
 from gen_art.forces.controls import Controlled
+from gen_art.forces.steering import Lever, Stick
 from gen_art.maths.elementary import cos, sin
 from gen_art.registry import param
 
@@ -47,6 +48,11 @@ class Aircraft(Controlled):
     medium: object = param(None)
     density: float = param(None, unit="kg/m^3", min=0, doc="of the air; the medium's when left out")
     inputs = ("angle_of_attack", "bank", "throttle")
+    steering = {
+        "angle_of_attack": Stick(less=("ArrowUp", "w"), more=("ArrowDown", "s"), low=-5.0, high=14.0, seconds=0.4),
+        "bank": Stick(less=("ArrowLeft", "a"), more=("ArrowRight", "d"), low=-60.0, high=60.0, seconds=0.7),
+        "throttle": Lever(less=("f", "PageDown"), more=("r", "PageUp"), rate=0.6),
+    }
     depends_on_velocity = True
     reads_medium = True
 

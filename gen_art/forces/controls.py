@@ -12,6 +12,7 @@ from gen_art import arguments
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.forces.base import Force
+from gen_art.forces.steering import Device
 from gen_art.registry import param
 
 __all__ = ["Controlled", "read_controls"]
@@ -91,27 +92,36 @@ class Controlled(Force):
     """The base of forces with control inputs. Each name in `inputs` is a parameter, and may be a column of the table.
 
     Between two rows the value is linear; before the first and after the last row it is theirs.
+    steering : by input, how a person sets it where the motion is steered live; see gen_art.forces.steering
     """
 
     controls: object = param(
         None, kind="file", doc="a .csv file of a column `time` (s) and columns of inputs, or a mapping"
     )
     inputs: ClassVar[tuple[str, ...]] = ()
+    steering: ClassVar[Mapping[str, Device]] = {}
     tabled = True
 
     def prepare(self):
-        given = self.values["controls"]
-        units = {name: self.parameters[name].unit.replace("rad", "degrees") for name in self.inputs}
-        table = {"time": np.zeros(1)} if given is None else read_controls(given, units)
+        self.set_table(self.values["controls"])
+
+    def set_table(self, given) -> None:
+        """Go on with another table; see `read_controls`. None is one row of the parameters. Raises UsageError.
+
+        A force that already acts in a simulation takes one with as many rows as before; `KernelTerms.place_tables` then
+        passes it on.
+        """
+        table = {"time": np.zeros(1)} if given is None else read_controls(given, self.input_units())
+        self.tabled_inputs = tuple(name for name in self.inputs if name in table)
         columns = []
         for name in self.inputs:
             if name in table:
                 parameter = self.parameters[name]
-                angle = parameter.unit == "rad"
+                angle = self._is_angle(name)
                 column = np.radians(table[name]) if angle else table[name]
                 low, high = parameter.minimum, parameter.maximum
                 if column.min() < low or column.max() > high:
-                    low, high = (math.degrees(low), math.degrees(high)) if angle else (low, high)
+                    low, high = (math.degrees(x) if angle else x for x in (low, high))
                     wrong = next(x for x in table[name] if not low <= x <= high)
                     label = "controls" if isinstance(given, Mapping) else given
                     raise UsageError(
@@ -121,6 +131,25 @@ class Controlled(Force):
                 column = np.full(len(table["time"]), self.values[name])
             columns.append(column)
         self._table = np.concatenate([[len(table["time"])], table["time"], *columns])
+
+    @classmethod
+    def input_units(cls) -> dict[str, str]:
+        """The units of the inputs as a table has them, by name: angles are in degrees."""
+        return {name: cls.parameters[name].unit.replace("rad", "degrees") for name in cls.inputs}
+
+    def at_start(self) -> dict[str, float]:
+        """By name, the inputs of the table's first row, in its units; those of all inputs where there is no table."""
+        rows, names = int(self._table[0]), self.tabled_inputs or self.inputs
+        first = {name: float(self._table[1 + rows * (k + 1)]) for k, name in enumerate(self.inputs)}
+        return {name: math.degrees(first[name]) if self._is_angle(name) else first[name] for name in names}
+
+    def with_controls(self, controls: Mapping) -> "Controlled":
+        """The same force with another table."""
+        return type(self)(**{**{name: self.values[name] for name in self.parameters}, "controls": controls})
+
+    @classmethod
+    def _is_angle(cls, name: str) -> bool:
+        return cls.parameters[name].unit == "rad"
 
     @property
     def steady(self) -> bool:  # type: ignore[override]  # depends on the instance: only a table changes with time

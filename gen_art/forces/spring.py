@@ -3,6 +3,7 @@
 from gen_art.backend.runtime import ti
 from gen_art.forces.base import Force, force
 from gen_art.forces.controls import Controlled
+from gen_art.forces.steering import Pointer
 from gen_art.registry import param
 
 
@@ -63,6 +64,7 @@ class Hand(Controlled):
     y: float = param(0.0, unit="m")
     z: float = param(0.0, unit="m")
     inputs = ("x", "y", "z")
+    steering = {"x": Pointer(axis=0), "y": Pointer(axis=1), "z": Pointer(axis=2)}
 
     @ti.func
     def force(self, p, t, q):

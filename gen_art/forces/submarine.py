@@ -1,9 +1,12 @@
 """A submarine: a buoyant hull, ballast tanks that flood, and a propeller."""
 
+import math
+
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.forces.base import force
 from gen_art.forces.controls import Controlled
+from gen_art.forces.steering import Lever, Stick
 from gen_art.maths.elementary import cos, sin
 from gen_art.registry import param
 
@@ -36,6 +39,7 @@ class Ballast(Controlled):
     surface: float = param(0.0, unit="m", doc="height of the surface")
     height: float = param(1.0, unit="m", min=1e-30, doc="of the hull")
     inputs = ("flooded",)
+    steering = {"flooded": Lever(less=("ArrowUp",), more=("ArrowDown",), rate=0.7)}
 
     def prepare(self):
         super().prepare()
@@ -73,6 +77,11 @@ class Propeller(Controlled):
     heading: float = param(0.0, unit="rad")
     pitch: float = param(0.0, unit="rad", min=-1.5707963267948966, max=1.5707963267948966)
     inputs = ("throttle", "heading", "pitch")
+    steering = {
+        "throttle": Lever(less=("s",), more=("w",), low=-1.0, rate=0.8),
+        "heading": Lever(less=("ArrowRight", "d"), more=("ArrowLeft", "a"), low=-math.inf, high=math.inf, rate=40.0),
+        "pitch": Stick(less=("e",), more=("q",), low=-30.0, high=30.0, seconds=0.5),
+    }
 
     @ti.func
     def force(self, p, t, q):

@@ -67,7 +67,7 @@ class KernelTerms:
         self._made_of = (forces, medium, colliders, labels)
         default = medium or Medium()
         self._numbers: list[float] = []
-        self._tables: list[tuple[int, np.ndarray]] = []
+        self._tables: list[tuple[int, Any]] = []  # (offset, force)
         self.media: list[tuple[Term, ...]] = []
         self.terms: list[Term] = []
         known: list[Medium] = []
@@ -112,20 +112,28 @@ class KernelTerms:
         term = Term(force, len(self._numbers), name, index, row)
         self._numbers += force.bound_numbers(medium)
         if force.tabled:
-            self._tables.append((len(self._numbers), force.table()))
+            self._tables.append((len(self._numbers), force))
             self._numbers += [0.0, 0.0]  # the table's start; tables come last, so that no kernel depends on their sizes
         return term
 
     def numbers(self, dtype) -> np.ndarray:
         """The parameter array: all numbers in the order of the terms' offsets, then the tables."""
         head, start = list(self._numbers or [0.0]), len(self._numbers)
-        for offset, table in self._tables:
+        tables = [force.table() for _, force in self._tables]
+        for (offset, _), table in zip(self._tables, tables):
             head[offset : offset + 2] = divmod(start, 4096)  # in two parts, because float32 is exact only up to 2^24
             start += len(table)
         numbers = np.array(head, dtype)
         if self.box is not None:
             numbers[self.box_offset : self.box_offset + BOX_NUMBERS] = self.box.numbers(dtype)
-        return np.concatenate([numbers, *(table.astype(dtype) for _, table in self._tables)])
+        return np.concatenate([numbers, *(table.astype(dtype) for table in tables)])
+
+    def place_tables(self, numbers: np.ndarray) -> None:
+        """Write the tables of the forces once more into a parameter array; their lengths must be as before."""
+        for offset, force in self._tables:
+            high, low = numbers[offset : offset + 2].tolist()
+            start, table = int(high) * 4096 + int(low), force.table()
+            numbers[start : start + len(table)] = table
 
     @property
     def accelerations(self) -> list[Term]:

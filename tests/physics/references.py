@@ -119,6 +119,18 @@ def hand(p):
     return -2.5 * np.maximum(d - 0.9, 0) * r / d / p.mass
 
 
+def attractor(p):
+    share = (p.time - 0.5) / 0.5  # of the way from the row at 0.5 s to the one at 1 s
+    r, s = _softened(p, (0.1 + share * 0.3, -0.2 - share * 0.5, 0.3), 0.2)
+    return (share - 0.25) * -1.7 * r / s**3
+
+
+def thruster(p):
+    share = (p.time - 0.5) / 0.5
+    jets = np.array([share, 0.95, -0.3])
+    return np.outer(2.5 * jets / np.linalg.norm(jets), 1 / p.mass)
+
+
 def driver(p):
     n = np.array([1.0, 2.0, 2.0]) / 3.0
     return np.outer(n, 0.7 * np.cos(2 * np.pi * 1.3 * p.time + 0.4) / p.mass)
@@ -240,6 +252,15 @@ CASES = {
         "push",
         hand,
     ),
+    "attractor": (
+        F.Attractor(
+            {"time": [0.0, 0.5, 1.0], "x": [0, 0.1, 0.4], "y": [3.0, -0.2, -0.7], "pull": [1, -0.25, 0.75]},
+            GM=1.7, softening=0.2, pull=0.5, z=0.3,
+        ),
+        "push",
+        attractor,
+    ),
+    "thruster": (F.Thruster({"time": [0.0, 0.5, 1.0], "x": [0, 0, 1]}, max_thrust=2.5, y=0.95, z=-0.3), "push", thruster),
     "lift": (F.Lift(0.8, 0.6, (0.2, 0.0, 3.0), 1.3), "push", lift),
     "thrust": (F.Thrust((3.0, 0.0, 4.0), 3.0, 0.2, 0.5, 0.5), "push", thrust),
     "vector_field": (F.VectorField(GRID, (LOW, HIGH), 1.7), "push", sampled),

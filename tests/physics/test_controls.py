@@ -209,3 +209,47 @@ def _file(folder, text):
     path = folder / "c.csv"
     path.write_text(text)
     return str(path)
+
+
+def steered(force, velocity=(0.0, 0.0, 0.0), ledger=False):
+    system = ga.ParticleSystem(position=[[1.0, 0.5, 0.0]], velocity=[velocity], mass=2.0, forces=[force])
+    return ga.Simulation({"p": system}, dt=0.01, precision="f64", ledger=ledger)
+
+
+@pytest.mark.parametrize("share,thrust", [((0.6, 0.0, 0.0), 1.8), ((0.0, 0.0, -1.0), 3.0), ((1.0, 1.0, 0.0), 3.0)])
+def test_a_thruster_gives_its_share_and_no_more_than_all_of_it(share, thrust):
+    sim = steered(F.Thruster(max_thrust=3.0, **dict(zip("xyz", share))))
+    sim.step(100)
+    along = np.array(share) / np.linalg.norm(share)
+    assert sim["p"].velocity[0] == pytest.approx(along * thrust / 2.0, rel=1e-12)  # v = F t / m, after a second
+
+
+def test_an_attractor_at_rest_is_point_gravity_and_pushes_where_its_pull_is_negative():
+    still = {"time": [0.0, 1.0], "x": [0.2, 0.2], "pull": [1.0, 1.0]}
+    runs = [
+        steered(force, (0.0, 0.3, 0.1))
+        for force in (
+            F.Attractor(still, GM=2.0, softening=0.1),
+            F.PointGravity((0.2, 0.0, 0.0), 2.0, 0.1),
+            F.Attractor({**still, "pull": [-1.0, -1.0]}, GM=2.0, softening=0.1),
+        )
+    ]
+    for sim in runs:
+        sim.step(20)
+    pulled, point, pushed = (sim["p"].position[0] for sim in runs)
+    assert pulled == pytest.approx(point, rel=1e-13)
+    assert pushed[0] > 1.0 > pulled[0]
+
+
+def test_the_account_of_a_moving_attractor_and_of_a_thruster_closes():
+    path = {"time": [0.0, 1.0], "x": [0.0, 1.0], "pull": [1.0, 0.2]}
+    forces = {
+        "attractor": F.Attractor(path, GM=2.0, softening=0.4),
+        "thruster": F.Thruster({"time": [0, 1], "x": [1, 0]}),
+    }
+    for name, force in forces.items():
+        sim = steered(force, (0.0, 0.5, 0.0), ledger=True)
+        sim.step(100)
+        account = sim.ledger()
+        assert abs(account.work[f"p.{name}"]) > 1e-3
+        assert abs(account.residual) <= 1e-9 * account.scale

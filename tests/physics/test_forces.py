@@ -11,9 +11,11 @@ from tests.physics.references import CASES
 
 UNSEEN = {
     "langevin": {"temperature", "boltzmann"},  # of its noise: test_langevin.py
-    "aircraft": {"stall"},  # beyond it alone: test_controls.py  # a longer axis, a place along a symmetry, a radius of 0, a limit not reached
+    "aircraft": {"stall"},  # beyond it alone: test_controls.py
+    # a longer axis, a place along a symmetry, a radius of 0, a limit not reached
     "aperture": {"axis[2]"}, "height_gravity": {"point[0]"}, "magnetic_loop": {"core"}, "magnetic_mirror": {"axis[1]"},
-    "hand": {"x", "y"},  # columns of its table take their place
+    # columns of its table take their place
+    "attractor": {"pull", "x", "y"}, "hand": {"x", "y"}, "thruster": {"x"},
     "thrust": {"dry_mass"}, "vortex": {"axis[1]", "center[1]"},
 }  # fmt: skip
 BUILT_IN = sorted(n for n in FORCES if FORCES[n].__module__.startswith("gen_art."))
