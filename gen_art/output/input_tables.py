@@ -89,7 +89,7 @@ def _forces_of(preset: "Preset") -> Iterator[Controlled]:
 def input_tables(preset: "Preset") -> list[InputTable]:
     """The tables that can be steered, one for each file, and for each kind of force that has no file.
 
-    Of a file, the columns are steered; without one, all inputs are. Raises UsageError if there is nothing to steer.
+    Of a file, the columns are steered; without one, all inputs are. Empty if there is nothing to steer.
     """
     found: dict[tuple, InputTable] = {}
     for force in _forces_of(preset):
@@ -101,13 +101,7 @@ def input_tables(preset: "Preset") -> list[InputTable]:
             devices = {name: force.steering[name] for name in rest}
             found[key] = InputTable(file, type(force), rest, devices)
         found[key].forces.append(force)
-    tables = [table for table in found.values() if table.rest]
-    if not tables:
-        raise UsageError(
-            "nothing in this preset can be steered: give a system one of the forces hand, attractor, thruster, aircraft, "
-            "propeller or ballast"
-        )
-    return tables
+    return [table for table in found.values() if table.rest]
 
 
 def with_tables(preset: "Preset", tables: Sequence[InputTable]) -> "Preset":

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gen_art.errors import UsageError
 from gen_art.forces.steering import Hands
 from gen_art.output.input_tables import InputTable, input_tables, with_tables
 from gen_art.output.playback import Playback
@@ -52,6 +53,11 @@ class SteeredRun:
         clock = preset.clock
         self.preset, self.frame, self.frames = preset, 0, clock.frames
         self.tables: list[InputTable] = input_tables(preset)
+        if not self.tables:
+            raise UsageError(
+                "nothing in this preset can be steered: give a system one of the forces hand, attractor, thruster, aircraft, "
+                "propeller or ballast"
+            )
         self._distance = clock.steps_per_frame * clock.step
         for table in self.tables:
             table.begin((clock.preroll_steps + 0.5 * clock.steps_per_frame) * clock.step, self._distance)

@@ -5,17 +5,20 @@ writing YAML with its comments takes longer than a picture.
 """
 
 from collections.abc import Sequence
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gen_art.errors import GenArtError, OutputError, PresetError, UsageError
 from gen_art.files import beside
+from gen_art.output.input_tables import controls_paths, input_tables
 from gen_art.preset.load import PresetSource
 from gen_art.preset.reader import MAX_BYTES, read_text
 from gen_art.preset.shipped import find, presets_folder
 from gen_art.preset.writing import changed_text, text_without
 
 if TYPE_CHECKING:
+    from gen_art.output.input_tables import InputTable
     from gen_art.preset.schema import Preset
 
 __all__ = ["LARGEST_TEXT", "Document"]
@@ -66,7 +69,8 @@ class Document:
         """What the page shows of it."""
         return {
             "name": self.name, "text": self.text, "data": self.data, "problems": self.problems, "saved": self.is_saved,
-            "file": None if self.path is None else self.path.name, "undo": bool(self._done), "redo": bool(self._undone),
+            "file": None if self.path is None else self.path.name, "steers": bool(input_tables(self.preset)),
+            "undo": bool(self._done), "redo": bool(self._undone),
             "knobs": {
                 name: {
                     "value": knob.value, "unit": knob.unit,
@@ -155,20 +159,42 @@ class Document:
         """Write the text to its file. Raises UsageError for a shipped preset, or while there are problems."""
         if self._is_readable:
             self.settle()
+        path = self._own_path()
+        if self.problems:
+            raise UsageError("the preset has problems; correct them before it is saved")
+        if path.is_file() and self._on_disk() not in (self.saved_text, self.text):
+            raise UsageError(f"{path.name} was changed elsewhere and is not read again yet: save once more in a moment")
+        with beside(path, True) as temporary:
+            temporary.write_text(self.text, encoding="utf-8")
+        self.saved_text = self.text
+        return path
+
+    def keep_inputs(self, tables: Sequence["InputTable"]) -> list[str]:
+        """Write what was steered as .csv files beside the preset, and let its text name them; the names.
+
+        The preset's own file stays as it is until `save`. Raises UsageError as `save` does, or where nothing was steered.
+        """
+        self._check_readable()
+        self.settle()
+        path = self._own_path()
+        if not tables or len(tables[0].rows) < 2:
+            raise UsageError("nothing was steered yet")
+        paths = [controls_paths(self.data, table) for table in tables]
+        names = _free_names(path, [table.kind.name for table in tables])
+        for name, table in zip(names, tables):
+            with beside(path.with_name(name), False) as temporary:
+                temporary.write_text(table.text(), encoding="utf-8")
+        if problems := self.set({key: name for name, keys in zip(names, paths) for key in keys}):
+            raise UsageError("; ".join(one["text"] for one in problems))
+        self.settle()
+        return names
+
+    def _own_path(self) -> Path:
         if self.path is None:
             raise UsageError(
                 f"'{self.name}' is a preset of gen-art and cannot be saved: `gen-art new mine --from {self.name}` makes a copy "
                 "of your own"
             )
-        if self.problems:
-            raise UsageError("the preset has problems; correct them before it is saved")
-        if self.path.is_file() and self._on_disk() not in (self.saved_text, self.text):
-            raise UsageError(
-                f"{self.path.name} was changed elsewhere and is not read again yet: save once more in a moment"
-            )
-        with beside(self.path, True) as temporary:
-            temporary.write_text(self.text, encoding="utf-8")
-        self.saved_text = self.text
         return self.path
 
     def _take(self, text: str) -> bool:
@@ -191,6 +217,16 @@ class Document:
             return False
         self.problems = []
         return True
+
+
+def _free_names(path: Path, kinds: Sequence[str]) -> list[str]:
+    """Names of tables beside a preset that do not exist yet, of one number: flight_aircraft_1.csv."""
+    parts = [kind if kinds.count(kind) == 1 else f"{kind}_{chr(ord('a') + k)}" for k, kind in enumerate(kinds)]
+    for number in count(1):
+        names = [f"{path.stem}_{part}_{number}.csv" for part in parts]
+        if not any(path.with_name(name).exists() for name in names):
+            break
+    return names
 
 
 def _listed(error: GenArtError) -> list[dict]:

@@ -15,6 +15,7 @@ import struct
 import threading
 from collections.abc import Sequence
 from contextlib import asynccontextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from gen_art.errors import GenArtError, UsageError
 from gen_art.output.dependencies import dependencies
 from gen_art.output.file_watch import FileWatch
+from gen_art.output.input_tables import InputTable
 from gen_art.output.live_plugins import LivePlugins
 from gen_art.preset.schema import json_schema
 from gen_art.studio.document import LARGEST_TEXT, Document
@@ -43,6 +45,7 @@ LARGEST_MESSAGE = 2 * LARGEST_TEXT  # bytes of a message from the page
 MOST_QUEUED = 8  # messages that wait for a page, above which it gets no more pictures
 SETTLE_AFTER = 0.3  # s after a change is done, in which its picture is made
 LARGEST_PICTURE = 4096  # pixels of a side
+MOST_HELD = 32  # keys at once
 POLICY = (  # of what the page may load: its own files, and pictures that it was sent
     "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
     "frame-ancestors 'none'"
@@ -142,9 +145,11 @@ class Studio:
             was_editor = self._pages[0] is page
             self._pages.remove(page)
             del self._queues[page]
-            if was_editor and self._pages:
-                self._put(self._pages[0], {"type": "hello", "editor": True, "frame": self._poster_frame()})
-                self.worker.reconnected()
+            if was_editor:
+                self.worker.leave()
+                if self._pages:
+                    self._put(self._pages[0], {"type": "hello", "editor": True, "frame": self._poster_frame()})
+                    self.worker.reconnected()
             self.worker.want(playing=False, moving=False, diagnosed=False)
 
     async def _send_all(self, page: WebSocket, queue: asyncio.Queue) -> None:
@@ -194,7 +199,7 @@ class Studio:
             await getattr(self, f"_on_{kind}")(page, message)
         except GenArtError as error:
             self._put(page, {"type": "error", "text": str(error)})
-        except (ValueError, KeyError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
+        except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
             self._put(
                 page, {"type": "error", "text": f"the page sent what cannot be understood: {type(error).__name__}"}
             )
@@ -268,6 +273,39 @@ class Studio:
 
         self.worker.do(make)
 
+    async def _on_steer(self, page: WebSocket, message: dict) -> None:
+        if not message["on"]:
+            self.worker.leave()
+            return
+        if self.document.problems:
+            raise UsageError("the preset has problems: mend them, and it can be steered")
+        self.worker.steer(self.document.preset)
+
+    async def _on_devices(self, page: WebSocket, message: dict) -> None:
+        """What the hands do: keys with how far they are pressed, and where the mouse was moved to, if it was."""
+        held = {str(key): _share(message["held"][key]) for key in list(message["held"])[:MOST_HELD]}
+        pointer = message.get("pointer")
+        if pointer is None:
+            self.worker.touch(held, None)
+        else:
+            across, down = pointer
+            self.worker.touch(held, (_share(across), _share(down)))
+
+    async def _on_keep(self, page: WebSocket, message: dict) -> None:
+        """Write what was steered as tables beside the preset, which then goes by them."""
+        loop = asyncio.get_running_loop()
+        taken: asyncio.Future[list] = loop.create_future()
+
+        def take(tables: list[InputTable]) -> None:
+            loop.call_soon_threadsafe(taken.set_result, [replace(table, rows=list(table.rows)) for table in tables])
+
+        self.worker.steered_tables(take)
+        names = self.document.keep_inputs(await taken)
+        self.worker.leave()
+        self._edited(not self.document.problems)
+        text = f"kept as {' and '.join(names)}, by which the film goes now: save the preset, and it renders as it was steered"
+        self._tell_all({"type": "said", "text": text, "stays": True})
+
     def _put_if_there(self, page: WebSocket, message: dict) -> None:
         if page in self._queues:
             self._put(page, message)
@@ -324,6 +362,14 @@ class Studio:
 
         self.worker.do(reload)
         await done
+
+
+def _share(value: Any) -> float:
+    """A number of the page from 0 to 1. Raises ValueError for one that is not finite."""
+    number = float(value)
+    if not math.isfinite(number):
+        raise ValueError("not finite")
+    return min(max(number, 0.0), 1.0)
 
 
 def _json(message: dict) -> str:

@@ -9,7 +9,7 @@ import threading
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
@@ -20,9 +20,12 @@ from PIL import Image
 from gen_art.errors import GenArtError, UsageError
 from gen_art.output.player import Player, Shown, Superseded
 from gen_art.preset.load import load_preset
+from gen_art.studio.steering import Steering
 
 if TYPE_CHECKING:
+    from gen_art.output.input_tables import InputTable
     from gen_art.preset.schema import Preset
+    from gen_art.simulation import Simulation
 
 __all__ = ["IN_FLIGHT", "Wish", "Worker", "final_picture"]
 
@@ -54,7 +57,8 @@ class Worker(threading.Thread):
     """Makes pictures until `stop`.
 
     deliver : called with (header, bytes of a JPEG)
-    tell : called with messages: {"type": "status", ...}, {"type": "warning", "text"}, {"type": "error", "text"}
+    tell : called with messages: {"type": "status", ...}, {"type": "warning", "text"}, {"type": "error", "text"},
+        {"type": "steering", "on"}
     """
 
     def __init__(
@@ -77,6 +81,7 @@ class Worker(threading.Thread):
         self._settling_frame = 0
         self._due = 0.0  # when the next frame of a playing film is
         self._is_whole = False  # the last picture: drawn in full, with its trails
+        self._steering: Steering | None = None
 
     def want(self, **changes: Any) -> None:
         """Change the wish."""
@@ -113,6 +118,30 @@ class Worker(threading.Thread):
         with self._changed:
             self._jobs.append(job)
             self._changed.notify()
+
+    def steer(self, preset: "Preset") -> None:
+        """Let somebody steer this preset from its start, until `leave` or another preset."""
+        self.want(preset=preset, playing=False, moving=False)
+        self.do(lambda: self._begin_steering(preset))
+
+    def touch(self, held: Mapping[str, float], pointer: tuple[float, float] | None) -> None:
+        """What the hands do from now on, while somebody steers; see gen_art.output.steered_run.Device."""
+        with self._changed:
+            if self._steering is not None:
+                self._steering.touch(held, pointer)
+                self._changed.notify()
+
+    def leave(self) -> None:
+        """End the steering."""
+        self.do(self._end_steering)
+
+    def steered_tables(self, take: "Callable[[list[InputTable]], None]") -> None:
+        """Call `take` in this thread with the tables of inputs as they are; there are none while nobody steers."""
+
+        def give() -> None:
+            take(self._steering.run.tables if self._steering is not None else [])
+
+        self.do(give)
 
     def stop(self) -> None:
         with self._changed:
@@ -164,6 +193,11 @@ class Worker(threading.Thread):
         wish, now = self._wish, time.monotonic()
         if self._stopping or wish.preset is None or self._failed == self._version or self._credits <= 0:
             return None, None
+        if self._steering is not None:
+            if wish.preset is not self._steering.preset:
+                return self._drop_steering, None
+            pause = self._steering.pause
+            return (None, pause) if pause is None or pause > 0.0 else (self._show_steered, None)
         if self._seen != self._version:
             self._take_wish()
             return self._draw_now, None
@@ -203,11 +237,42 @@ class Worker(threading.Thread):
         width, height = wish.size
         if wish.moving and min(width, height) >= COARSE_FROM:
             width, height = width // COARSE, height // COARSE
-        self._send(self._player.show(self._frame, (width, height), with_history=wish.playing))
+        self._show(self._frame, (width, height), with_history=wish.playing)
 
     def _draw_whole(self) -> None:
-        self._send(self._player.show(self._frame, self._wish.size, with_history=True))
+        self._show(self._frame, self._wish.size, with_history=True)
         self._is_whole = True
+
+    def _begin_steering(self, preset: "Preset") -> None:
+        self._end_steering()
+        self._tell({"type": "status", "anew": 0.0})
+        try:
+            self._steering = Steering(preset, self._wish.size, self._precision, self._threads)
+        finally:
+            self._tell({"type": "status", "anew": None})
+        self._tell({"type": "steering", "on": True})
+
+    def _end_steering(self) -> None:
+        if self._steering is None:
+            return
+        self._steering = None
+        with self._changed:
+            self._version += 1  # the picture of before is wanted again
+        self._tell({"type": "steering", "on": False})
+
+    def _drop_steering(self) -> None:
+        self._end_steering()
+        self._tell({"type": "said", "text": "the preset has changed, which ended the steering", "stays": True})
+
+    def _show_steered(self) -> None:
+        assert self._steering is not None
+        self._seen = self._version
+        try:
+            shown = self._steering.show(self._wish.size)
+        except GenArtError:
+            self._end_steering()
+            raise
+        self._send(shown, self._steering.run.sim, self._steering.run.frames, self._steering.state())
 
     def _settle(self) -> None:
         """One slice of the motion computed anew."""
@@ -218,16 +283,22 @@ class Worker(threading.Thread):
         if part is None:
             self._settling = None
 
-    def _send(self, shown: Shown) -> None:
+    def _show(self, frame: int, size: tuple[int, int], with_history: bool) -> None:
+        shown = self._player.show(frame, size, with_history)
+        self._send(shown, self._player.sim, self._player.frames)
+
+    def _send(self, shown: Shown, sim: "Simulation | None", frames: int, steered: dict | None = None) -> None:
         data = BytesIO()
         Image.fromarray(shown.picture).save(data, "JPEG", quality=JPEG_QUALITY, subsampling=0)
         height, width = shown.picture.shape[:2]
         header = {
-            "type": "picture", "version": self._seen, "frame": shown.frame, "frames": self._player.frames, "width": width,
+            "type": "picture", "version": self._seen, "frame": shown.frame, "frames": frames, "width": width,
             "height": height, "exact": shown.is_exact, "particles": shown.particles, "seconds": shown.seconds,
         }  # fmt: skip
-        if self._wish.diagnosed and self._player.sim is not None:
-            sums = self._player.sim.diagnostics()
+        if steered is not None:
+            header["steered"] = steered
+        if self._wish.diagnosed and sim is not None:
+            sums = sim.diagnostics()
             momentum = math.hypot(*(float(x) for x in sums.momentum))
             header["diagnostics"] = {"energy": float(sums.energy), "momentum": momentum, "count": int(sums.count)}
         with self._changed:

@@ -5,16 +5,20 @@ import os
 import struct
 import subprocess
 import sys
+import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
 
 import pytest
+from playwright.sync_api import expect
 from websockets.sync.client import connect
 
 from tests.studio.piece import TEXT
 
 ROOT = Path(__file__).parents[2]
+PATIENCE = 120_000  # ms: kernels are compiled when they are first needed
+expect.set_options(timeout=PATIENCE)
 
 
 @dataclass
@@ -77,3 +81,33 @@ def received(socket, kind: str, holds=lambda message: True) -> dict:
             message = json.loads(data)
         if message["type"] == kind and holds(message):
             return message
+
+
+@pytest.fixture
+def page(browser, studio):
+    """The page with its first picture; what it prints to the console, or throws, makes the test fail."""
+    page = browser.new_page(viewport={"width": 1360, "height": 820})
+    wrong: list[str] = []
+
+    def listen(message):
+        lost = message.text.startswith("WebSocket connection to")  # by tests that kill the studio
+        if message.type in ("error", "warning") and not lost:
+            wrong.append(message.text)
+
+    page.on("console", listen)
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.set_default_timeout(PATIENCE)
+    page.goto(studio.address)
+    expect(page.locator("#picture")).to_have_attribute("data-exact", "true")
+    yield page
+    page.close()
+    assert wrong == []
+
+
+def until(holds, seconds: float = PATIENCE / 1000):
+    """Wait until something holds; a test that waits in vain fails."""
+    end = time.monotonic() + seconds
+    while not (found := holds()):
+        assert time.monotonic() < end, "it did not come about"
+        time.sleep(0.02)
+    return found

@@ -2,53 +2,20 @@
 
 import random
 import re
-import time
 
 import pytest
 from playwright.sync_api import expect
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
-from tests.studio.conftest import start
+from tests.studio.conftest import start, until
 from tests.studio.piece import TEXT
 
 WIDTHS = (390, 820, 1360)
-PATIENCE = 120_000  # ms: kernels are compiled when they are first needed
-expect.set_options(timeout=PATIENCE)
-
-
-@pytest.fixture
-def page(browser, studio):
-    """The page with its first picture; what it prints to the console, or throws, makes the test fail."""
-    page = browser.new_page(viewport={"width": 1360, "height": 820})
-    wrong: list[str] = []
-
-    def listen(message):
-        lost = message.text.startswith("WebSocket connection to")  # by tests that kill the studio
-        if message.type in ("error", "warning") and not lost:
-            wrong.append(message.text)
-
-    page.on("console", listen)
-    page.on("pageerror", lambda error: wrong.append(str(error)))
-    page.set_default_timeout(PATIENCE)
-    page.goto(studio.address)
-    expect(page.locator("#picture")).to_have_attribute("data-exact", "true")
-    yield page
-    page.close()
-    assert wrong == []
 
 
 def shown(page) -> int:
     return int(page.locator("#picture").get_attribute("data-shown"))
-
-
-def until(holds, seconds: float = PATIENCE / 1000):
-    """Wait until something holds; a test that waits in vain fails."""
-    end = time.monotonic() + seconds
-    while not (found := holds()):
-        assert time.monotonic() < end, "it did not come about"
-        time.sleep(0.02)
-    return found
 
 
 def pixels(page) -> str:

@@ -6,6 +6,7 @@ import { Controls } from "./controls.js";
 import { Editor } from "./editor.js";
 import { Plots } from "./plots.js";
 import { Schema } from "./schema.js";
+import { Steer } from "./steer.js";
 import { View } from "./view.js";
 
 const $ = (id) => document.getElementById(id);
@@ -18,6 +19,7 @@ class Studio {
   #editor = new Editor(this);
   #plots = new Plots();
   #controls = null;
+  #steer = new Steer(this, this.#connection);
   #unsaved = null; // the text of this page when the studio was lost, if its file did not have it
   #waiting = null; // values set since the last turn of the screen
   #noticed = 0;
@@ -35,6 +37,7 @@ class Studio {
     on("warning", (message) => this.#problem(message.text, true));
     on("error", (message) => this.#problem(message.text));
     on("status", (status) => this.notice(status.anew === null ? "" : `computing the motion anew: ${Math.round(100 * status.anew)}%`, true));
+    on("steering", (message) => this.#steered(message.on));
     on("final", (message) => this.#download(message));
     this.#view.addEventListener("shown", (event) => this.#shown(event.detail));
     this.#buttons();
@@ -73,7 +76,7 @@ class Studio {
 
   #greet(hello) {
     document.body.dataset.editor = hello.editor;
-    for (const part of ["aside", "header"]) document.querySelector(part).inert = !hello.editor;
+    this.#steered(false);
     this.#unsaved = this.#document !== null && !this.#document.saved ? this.#document.text : null;
     if (!this.#first) this.notice("");
     if (this.#document === null) this.#view.frame = hello.frame;
@@ -100,13 +103,24 @@ class Studio {
     this.#problem(state.problems.map((one) => `${one.path ? `${one.path}: ` : ""}${one.text}`).join("\n"));
     this.#editor.show(state.text, state.problems);
     this.#controls.show(state);
+    this.#steer.take(state);
     this.#view.take(state.data);
+  }
+
+  // Whether somebody steers: then nothing else on the page takes keys or the mouse.
+  #steered(on) {
+    const edits = document.body.dataset.editor !== "false";
+    if (on && this.#view.playing) this.#view.toggle(false);
+    this.#steer.turn(on, edits);
+    for (const part of ["aside", "header"]) document.querySelector(part).inert = on || !edits;
+    $("transport").inert = on;
   }
 
   #shown(shown) {
     document.body.dataset.exact = shown.exact;
     if (this.#first) this.notice("");
     this.#first = false;
+    this.#steer.show(shown.steered);
     if (!shown.exact) this.notice("not a frame of the film yet: the particles go on from where they were");
     this.#plots.take(shown, $("picture"));
   }
@@ -190,6 +204,7 @@ class Studio {
   }
 
   #key(event) {
+    if (document.body.dataset.steering === "true") return;
     const control = event.ctrlKey || event.metaKey;
     if (control && event.key === "s") { event.preventDefault(); this.#ask("save"); return; }
     if (event.target.matches("input, textarea, select, button, summary, [role=tab]")) return;

@@ -92,7 +92,7 @@ export class View extends EventTarget {
     this.frames = shown.frames;
     this.#scrub.max = shown.frames - 1;
     const watches = document.body.dataset.editor === "false";
-    this.frame = this.playing || watches ? shown.frame : Math.min(this.frame, shown.frames - 1);
+    this.frame = this.playing || watches || shown.steered ? shown.frame : Math.min(this.frame, shown.frames - 1);
     this.#tell();
     const milliseconds = 1000 * (shown.seconds.draw + shown.seconds.develop);
     document.getElementById("facts").textContent =
