@@ -42,7 +42,8 @@ def plan(folder, seeds: str, *vary: str, end=".png", preset=PRESET, **options):
 
 
 def contents(folder) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in Path(folder).iterdir()}
+    # what a killed process was writing stays there unfinished, under a name that no other process uses
+    return {path.name: path.read_bytes() for path in Path(folder).iterdir() if not path.name.startswith(".gen-art-")}
 
 
 def children() -> set[int]:

@@ -99,6 +99,8 @@ def page(browser, studio):
     page.set_default_timeout(PATIENCE)
     page.goto(studio.address)
     expect(page.locator("#picture")).to_have_attribute("data-exact", "true")
+    has_own_size = "picture => picture.width === picture.clientWidth"  # the first one may be as large as none asked for
+    until(lambda: page.locator("#picture").evaluate(has_own_size))
     yield page
     page.close()
     assert wrong == []
