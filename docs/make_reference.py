@@ -134,6 +134,7 @@ DOCUMENTED = {  # class: heading of its table
     camera.CameraSpec: "camera:",
     camera.CameraKey: "path: of the camera, a list of",
     camera.CameraOrbit: "orbit: of the camera",
+    camera.Follow: "follow: of the camera",
     camera.Frame: "frame: of the camera",
     camera.Shake: "shake: of the camera",
     camera.Lens: "lens: of the camera",

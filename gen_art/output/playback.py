@@ -15,15 +15,15 @@ import numpy as np
 from gen_art.errors import AdviceWarning, PresetError
 from gen_art.output.stopwatch import Stopwatch
 from gen_art.output.wait import Wait
-from gen_art.particles.rows import POSITION
 from gen_art.renderer.aovs import render_aovs
 from gen_art.renderer.auto_exposure import metered_stops, metering_ages, smoothed_exposure
 from gen_art.renderer.axes import draw_axes
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.fitting import fit_of
+from gen_art.renderer.following import followed
 from gen_art.renderer.labels import draw_labels
 from gen_art.renderer.legend import draw_legends
-from gen_art.renderer.painter import Painter, living
+from gen_art.renderer.painter import Painter
 from gen_art.renderer.path_history import MOMENTS
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.surfaces.scene import Scene
@@ -244,10 +244,8 @@ class Playback:
         """(3,) by name, the mean position of the living particles of the systems that labels follow."""
         means = {}
         for name in {label.follow for label in self.preset.labels if label.follow is not None}:
-            system = self.sim.systems[name]
-            alive = living(system, self.sim.time)
-            if len(alive):
-                means[name] = system.floats[POSITION, alive].astype(np.float64).mean(axis=1)
+            if (subject := followed(self.sim, name)) is not None:
+                means[name] = subject.position
         return means
 
     def joules(self) -> list[dict]:

@@ -22,7 +22,8 @@ from gen_art.output.playback import Playback
 from gen_art.preset.camera import CameraSpec
 from gen_art.preset.estimate import refuse_if_too_large
 from gen_art.renderer.fitting import fit_of
-from gen_art.renderer.painter import Painter, living
+from gen_art.renderer.following import living
+from gen_art.renderer.painter import Painter
 from gen_art.renderer.survey import Moment, survey
 from gen_art.simulation import Simulation
 

@@ -16,7 +16,7 @@ from gen_art.errors import UsageError
 from gen_art.forces.steering import Hands
 from gen_art.output.input_tables import InputTable, input_tables, with_tables
 from gen_art.output.playback import Playback
-from gen_art.renderer.painter import living
+from gen_art.renderer.following import followed
 
 if TYPE_CHECKING:
     from gen_art.preset.schema import Preset
@@ -26,7 +26,6 @@ __all__ = ["Device", "SteeredRun"]
 
 ARROWS = {"ArrowLeft": (-1, 0), "ArrowRight": (1, 0), "ArrowUp": (0, -1), "ArrowDown": (0, 1)}
 POINTER_SPEED = 0.6  # heights of the picture each second, by the arrow keys
-STILL = 1e-9  # m/s, below which a velocity has no direction
 
 
 @dataclass(frozen=True)
@@ -113,16 +112,12 @@ class SteeredRun:
             for table in self.tables
             for name, value in zip(table.rest, table.rows[-1][1:])
         ]  # fmt: skip
-        system = self.sim.systems[self.steered]
-        alive = living(system, self.sim.time)
-        found: dict[str, Any] = {"of": self.steered, "inputs": inputs, "left": len(alive)}
-        if len(alive):
-            x, v = (
-                system.floats[rows][:, alive].astype(np.float64).mean(axis=1) for rows in (slice(0, 3), slice(3, 6))
-            )
-            speed = float(np.linalg.norm(v))
-            heading = math.degrees(math.atan2(v[2], v[0])) if speed > STILL else 0.0
-            found |= {"speed": speed, "height": float(x[1]), "climb": float(v[1]), "heading": heading}
+        found: dict[str, Any] = {"of": self.steered, "inputs": inputs}
+        if (subject := followed(self.sim, self.steered)) is not None:
+            found |= {
+                "speed": float(np.linalg.norm(subject.velocity)), "height": float(subject.position[1]),
+                "climb": float(subject.velocity[1]), "heading": math.degrees(subject.heading),
+            }  # fmt: skip
         return found
 
     def _hands(self, device: Device) -> Hands:

@@ -65,6 +65,24 @@ class CameraOrbit(Model):
         return self
 
 
+class Follow(Model):
+    """The camera goes with a system: its position, target and path are relative to the mean position of the living particles."""
+
+    system: str = about(
+        ..., "the system that the camera follows; while no particle of it is alive, the origin takes its place"
+    )
+    turn: bool = about(
+        False,
+        "turn with it about the vertical: position, target and path are then as if it headed along x, with z to its right",
+    )
+
+    short_form = {"type": "string"}
+
+    @classmethod
+    def from_short(cls, value):
+        return value if isinstance(value, (Follow, dict)) else {"system": value}
+
+
 def _fog_colour(value):
     if value == "sky":
         return value
@@ -186,6 +204,7 @@ class CameraSpec(Model):
     )
     fog: Fog | None = about(None, "fog that increases with distance")
     orbit: CameraOrbit | None = about(None, "a steady orbit about the target")
+    follow: Follow | None = about(None, "the camera goes with a system, given by its name or as a mapping")
     path: tuple[CameraKey, ...] = about(
         (), "stops in film time; between them fov and height change by equal factors in equal times"
     )
@@ -213,6 +232,10 @@ class CameraSpec(Model):
     def _consistent(self):
         if self.near is not None and self.far is not None and self.near >= self.far:
             raise UsageError(f"the camera's near ({self.near:g}) must be less than its far ({self.far:g})")
+        if self.follow is not None and self.frame is not None:
+            raise UsageError(
+                "`frame` fits a whole film into the picture, which a camera with `follow` leaves: give one of them"
+            )
         if self.lens is not None and self.height is not None:
             raise UsageError(
                 "an orthographic camera (`height`) has no depth of field: leave out `lens`, or give `fov` instead of "

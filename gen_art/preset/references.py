@@ -5,7 +5,7 @@ are skipped.
 """
 
 import keyword
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from gen_art.errors import UsageError
@@ -64,6 +64,11 @@ def references(data: dict) -> Problems:
             yield ("camera", "frame", "of"), f"there is no system '{name}'{_choices(name, systems)}"
         elif isinstance(name, str) and _mapping(systems[name]).get("look") is None:
             yield ("camera", "frame", "of"), f"'{name}' has no look, so it is not seen"
+    follow = _mapping(data.get("camera")).get("follow")
+    name = follow.get("system") if isinstance(follow, Mapping) else follow
+    if isinstance(name, str) and name not in systems:
+        where = ("camera", "follow", *(["system"] if isinstance(follow, Mapping) else []))
+        yield where, f"there is no system '{name}'{_choices(name, systems)}"
     lights: list[tuple[tuple, Any]] = [(("light",), data.get("light"))]
     lights += [
         (("systems", n, "look", "light"), _mapping(_mapping(s).get("look")).get("light")) for n, s in systems.items()

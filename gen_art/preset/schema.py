@@ -200,6 +200,8 @@ class Preset(Model):
             raise UsageError("the skies of a wormhole have no sun: give `sky` a gradient, a color, stars or a band")
         if self.wormhole is not None and self.camera is not None and self.camera.height is not None:
             raise UsageError("a wormhole is seen by a perspective camera: give `fov` in place of `height`")
+        if self.wormhole is not None and self.camera is not None and self.camera.follow is not None:
+            raise UsageError("a camera that sees a wormhole goes by its own path: leave out `follow`")
         return self
 
     @classmethod

@@ -30,7 +30,8 @@ def render_aovs(painter, sim, film_time: float, frame: float, seconds: float) ->
     frame : film seconds of a frame
     seconds : simulated seconds of a frame
     """
-    view, earlier = painter.view(sim, film_time), painter.view(sim, max(film_time - frame, 0.0))
+    back = min(frame, film_time)
+    view, earlier = painter.view(sim, film_time), painter.view(sim, film_time, back, seconds * back / frame)
     layers = SurfaceLayers.of(painter.size, view, earlier, seconds) if painter.shows_surfaces else None
 
     def weigh(system, channels):

@@ -68,6 +68,16 @@ class CameraView:
         """Pixels per world unit (orthographic), or pixels per unit of slope (perspective)."""
         return rows / self.height if self.height else 0.5 * rows / math.tan(math.radians(self.fov) / 2)
 
+    def carried(self, place, heading: float) -> "CameraView":
+        """The view turned about the vertical through the origin, and then moved.
+
+        place : (3,) where the origin goes
+        heading : radians from x towards z, where the x axis points afterwards
+        """
+        c, s = math.cos(heading), math.sin(heading)
+        turn = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
+        return replace(self, position=turn @ self.position + np.asarray(place), axes=self.axes @ turn.T)
+
     def mirrored(self, point, normal) -> "CameraView":
         """The view of the camera's mirror image in a plane. Its picture fits this one's pixel by pixel; its axes are left-handed.
 
@@ -96,7 +106,7 @@ class Camera:
         orthographic camera by default also sees what is behind it)
     shutter : degrees of a frame, 0 to 360
     lens : (radius, focus distance or None for the target's), world units; perspective only
-    spec : path, easing, orbit, shake and fog, as in a preset's `camera:` (see preset/camera.py)
+    spec : path, easing, orbit, follow, shake and fog, as in a preset's `camera:` (see preset/camera.py)
     fit : what the preset's `frame` changes, or None (see renderer/fitting.py)
     Raises UsageError for a camera whose view is undefined.
     """
@@ -165,10 +175,15 @@ class Camera:
     @property
     def moves(self) -> bool:
         """Whether its view changes with time."""
-        return bool(self.spec.path) or self.spec.orbit is not None or self.spec.shake is not None
+        return bool(self.spec.path) or any(
+            part is not None for part in (self.spec.orbit, self.spec.shake, self.spec.follow)
+        )
 
     def at(self, time: float = 0.0) -> CameraView:
-        """The camera at film time `time` (seconds). Raises UsageError if it then stands at its target."""
+        """The camera at film time `time` (seconds). Raises UsageError if it then stands at its target.
+
+        Of a camera that follows a system it is the view as if the system were at the origin, heading along x: see `carried`.
+        """
         time = arguments.number("time", time, "s")
         state = self._path_state(time)
         position, target, up = state["position"], state["target"], state["up"]

@@ -9,17 +9,18 @@ import numpy as np
 
 from gen_art.arguments import shown
 from gen_art.errors import PresetError, UsageError
-from gen_art.particles.rows import LIFETIME, POSITION, VELOCITY
+from gen_art.particles.rows import POSITION, VELOCITY
 from gen_art.particles.storage import Particles
 from gen_art.preset.disc_shape import Stretch
 from gen_art.preset.look import Look
-from gen_art.renderer.camera import Camera
+from gen_art.renderer.camera import Camera, CameraView
 from gen_art.renderer.curved_streaks import Pieces, cut
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
 from gen_art.renderer.drawn_particles import particles_of, system_of
 from gen_art.renderer.elliptic_splat import ellipses_of_motion, ellipses_of_shapes
 from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.emitted_light import emitted_light
+from gen_art.renderer.following import followed, living
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
 from gen_art.renderer.lens_views import draw_through_lens
@@ -73,13 +74,6 @@ def check_size(size, supersample: int = 1) -> tuple[int, int]:
             )
         raise UsageError(f"a picture's size is two whole numbers from 1 to {MAX_SIDE}, not {shown(size)}")
     return width, height
-
-
-def living(system, time: float) -> np.ndarray:
-    """Slots of the particles that are alive at simulated time `time`, in order of id."""
-    n = int(system.count)
-    birth, life = system.birth[:n], np.asarray(system.floats[LIFETIME, :n], dtype=np.float64)
-    return np.flatnonzero((birth <= time) & (birth + life > time))
 
 
 @dataclass(frozen=True)
@@ -313,9 +307,17 @@ class Painter:
         look = self.looks.get(name)
         return look is not None and look.ribbon is not None
 
-    def view(self, sim, film_time: float):
-        """The camera's view at a film time."""
-        return (self.camera or self._framing(sim)).at(film_time).in_air(self.scene.dome)
+    def view(self, sim, film_time: float, earlier: float = 0.0, seconds: float = 0.0) -> CameraView:
+        """The camera's view at a film time.
+
+        earlier, seconds : another view is that of so many film seconds before, which are `seconds` of the simulation. What the
+            camera follows then was where its velocity says, and headed where it does now
+        """
+        camera = self.camera or self._framing(sim)
+        view, follow = camera.at(film_time - earlier), camera.spec.follow
+        if follow is not None and (subject := followed(sim, follow.system)) is not None:
+            view = view.carried(subject.before(seconds).position, subject.heading if follow.turn else 0.0)
+        return view.in_air(self.scene.dome)
 
     def expose_trails(self, sim, film_time: float, exposure: float, shutter: float) -> None:
         """Let the trails fade by `exposure` film seconds, then draw their systems into them once more.

@@ -15,6 +15,7 @@ from gen_art.preset.estimate import estimate, refuse_if_too_large
 from gen_art.preset.thinning import MUTUAL, galaxies, independent_systems, thinned
 from gen_art.renderer.camera import Camera, CameraView
 from gen_art.renderer.drawn_particles import particles_of, system_of
+from gen_art.renderer.following import living
 from gen_art.renderer.look_tables import (
     AREA_OF,
     KIND,
@@ -26,7 +27,6 @@ from gen_art.renderer.look_tables import (
     LookTables,
     kernel_numbers,
 )
-from gen_art.renderer.painter import living
 from gen_art.renderer.shading import LIT_RADIUS, REFERENCE_ROWS, ProjectedParticles, shade
 from gen_art.renderer.sprite import ALPHA, BLUE, DISC, GREEN, KINDS, POINT, RED, STREAK
 

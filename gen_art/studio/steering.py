@@ -10,7 +10,7 @@ from gen_art.output.player import Shown
 from gen_art.output.steered_run import Device, SteeredRun
 from gen_art.preset.camera import CameraSpec
 from gen_art.preset.estimate import refuse_if_too_large
-from gen_art.renderer.painter import living
+from gen_art.renderer.following import living
 
 if TYPE_CHECKING:
     from gen_art.preset.schema import Preset

@@ -76,7 +76,7 @@ export class Steer {
   #words(steered) {
     if (steered.done) return this.#isMine ? "the film ends here: again, keep or leave" : "the film ends here";
     if (!steered.begun) return this.#isMine ? "any of the keys below, or the mouse over the picture, begins" : "somebody is about to steer";
-    if (steered.left === 0) return `no particle of ${steered.of} is left: again?`;
+    if (steered.speed === undefined) return `no particle of ${steered.of} is left: again?`;
     if (steered.pace === null) return "";
     const size = steered.coarseness > 1 ? `, drawn at 1/${steered.coarseness} of the size` : "";
     if (steered.pace >= 0.95) return size && `real time${size}`;
