@@ -238,6 +238,46 @@ def sailplane():
     solid("sailplane.webp", parts, paint, 9.3, view(38, 17, -8), (-0.3, 0.8, 0.6), size=1024)
 
 
+def tourer():
+    """A light low-winged aeroplane with one propeller, seen from behind and above."""
+
+    def parts(p):
+        q = p.copy()
+        q[:, 2] = np.abs(q[:, 2])
+        body = hull(p, [-3.9, -3.0, -1.2, 0.3, 1.6, 2.5, 2.75], [0.10, 0.20, 0.42, 0.60, 0.56, 0.42, 0.2], squash=1.05)
+        hood = ball(p, (0.15, 0.50, 0), (1.35, 0.52, 0.50))
+        main = wing(q, (1.35, -0.42, 0.3), 1.6, (1.1, -0.02, 5.0), 1.15, 0.07)
+        fin = wing(p, (-2.7, 0.2, 0), 1.35, (-3.6, 1.55, 0), 0.7, 0.05, along=1)
+        tail = wing(q, (-3.0, 0.12, 0.1), 1.0, (-3.2, 0.12, 1.75), 0.7, 0.05)
+        disc = ball(p, (2.9, 0, 0), (0.03, 0.95, 0.09))
+        legs = rod(q, (0.9, -0.4, 1.2), (0.8, -1.05, 1.25), 0.07)
+        spats = ball(q, (0.8, -1.1, 1.25), (0.42, 0.22, 0.13))
+        return [body, hood, main, fin, tail, disc, legs, spats]
+
+    def paint(p, which, normal):
+        white, red, glass = (
+            np.float32((0.84, 0.83, 0.80)),
+            np.float32((0.66, 0.05, 0.03)),
+            np.float32((0.03, 0.05, 0.07)),
+        )
+        albedo = np.broadcast_to(white, p.shape).copy()
+        s = np.abs(p[:, 2])
+        albedo[(which == 2) & (s > 3.7)] = red
+        albedo[(which == 2) & (s > 3.4) & (s < 3.55)] = red
+        albedo[(which == 3) & (p[:, 1] > 0.8)] = red
+        albedo[(which == 4) & (s > 1.2)] = red
+        albedo[(which == 0) & (np.abs(p[:, 1] - 0.02) < 0.09)] = red
+        albedo[which == 1] = glass
+        albedo[(which == 1) & ((np.abs(p[:, 0] - 0.75) < 0.05) | (np.abs(p[:, 0] + 0.25) < 0.05) | (s < 0.03))] = (
+            0.7 * white
+        )
+        hinge = (which == 2) & (s > 2.6) & (s < 4.7) & (np.abs(p[:, 0] - 0.32) < 0.02)
+        albedo[hinge | (which == 5)] = 0.08
+        return albedo, np.where(which == 1, 1.0, 0.6)
+
+    solid("tourer.webp", parts, paint, 5.4, view(-90, 17), (-0.45, 0.75, -0.45), size=640)
+
+
 def canopies():
     """Three round parachutes with a jumper each, and one that is reefed; and a jumper who falls."""
     legs = 20
@@ -839,7 +879,7 @@ def clouds():
 
 ALL = {
     f.__name__: f
-    for f in (jet, sailplane, canopies, hot_air, transport, submarine, hanging, sea, waterline, clouds, fields)
+    for f in (jet, sailplane, tourer, canopies, hot_air, transport, submarine, hanging, sea, waterline, clouds, fields)
 }
 
 if __name__ == "__main__":

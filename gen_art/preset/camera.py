@@ -76,11 +76,24 @@ class Follow(Model):
         "turn with it about the vertical: position, target and path are then as if it headed along x, with z to its right",
     )
 
+    bank: Positive | None = about(
+        None,
+        "lean into turns as an aeroplane does, by atan(a / bank) with its acceleration a to the right: the gravity that it "
+        "flies in. Needs `turn`",
+        unit="m/s^2",
+    )
+
     short_form = {"type": "string"}
 
     @classmethod
     def from_short(cls, value):
         return value if isinstance(value, (Follow, dict)) else {"system": value}
+
+    @model_validator(mode="after")
+    def _leaning(self):
+        if self.bank is not None and not self.turn:
+            raise UsageError("a camera that leans into turns (`bank`) turns with its system: give `turn: true`")
+        return self
 
 
 def _fog_colour(value):

@@ -68,14 +68,16 @@ class CameraView:
         """Pixels per world unit (orthographic), or pixels per unit of slope (perspective)."""
         return rows / self.height if self.height else 0.5 * rows / math.tan(math.radians(self.fov) / 2)
 
-    def carried(self, place, heading: float) -> "CameraView":
-        """The view turned about the vertical through the origin, and then moved.
+    def carried(self, place, heading: float, bank: float = 0.0) -> "CameraView":
+        """The view turned about the origin as an aeroplane that flies along x, and then moved.
 
         place : (3,) where the origin goes
         heading : radians from x towards z, where the x axis points afterwards
+        bank : radians, by which the z axis goes down first
         """
-        c, s = math.cos(heading), math.sin(heading)
+        (c, s), (cb, sb) = ((math.cos(angle), math.sin(angle)) for angle in (heading, bank))
         turn = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
+        turn = turn @ np.array([[1.0, 0.0, 0.0], [0.0, cb, -sb], [0.0, sb, cb]])
         return replace(self, position=turn @ self.position + np.asarray(place), axes=self.axes @ turn.T)
 
     def mirrored(self, point, normal) -> "CameraView":

@@ -1,12 +1,13 @@
 """Where the living particles of a system are on the average, and where they are heading: what cameras and labels follow."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.particles.rows import LIFETIME, POSITION, VELOCITY
+from gen_art.simulation.accelerations import accelerations
 
 __all__ = ["Followed", "living", "followed"]
 
@@ -17,19 +18,26 @@ class Followed:
 
     position : (3,) m
     velocity : (3,) m/s
+    acceleration : (3,) m/s^2; 0 where it was not asked for
     """
 
     position: np.ndarray
     velocity: np.ndarray
+    acceleration: np.ndarray
 
     @property
     def heading(self) -> float:
         """The horizontal direction of the velocity as an angle in radians from x towards z; 0 where there is none."""
         return math.atan2(self.velocity[2], self.velocity[0])
 
+    def bank(self, gravity: float) -> float:
+        """Radians to the right, by which an aeroplane leans that turns as this does: atan(a / gravity) with a to the right."""
+        right = (-math.sin(self.heading), 0.0, math.cos(self.heading))
+        return math.atan(float(self.acceleration @ right) / gravity)
+
     def before(self, seconds: float) -> "Followed":
         """Where it was so long ago, at its velocity of now."""
-        return Followed(self.position - seconds * self.velocity, self.velocity)
+        return replace(self, position=self.position - seconds * self.velocity)
 
 
 def living(system, time: float) -> np.ndarray:
@@ -39,8 +47,12 @@ def living(system, time: float) -> np.ndarray:
     return np.flatnonzero((birth <= time) & (birth + life > time))
 
 
-def followed(sim, name: str) -> Followed | None:
-    """The mean of a system now, or None while no particle of it is alive. Raises UsageError if there is no such system."""
+def followed(sim, name: str, accelerates: bool = False) -> Followed | None:
+    """The mean of a system now, or None while no particle of it is alive.
+
+    accelerates : whether the acceleration is asked for
+    Raises UsageError if there is no such system, or if it has no acceleration at one time.
+    """
     if name not in sim.systems:
         raise UsageError(f"there is no system '{name}' to follow; there are {', '.join(sim.systems)}")
     system = sim.systems[name]
@@ -48,4 +60,7 @@ def followed(sim, name: str) -> Followed | None:
     if not len(alive):
         return None
     position, velocity = (system.floats[rows, alive].astype(np.float64).mean(axis=1) for rows in (POSITION, VELOCITY))
-    return Followed(position, velocity)
+    acceleration = np.zeros(3)
+    if accelerates:
+        acceleration = accelerations(sim, name)[:, alive].astype(np.float64).mean(axis=1)
+    return Followed(position, velocity, acceleration)

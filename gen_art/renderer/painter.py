@@ -315,8 +315,10 @@ class Painter:
         """
         camera = self.camera or self._framing(sim)
         view, follow = camera.at(film_time - earlier), camera.spec.follow
-        if follow is not None and (subject := followed(sim, follow.system)) is not None:
-            view = view.carried(subject.before(seconds).position, subject.heading if follow.turn else 0.0)
+        if follow is not None and (subject := followed(sim, follow.system, follow.bank is not None)) is not None:
+            heading = subject.heading if follow.turn else 0.0
+            bank = subject.bank(follow.bank) if follow.bank is not None else 0.0
+            view = view.carried(subject.before(seconds).position, heading, bank)
         return view.in_air(self.scene.dome)
 
     def expose_trails(self, sim, film_time: float, exposure: float, shutter: float) -> None:

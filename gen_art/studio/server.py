@@ -302,9 +302,8 @@ class Studio:
         self.worker.steered_tables(take)
         names = self.document.keep_inputs(await taken)
         self.worker.leave()
-        self._edited(not self.document.problems)
-        text = f"kept as {' and '.join(names)}, by which the film goes now: save the preset, and it renders as it was steered"
-        self._tell_all({"type": "said", "text": text, "stays": True})
+        self._edited(not self.document.problems, anew=True)
+        self._tell_all({"type": "kept", "names": names})
 
     def _put_if_there(self, page: WebSocket, message: dict) -> None:
         if page in self._queues:

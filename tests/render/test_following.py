@@ -63,6 +63,22 @@ def test_turned_the_picture_is_that_of_a_subject_that_heads_along_x():
     assert seen(playback, world, 5) == pytest.approx(PLAIN.project(own, SIZE), abs=1e-9)
 
 
+@pytest.mark.parametrize("velocity", [[3, 0.5, 0], [3, 0.5, 4]])
+def test_it_leans_into_a_turn_by_the_angle_of_level_flight(velocity):
+    """tan(bank) = a / g: 30 degrees here, the right side down. Mutants: the opposite; the acceleration along the flight."""
+    heading = math.atan2(velocity[2], velocity[0])
+    right = np.array([-math.sin(heading), 0.0, math.cos(heading)])
+    pull = (
+        9.81 * math.tan(math.radians(30)) * right + 2.0 * np.array([math.cos(heading), 0.0, math.sin(heading)])
+    ).tolist()
+    plane = {"forces": {"gravity": pull}, "emitters": {"one": {"count": 1, "velocity": velocity}}}
+    camera = {"position": [-6, 0, 0], "follow": {"system": "plane", "turn": True, "bank": 9.81}}
+    playback = Playback(load_preset({**PIECE, "systems": {"plane": plane}, "camera": camera}), SIZE, "f64", None)
+    axes = playback.painter.view(playback.sim, 0.0).axes
+    assert axes[0] == pytest.approx(math.cos(math.radians(30)) * right - [0, 0.5, 0], abs=1e-12)
+    assert axes[2] == pytest.approx([math.cos(heading), 0, math.sin(heading)], abs=1e-12)
+
+
 def test_a_path_is_relative_too_and_a_still_is_the_frame_of_the_film():
     path = [{"time": 0, "position": [-6, 2, 1]}, {"time": 2, "position": [-3, 4, 0]}]
     film = Playback(load_preset({**PIECE, "camera": {**PIECE["camera"], "path": path}}), SIZE, "f32", None)
@@ -94,6 +110,7 @@ def test_motion_since_the_frame_before_is_that_of_the_picture():
         ({"camera": {"follow": {"system": "nobody"}}}, "camera.follow.system: there is no system 'nobody'"),
         ({"camera": {"follow": "plane", "frame": "auto"}}, "which a camera with `follow` leaves"),
         ({"camera": {"follow": {"turn": True}}}, "system"),
+        ({"camera": {"follow": {"system": "plane", "bank": 9.81}}}, "give `turn: true`"),
         ({"camera": {"follow": "plane"}, "wormhole": {"radius": 1}}, "leave out `follow`"),
     ],
 )

@@ -48,8 +48,7 @@ def test_what_was_steered_is_kept_beside_the_preset_and_plays_as_it_was(steered)
         last = [received(socket, "picture") for _ in range(15)][-1]
         send(socket, type="keep")
         document = received(socket, "document", lambda state: "controls" in state["text"])
-        said = received(socket, "said")["text"]
-        assert "mine_attractor_1.csv and mine_thruster_1.csv" in said
+        assert received(socket, "kept")["names"] == ["mine_attractor_1.csv", "mine_thruster_1.csv"]
         assert received(socket, "picture", lambda picture: "steered" not in picture), "the film is shown again"
         assert steered.path.read_text() == TEXT and "# newtons" in document["text"]
         send(socket, type="save")

@@ -47,7 +47,7 @@ def test_keys_steer_and_what_was_steered_becomes_a_film(page, studio):
     page.keyboard.press("End")
     assert page.locator("#text").input_value() == text
     page.click("#keep")
-    expect(page.locator("#notice")).to_contain_text("mine_thruster_1.csv")
+    expect(page.locator("#kept")).to_contain_text("mine_thruster_1.csv")
     expect(page.locator("body")).to_have_attribute("data-steering", "false")
     expect(page.locator("#cockpit")).to_be_hidden()
     until(lambda: "controls: mine_thruster_1.csv" in page.locator("#text").input_value())

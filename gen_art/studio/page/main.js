@@ -38,6 +38,7 @@ class Studio {
     on("error", (message) => this.#problem(message.text));
     on("status", (status) => this.notice(status.anew === null ? "" : `computing the motion anew: ${Math.round(100 * status.anew)}%`, true));
     on("steering", (message) => this.#steered(message.on));
+    on("kept", (message) => this.#steer.kept(message.names));
     on("final", (message) => this.#download(message));
     this.#view.addEventListener("shown", (event) => this.#shown(event.detail));
     this.#buttons();

@@ -46,6 +46,12 @@ export class Steer {
       : "Write what was steered beside the preset, as a film";
   }
 
+  // It stays until the next run: other words in the picture come and go.
+  kept(names) {
+    $("kept").textContent = `kept as ${names.join(" and ")}, by which the film goes now: save the preset, and it renders as it was steered`;
+    $("kept").hidden = false;
+  }
+
   turn(on, isMine) {
     const begins = on && !this.#isOn;
     this.#isOn = on;
@@ -54,6 +60,7 @@ export class Steer {
     $("cockpit").hidden = !on;
     for (const button of document.querySelectorAll("#cockpit button")) button.hidden = !isMine;
     if (!on) return;
+    $("kept").hidden = true;
     this.#held = {};
     this.#pad = {};
     this.#pointer = null;
