@@ -116,7 +116,7 @@ DOCUMENTED = {  # class: heading of its table
     look.Ramp: "numbers of a look (they may follow a quantity)",
     look.Color: "colours of a look",
     look.Picture: "picture: of a look",
-    light.KeyLight: "light: of the preset, or of a look",
+    light.Light: "light: of the preset, or of a look",
     surface.Ground: "ground:",
     surface.SurfaceLook: "look: of a collider",
     surface.Checker: "checker: of a surface",

@@ -21,7 +21,7 @@ _LISTED = ("forces", "interactions", "colliders", "emitters", "integrators")  # 
 KEYS = {  # classes whose arguments are keys of a preset: their table there
     "Look": "look-of-a-system",
     "Sky": "sky",
-    "KeyLight": "light-of-the-preset-or-of-a-look",
+    "Light": "light-of-the-preset-or-of-a-look",
     "Ground": "ground",
     "SurfaceLook": "look-of-a-collider",
 }

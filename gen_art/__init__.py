@@ -44,7 +44,7 @@ if (
     from gen_art.output.script_film import Film as Film
     from gen_art.output.script_film import develop as develop
     from gen_art.output.script_film import still as still
-    from gen_art.preset.light import KeyLight as KeyLight
+    from gen_art.preset.light import Light as Light
     from gen_art.preset.load import load_preset as load_preset
     from gen_art.preset.look import Look as Look
     from gen_art.preset.sky import Sky as Sky
@@ -72,7 +72,7 @@ _NAMES = {
     "Force": "gen_art.forces.base",
     "GenArtError": "gen_art.errors",
     "Ground": "gen_art.preset.surface",
-    "KeyLight": "gen_art.preset.light",
+    "Light": "gen_art.preset.light",
     "Look": "gen_art.preset.look",
     "Medium": "gen_art.forces.medium",
     "PairLaw": "gen_art.interactions.pair_law",
@@ -118,7 +118,7 @@ _NAMES = {
 
 __all__ = [
     "AdviceWarning", "Camera", "Diagnostics", "DivergedError", "Emitter", "Film", "Force", "GenArtError", "Ground",
-    "KeyLight", "Look", "Medium", "PairLaw", "ParticleSystem", "PresetError", "Shape", "Simulation", "Sky", "SurfaceLook",
+    "Light", "Look", "Medium", "PairLaw", "ParticleSystem", "PresetError", "Shape", "Simulation", "Sky", "SurfaceLook",
     "UsageError", "Velocity", "__version__", "adaptive", "bodies", "body", "chain", "cloth", "colliders", "cos",
     "develop", "emitter", "emitters", "exp", "force", "forces", "integrators", "interaction", "interactions", "load_preset",
     "log", "orbital_elements", "param", "play", "power", "render", "render_frame", "rope", "shape", "sin", "still", "ti",

@@ -18,9 +18,9 @@ from gen_art.preset.values import Curve, Range, number, shown, vector
 from gen_art.registry import Bounds
 
 __all__ = [
-    "MOST_LIGHT", "MOST_SIZE", "ColourValue", "CountRange", "CurveValue", "Fraction", "GradientValue", "Light", "NotNegative",
-    "NotNegativeRange", "Number", "Parsed", "Positive", "PositiveRange", "RangeValue", "Size", "SizeRange", "Vector", "Whole",
-    "Within", "Words",
+    "MOST_LIGHT", "MOST_SIZE", "Brightness", "ColourValue", "CountRange", "CurveValue", "Fraction", "GradientValue",
+    "NotNegative", "NotNegativeRange", "Number", "Parsed", "Positive", "PositiveRange", "RangeValue", "Size", "SizeRange",
+    "Vector", "Whole", "Within", "Words",
 ]  # fmt: skip
 
 
@@ -96,7 +96,7 @@ NotNegative = Annotated[float, Within(0)]
 MOST_SIZE, MOST_LIGHT = 1e18, 1e18
 Size = Annotated[float, Within(0, MOST_SIZE, open_low=True)]
 SizeRange = Annotated[Range, _RangeWithin(0, MOST_SIZE)]
-Light = Annotated[float, Within(0, MOST_LIGHT)]
+Brightness = Annotated[float, Within(0, MOST_LIGHT)]
 Fraction = Annotated[float, Within(0, 1)]
 Whole = Annotated[int, Within(-(2**63), 2**63 - 1, whole=True)]
 RangeValue = Annotated[Range, _RangeWithin()]

@@ -5,14 +5,14 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator, model_validator
 
 from gen_art.errors import UsageError
-from gen_art.preset.fields import MOST_SIZE, ColourValue, Fraction, Light, NotNegative, Vector, Within, Words
+from gen_art.preset.fields import MOST_SIZE, Brightness, ColourValue, Fraction, NotNegative, Vector, Within, Words
 from gen_art.preset.model import Model, about
 from gen_art.preset.values import number, shown
 
-__all__ = ["KeyLight"]
+__all__ = ["Light"]
 
 
-class KeyLight(Model):
+class Light(Model):
     """The light: a distant lamp, which things shadow, the sky, and the light of other systems.
 
     At the top level of a preset it lights everything that reflects light; in a look it lights that system alone. A particle of
@@ -27,10 +27,10 @@ class KeyLight(Model):
         unit="degrees",
     )
     color: ColourValue = about("white", "colour of the lamp")
-    intensity: Light = about(3.0, "brightness of the lamp")
+    intensity: Brightness = about(3.0, "brightness of the lamp")
     ambient: ColourValue = about("white", "colour of the sky, which shines from all sides")
     ground: ColourValue | None = about(None, "colour of the light from below; the sky's when left out")
-    ambient_intensity: Light = about(0.08, "brightness of the sky")
+    ambient_intensity: Brightness = about(0.08, "brightness of the sky")
     phase: Annotated[float, Within(-1, 1, open_low=True, open_high=True)] = about(
         0.0, "Henyey-Greenstein's g of smoke: -1 is backward scattering, 0 isotropic, 1 forward scattering"
     )
@@ -43,7 +43,7 @@ class KeyLight(Model):
     depth: NotNegative = about(1.0, "factor on the optical depth with which smoke shadows light")
     resolution: Annotated[int, Field(ge=8, le=256)] = about(96, "cells along the longest side of smoke's density grid")
     glow: Words = about((), "systems whose emission lights this one")
-    glow_intensity: Light = about(1.0, "factor on the light of those systems")
+    glow_intensity: Brightness = about(1.0, "factor on the light of those systems")
     glow_softness: Annotated[float, Within(0, MOST_SIZE)] = about(
         0.0, "radius over which their light is softened near them, in world units"
     )

@@ -13,11 +13,11 @@ from gen_art.preset.disc_shape import Spread, Stretch
 from gen_art.preset.fields import (
     MOST_LIGHT,
     MOST_SIZE,
+    Brightness,
     ColourValue,
     CurveValue,
     Fraction,
     GradientValue,
-    Light,
     NotNegative,
     Number,
     Parsed,
@@ -28,7 +28,7 @@ from gen_art.preset.fields import (
     Words,
 )
 from gen_art.preset.files import ImageFile, PresetFile
-from gen_art.preset.light import KeyLight
+from gen_art.preset.light import Light
 from gen_art.preset.liquid import Liquid
 from gen_art.preset.model import Model, about
 from gen_art.preset.surface import Finish
@@ -194,7 +194,7 @@ class Trail(Model):
     """
 
     half_life: Positive = about(..., "film time in which the trail fades to one half", unit="s")
-    strength: Light = about(
+    strength: Brightness = about(
         1.0, "brightness of the trail; at 1 the trail of a particle at rest becomes as bright as the particle"
     )
     substeps: Annotated[int, Field(ge=1, le=64)] = about(
@@ -332,7 +332,7 @@ class Look(Model):
         unit="m",
     )
     albedo: Color = about(Color.model_validate({}), "the part of the light that is scattered, by colour")
-    light: KeyLight | None = about(None, "the light on smoke; the preset's `light` when left out")
+    light: Light | None = about(None, "the light on smoke; the preset's `light` when left out")
     finish: Finish = about(
         Finish.model_validate({}),
         "how balls, bodies, threads and cloth reflect; balls are `draw: sphere` with `blend: opaque` in the preset's `light`. Of "

@@ -8,6 +8,7 @@ from pydantic import PrivateAttr, model_validator
 
 from gen_art.errors import UsageError
 from gen_art.html_table import html_table
+from gen_art.integrators.schemes import INTEGRATORS, charged, scheme
 from gen_art.particles.entries import LedgerEntry
 from gen_art.preset.axes import Axes
 from gen_art.preset.camera import CameraSpec, Fit
@@ -20,7 +21,7 @@ from gen_art.preset.fields import NotNegative, NotNegativeRange, Number, Parsed,
 from gen_art.preset.files import FOLDER, PresetFile
 from gen_art.preset.knobs import Knob
 from gen_art.preset.labels import Label
-from gen_art.preset.light import KeyLight
+from gen_art.preset.light import Light
 from gen_art.preset.look import Look
 from gen_art.preset.model import Model, about
 from gen_art.preset.registered import Many, class_schema, is_field, registry
@@ -50,8 +51,6 @@ def _seed(value):
 
 
 def _integrator(value):
-    from gen_art.integrators import INTEGRATORS
-
     if value not in list(INTEGRATORS):
         near = suggest(str(value), INTEGRATORS) or "; there are " + ", ".join(INTEGRATORS)
         raise UsageError(f"unknown integrator {shown(value)}{near}")
@@ -106,7 +105,7 @@ class SystemSpec(Model):
     """A named group of particles with its forces and its look."""
 
     particle: ParticleSpec = about(ParticleSpec(), "properties of newborn particles")
-    integrator: Annotated[str, Parsed(_integrator, {"type": "string"})] = about(
+    integrator: Annotated[str, Parsed(_integrator, {"enum": list(INTEGRATORS)})] = about(
         "velocity_verlet", "the integration scheme"
     )
     speed_of_light: Positive | None = about(
@@ -139,8 +138,6 @@ class SystemSpec(Model):
 
     @model_validator(mode="after")
     def _charged(self):
-        from gen_art.integrators.schemes import charged, scheme
-
         charged(
             scheme(self.integrator),
             self.forces,
@@ -175,7 +172,7 @@ class Preset(Model):
     forces: Annotated[Any, Many("forces")] = about((), "forces that act on every system")
     colliders: Annotated[Any, Many("colliders")] = about((), "colliders of every system")
     systems: dict[str, SystemSpec] = about(..., "the particle systems by name", min_length=1)
-    light: KeyLight | None = about(None, "the light on everything that reflects light and has no light of its own")
+    light: Light | None = about(None, "the light on everything that reflects light and has no light of its own")
     ground: GroundValue = about(None, "a level floor without end, which is only seen")
     shadows: bool = about(True, "whether things shadow each other and the ground, from the lamp and from the sky")
     sky: Sky | None = about(None, "what surrounds the scene; nothing when left out")

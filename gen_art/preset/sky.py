@@ -6,7 +6,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from gen_art.errors import UsageError
 from gen_art.preset.colour_names import COLOURS, Gradient
-from gen_art.preset.fields import ColourValue, GradientValue, Light, NotNegative, Vector, Within
+from gen_art.preset.fields import Brightness, ColourValue, GradientValue, NotNegative, Vector, Within
 from gen_art.preset.model import Model, about
 from gen_art.preset.palettes import palette
 from gen_art.preset.values import shown
@@ -35,7 +35,7 @@ class Sun(Model):
     azimuth: Annotated[float, Within(-360, 360)] = about(
         0.0, "direction, clockwise seen from above: 0 is -z, where a new camera looks, 90 is +x", unit="degrees"
     )
-    disc: Light = about(1.0, "factor on the light of the disc that is drawn; 0 hides it")
+    disc: Brightness = about(1.0, "factor on the light of the disc that is drawn; 0 hides it")
 
     short_form = {"type": ["number", "string"], "description": "the height"}
 
@@ -53,7 +53,7 @@ class Stars(Model):
     magnitude: Annotated[float, Within(0, 9)] = about(
         6.5, "the magnitude of the faintest stars: 6.5 shows 9,000, one more shows three times as many"
     )
-    intensity: Light = about(
+    intensity: Brightness = about(
         1.0,
         "factor on their light; at 1 a star of magnitude 0 has the light of a disc of light 1 and 0.1 degrees radius",
     )
@@ -71,7 +71,7 @@ class Stars(Model):
 class Band(Model):
     """The band of stars too far to be seen singly, with dark clouds of dust before it; a number sets the `intensity`."""
 
-    intensity: Light = about(1.0, "factor on its light; at 1 its brightest places have about the light 1")
+    intensity: Brightness = about(1.0, "factor on its light; at 1 its brightest places have about the light 1")
     color: Annotated[GradientValue, BeforeValidator(lambda value: _several_colours(value))] = about(
         Gradient.of(["#1b2a4a", "#6f86b8", "#e8dcc8", "#fff2dc"]), "colours from its dark rims to its brightest places"
     )
@@ -132,7 +132,7 @@ class Sky(Model):
         1.0, "for `sun`: amount of dust and droplets in the air; 0 is pure air, 1 a clear day, 10 a hazy one"
     )
     ground: ColourValue = about("#77746e", "for `sun`: the part of the light that the ground scatters, by colour")
-    intensity: Light = about(
+    intensity: Brightness = about(
         1.0, "factor on all of this light; at 1 the sun in the zenith and its sky light a white floor with light 1"
     )
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, model_validator
 
 from gen_art.errors import UsageError
-from gen_art.preset.fields import MOST_SIZE, ColourValue, Fraction, Light, Number, PositiveRange, Whole, Within
+from gen_art.preset.fields import MOST_SIZE, Brightness, ColourValue, Fraction, Number, PositiveRange, Whole, Within
 from gen_art.preset.files import ImageFile, PresetFile
 from gen_art.preset.from_script import model_of
 from gen_art.preset.model import Model, about
@@ -186,7 +186,7 @@ class SurfaceLook(Finish):
         "blurs the reflection",
     )
     emission: ColourValue = about("black", "colour of the light that the surface emits")
-    emission_intensity: Light = about(1.0, "brightness of that light")
+    emission_intensity: Brightness = about(1.0, "brightness of that light")
     emission_image: SurfaceImage | None = about(
         None,
         "an image of that light, instead of `emission`: lit windows, a sign; `emission_intensity` is a factor on it",

@@ -19,7 +19,7 @@ import numpy as np
 
 from gen_art.backend.runtime import kernel, ti
 from gen_art.maths.elementary import exp
-from gen_art.preset.look import KeyLight
+from gen_art.preset.look import Light
 from gen_art.renderer.smoke_density import Smoke
 
 __all__ = ["EmittedLight", "cluster_lights", "scatter_emitted_light"]
@@ -121,7 +121,7 @@ _scatter_kernel = kernel(_scatter_emitted_light)
 
 
 def scatter_emitted_light(
-    coarse: Smoke, smoke: Smoke, emitted: EmittedLight, light: KeyLight, weights, eye, parallel: bool
+    coarse: Smoke, smoke: Smoke, emitted: EmittedLight, light: Light, weights, eye, parallel: bool
 ) -> np.ndarray:
     """(a, b, c, 3) emitted light that each node of `smoke` scatters towards the camera.
 

@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from gen_art.maths.array_functions import cos, sin
-from gen_art.preset.light import KeyLight
+from gen_art.preset.light import Light
 from gen_art.renderer.colour import linear
 from gen_art.renderer.sky import SkyDome
 
@@ -34,7 +34,7 @@ class Lighting:
     of_scene : whether it is the light of the whole scene, not that of one look
     """
 
-    key: KeyLight
+    key: Light
     direction: np.ndarray
     size: float
     lamp: np.ndarray
@@ -43,9 +43,9 @@ class Lighting:
     of_scene: bool = False
 
     @classmethod
-    def of(cls, light: KeyLight | None, dome: SkyDome | None = None, of_scene: bool = False) -> "Lighting":
+    def of(cls, light: Light | None, dome: SkyDome | None = None, of_scene: bool = False) -> "Lighting":
         """The light of a preset; without `light:`, that of the sky, or a lamp's where there is no sky either."""
-        key = light or KeyLight()
+        key = light or Light()
         named = key.model_fields_set
         direction, size = np.asarray(key.direction, np.float64), key.size
         lamp, ambient = linear(key.color) * key.intensity, _hemispheres(key)
@@ -80,7 +80,7 @@ class Lighting:
         return np.maximum(self.ambient[:, 0] + self.ambient[:, 1:] @ np.asarray(direction), 0.0)
 
 
-def _hemispheres(light: KeyLight) -> np.ndarray:
+def _hemispheres(light: Light) -> np.ndarray:
     """c0 and c1 of a sky that fades linearly from its colour at the zenith to the ground's at the nadir."""
     above, below = (
         linear(colour) * light.ambient_intensity

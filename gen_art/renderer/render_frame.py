@@ -9,7 +9,7 @@ import numpy as np
 from gen_art.arguments import shown
 from gen_art.errors import UsageError
 from gen_art.preset.from_script import model_of
-from gen_art.preset.light import KeyLight
+from gen_art.preset.light import Light
 from gen_art.preset.look import Look
 from gen_art.preset.sky import Sky
 from gen_art.preset.surface import Ground, ground_of
@@ -28,7 +28,7 @@ __all__ = ["film_time_of", "painter_of", "render_frame", "shutter_of"]
 def painter_of(
     sim: "Simulation", size: tuple[int, int], camera: Camera | None = None,
     looks: "Mapping[str, Look | Mapping[str, Any] | None] | None" = None, sky: Sky | None = None,
-    light: "KeyLight | Mapping[str, Any] | None" = None,
+    light: "Light | Mapping[str, Any] | None" = None,
     ground: "Ground | Mapping[str, Any] | str | bool | None" = None, transparent: bool = False,
 ) -> Painter:  # fmt: skip
     """The painter of a simulation's pictures, whose shutter is closed; the arguments are those of `render_frame`.
@@ -55,7 +55,7 @@ def painter_of(
         sky = preset.sky if sky is None else sky
     scene = Scene.of(preset, sim.members.values(), None if sky is None else SkyDome.of(sky))
     if light is not None:
-        scene = replace(scene, light=model_of(KeyLight, "light", light))
+        scene = replace(scene, light=model_of(Light, "light", light))
     if ground is not None:
         scene = replace(scene, ground=ground_of(ground))
     return Painter(size, camera, drawn, 0.0, scene=scene, transparent=transparent)
@@ -94,7 +94,7 @@ def render_frame(
     size: tuple[int, int] = (1280, 720),
     camera: Camera | None = None,
     sky: Sky | None = None,
-    light: "KeyLight | Mapping[str, Any] | None" = None,
+    light: "Light | Mapping[str, Any] | None" = None,
     ground: "Ground | Mapping[str, Any] | str | bool | None" = None,
     looks: "Mapping[str, Look | Mapping[str, Any] | None] | None" = None,
 ) -> np.ndarray:
@@ -105,7 +105,7 @@ def render_frame(
     the particles. Trails and ribbons, which need earlier states, are left out: ga.Film and `gen-art still` draw them.
 
     sky : a ga.Sky; the preset's when None. With a sky, alpha is 1
-    light, ground : a ga.KeyLight and a ga.Ground, or mappings of their keys as in YAML; the preset's when None
+    light, ground : a ga.Light and a ga.Ground, or mappings of their keys as in YAML; the preset's when None
     looks : by system, a ga.Look or a mapping of its keys in place of the system's own; None leaves the system out
     """
     painter = painter_of(sim, size, camera, looks, sky, light, ground)

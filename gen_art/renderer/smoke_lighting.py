@@ -25,7 +25,7 @@ from gen_art.backend.runtime import kernel, ti
 from gen_art.maths import array_functions
 from gen_art.maths.elementary import exp
 from gen_art.particles.rows import POSITION
-from gen_art.preset.look import KeyLight
+from gen_art.preset.look import Light
 from gen_art.renderer.emissive_lighting import EmittedLight, scatter_emitted_light
 from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.multiple_scattering import albedo_on_nodes, light_scattered_many_times
@@ -273,7 +273,7 @@ def scattered_light(
 
 
 def scattered_light_of_system(
-    light: KeyLight, positions, cross_sections, eye, parallel: bool = False, radii=None
+    light: Light, positions, cross_sections, eye, parallel: bool = False, radii=None
 ) -> np.ndarray:
     """`scattered_light` for one system, whose sprites are points unless `radii` (n,) are given."""
     radii = np.zeros(len(positions), np.float32) if radii is None else radii
@@ -320,7 +320,7 @@ def _albedos(channels, columns, view) -> np.ndarray:
     return np.where(known[:, None], columns[:, LIT_ALBEDO] / np.where(known, covered, 1.0)[:, None], np.nan)
 
 
-def _emitted_light(light: KeyLight, drawn: dict, parallel: bool, scale: float) -> EmittedLight | None:
+def _emitted_light(light: Light, drawn: dict, parallel: bool, scale: float) -> EmittedLight | None:
     """The light of the systems named by the look's `glow`, as their sprites show it, or None.
 
     Light times area in pixels is converted to world units.

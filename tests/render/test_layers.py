@@ -13,7 +13,7 @@ import pytest
 
 from gen_art.interactions.links import capsules_along
 from gen_art.output.playback import Playback
-from gen_art.preset.light import KeyLight
+from gen_art.preset.light import Light
 from gen_art.preset.load import load_preset
 from gen_art.preset.look import Look
 from gen_art.preset.surface import ground_of
@@ -316,7 +316,7 @@ def test_a_liquid_has_its_own_surface(clear):
     velocity = np.array([1.0, 0.0, 0.0])
     look = {"draw": "surface", "albedo": [0.5, 1, 1], "liquid": {"clear": clear}}
     camera = Camera(**{**ABOVE, "position": (0, 4, 0)})
-    where = Scene(KeyLight(**LAMP), ground_of({"albedo": "white", "height": -0.1}), True)
+    where = Scene(Light(**LAMP), ground_of({"albedo": "white", "height": -0.1}), True)
     painter = Painter(SIZE, camera, {"w": Look.model_validate(look)}, scene=where)
     sim = scene(w=state(points, np.tile(velocity, (len(points), 1)), radius=0.03))
     layers = render_aovs(painter, sim, 0.1, 0.1, 0.1)

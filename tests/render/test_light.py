@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gen_art.preset.light import KeyLight
+from gen_art.preset.light import Light
 from gen_art.preset.look import Look
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.emissive_lighting import EmittedLight, cluster_lights, scatter_emitted_light
@@ -46,7 +46,7 @@ def turned(axis, degrees):
 @pytest.mark.parametrize("direction", [(0, 0, 1), (0, -1, 0), (1, 0, 0)])
 def test_the_lamp_s_light_falls_off_exponentially_through_a_uniform_slab(direction):
     x, section = slab()
-    lamp = KeyLight(direction=direction, intensity=2.0, scatter=0.0, resolution=32, **DARK)
+    lamp = Light(direction=direction, intensity=2.0, scatter=0.0, resolution=32, **DARK)
     got = scattered_light_of_system(lamp, x, section, (0, 0, 9))[:, 1]
     along = x @ np.array(direction, np.float32)
     inside = np.delete(np.abs(x), int(np.flatnonzero(direction)[0]), axis=1).max(axis=1) < 0.8
@@ -59,9 +59,7 @@ def test_the_lamp_s_light_falls_off_exponentially_through_a_uniform_slab(directi
 def test_depth_counts_the_opacity_it_is_told():
     x, section = slab()
     thin, thick = (
-        np.log(
-            scattered_light_of_system(KeyLight(depth=d, scatter=0, intensity=1, **DARK), x, section, (0, 0, 9))
-        ).mean()
+        np.log(scattered_light_of_system(Light(depth=d, scatter=0, intensity=1, **DARK), x, section, (0, 0, 9))).mean()
         for d in (0.5, 1.5)
     )
     assert thick == pytest.approx(3 * thin, rel=1e-3)
@@ -77,7 +75,7 @@ def test_the_phase_function_integrates_to_1_over_the_sphere(g):
 
 def test_the_phase_function_is_what_a_camera_sees():
     x, section = np.zeros((1, 3), np.float32), np.zeros(1, np.float32)
-    lamp = KeyLight(direction=(0, 0, 2), phase=0.6, scatter=0.0, intensity=1.0, **DARK)
+    lamp = Light(direction=(0, 0, 2), phase=0.6, scatter=0.0, intensity=1.0, **DARK)
     for eye, cosine in (((0, 0, 5), 1.0), ((0, 0, -5), -1.0), ((4, 0, 0), 0.0), ((3, 0, 4), 0.8)):
         assert scattered_light_of_system(lamp, x, section, eye)[0, 0] == pytest.approx(
             4 * np.pi * phase_function(cosine, 0.6), rel=1e-5
@@ -88,7 +86,7 @@ def test_the_phase_function_is_what_a_camera_sees():
 
 
 def test_light_that_was_scattered_before_has_forgotten_its_direction_by_halves():
-    lamp = KeyLight(direction=(0, 0, 1), phase=0.6, scatter=0.5, intensity=1.0, **DARK)
+    lamp = Light(direction=(0, 0, 1), phase=0.6, scatter=0.5, intensity=1.0, **DARK)
     x, section = np.zeros((1, 3), np.float32), np.zeros(1, np.float32)
     for eye, cosine in (((0, 0, 5), 1.0), ((0, 0, -5), -1.0)):
         expected = sum(w * 4 * np.pi * phase_function(cosine, 0.6 / 2**i) for i, w in enumerate(octaves(0.5)))
@@ -96,7 +94,7 @@ def test_light_that_was_scattered_before_has_forgotten_its_direction_by_halves()
 
 
 def test_no_smoke_no_shadow():
-    lamp = KeyLight(intensity=1.0, ambient_intensity=0.5, scatter=0.7)
+    lamp = Light(intensity=1.0, ambient_intensity=0.5, scatter=0.7)
     got = scattered_light_of_system(lamp, np.zeros((3, 3), np.float32), np.zeros(3, np.float32), (0, 0, 9))
     assert got == pytest.approx(np.full((3, 3), 1.5))
 
@@ -110,7 +108,7 @@ def test_a_slab_gives_off_no_more_light_than_falls_on_it(scatter):
     mu = 0.5 + 0.5 * s
     for depth in (0.3, 3.0, 20.0):
         x, section = slab(40_000, depth)
-        lamp = KeyLight(direction=(0, 0, 1), scatter=scatter, intensity=1.0, resolution=48, **DARK)
+        lamp = Light(direction=(0, 0, 1), scatter=scatter, intensity=1.0, resolution=48, **DARK)
         middle = (np.abs(x[:, :2]) < 0.8).all(axis=1)
         light = scattered_light_of_system(lamp, x, section, (0, 0, 9))[middle, 0]
         t = (x[middle, 2] + 1.0) * depth / 2
@@ -128,7 +126,7 @@ def test_the_skin_of_dense_smoke_takes_in_light(depth, least):
     neighbours, take in 98%, 68% and 22% of it; counting half of a node's own layer would leave 62% and 13%.
     """
     x, section = slab(60_000, depth)
-    lamp = KeyLight(direction=(0, 0, 1), scatter=0.0, intensity=1.0, resolution=32, **DARK)
+    lamp = Light(direction=(0, 0, 1), scatter=0.0, intensity=1.0, resolution=32, **DARK)
     middle = (np.abs(x[:, :2]) < 0.8).all(axis=1)
     light = scattered_light_of_system(lamp, x, section, (0, 0, 9))[middle, 0]
     assert least < (section[middle] * light).sum() / 2.56 <= 1.02
@@ -138,7 +136,7 @@ def test_scattered_light_goes_deeper():
     x, section = slab(20_000, 10.0)
     deep = x[:, 2] > 0.8
     light = [
-        scattered_light_of_system(KeyLight(direction=(0, 0, 1), scatter=s, **DARK), x, section, (0, 0, 9))[deep].mean()
+        scattered_light_of_system(Light(direction=(0, 0, 1), scatter=s, **DARK), x, section, (0, 0, 9))[deep].mean()
         for s in (0.0, 0.3, 0.6)
     ]
     assert light[2] > 2 * light[1] > 20 * light[0]
@@ -166,7 +164,7 @@ def test_the_depth_along_each_direction_is_the_smoke_s():
 
 def test_the_sky_is_darker_in_the_middle_of_a_ball_than_at_its_skin_from_every_side_alike():
     x, section = ball()
-    sky = scattered_light_of_system(KeyLight(intensity=0.0, ambient_intensity=1.0, scatter=0.0), x, section, (0, 0, 9))[
+    sky = scattered_light_of_system(Light(intensity=0.0, ambient_intensity=1.0, scatter=0.0), x, section, (0, 0, 9))[
         :, 1
     ]
     r = np.linalg.norm(x, axis=1)
@@ -179,7 +177,7 @@ def test_the_sky_is_darker_in_the_middle_of_a_ball_than_at_its_skin_from_every_s
 
 def test_the_sky_and_the_ground_have_their_own_colours():
     x, section = ball()
-    lamp = KeyLight(direction=(1, -1, 0), intensity=0, ambient=(0, 0, 1), ground=(1, 0, 0), ambient_intensity=1)
+    lamp = Light(direction=(1, -1, 0), intensity=0, ambient=(0, 0, 1), ground=(1, 0, 0), ambient_intensity=1)
     got = scattered_light_of_system(lamp, x, section, (0, 0, 9))
     top, bottom = got[x[:, 1] > 0.9].mean(axis=0), got[x[:, 1] < -0.9].mean(axis=0)
     assert top[2] > 2.0 * top[0]
@@ -195,7 +193,7 @@ def test_light_turns_with_the_scene(axis, degrees):
     eye, way = np.array((2.0, 1.0, 9.0)), np.array((-1.0, -0.6, -0.5))
     lights = [
         scattered_light_of_system(
-            KeyLight(direction=tuple(r @ way), phase=0.3, ambient_intensity=1.0, intensity=1.0),
+            Light(direction=tuple(r @ way), phase=0.3, ambient_intensity=1.0, intensity=1.0),
             x @ r.T.astype(np.float32), section, r @ eye, radii=np.full(len(x), 0.08, np.float32),
         )[:, 1]
         for r in (np.eye(3), turn)
@@ -206,7 +204,7 @@ def test_light_turns_with_the_scene(axis, degrees):
 def test_light_does_not_crawl_with_the_grid():
     x, section = ball()
     radii = np.full(len(x), 0.08, np.float32)
-    lamp = KeyLight(resolution=48, ambient_intensity=0.5, intensity=1.0)
+    lamp = Light(resolution=48, ambient_intensity=0.5, intensity=1.0)
     cell = Smoke.of(x, section, radii, np.eye(3), 48).cell
     base = scattered_light_of_system(lamp, x, section, (0, 0, 9), True, radii)[:, 1]
     for shift in (cell / 3, 2.4 * cell):
@@ -247,7 +245,7 @@ def test_large_sprites_cast_wide_shadows():
 def test_smoke_of_one_system_shadows_another():
     x, section = slab()
     behind = np.array([[a, b, 2.0] for a in (-0.5, 0, 0.5) for b in (-0.5, 0, 0.5)], np.float32)
-    lamps = [KeyLight(direction=(0, 0, 1), scatter=0, intensity=1.0, **DARK) for _ in range(2)]
+    lamps = [Light(direction=(0, 0, 1), scatter=0, intensity=1.0, **DARK) for _ in range(2)]
     one = LitParticles(Lighting.of(lamps[0]), x, section, np.full(len(x), 0.15, np.float32))
     two = LitParticles(Lighting.of(lamps[1]), behind, np.full(9, 1e-6, np.float32), np.zeros(9, np.float32))
     assert scattered_light([one, two], (0, 0, 9))[1][:, 0].mean() == pytest.approx(np.exp(-3.0), rel=0.1)
@@ -259,7 +257,7 @@ def test_the_glow_of_others_falls_with_the_square_of_the_distance_and_through_th
     lights = rng.normal(0, 0.05, (3000, 3))
     power = np.tile([[2e-3, 1e-3, 0.0]], (3000, 1))
     x = np.array([[1.0, 0, 0], [2, 0, 0], [0, 4, 0], [0, 0, -4]], np.float32)
-    lamp = KeyLight(intensity=0.0, scatter=0.0, resolution=64, **DARK)
+    lamp = Light(intensity=0.0, scatter=0.0, resolution=64, **DARK)
     thin = LitParticles(Lighting.of(lamp), x, np.full(4, 1e-7, np.float32), np.zeros(4, np.float32))
     got = scattered_light([thin], (0, 0, 9), False, [EmittedLight(lights, power)])[0]
     assert got[:, 0] == pytest.approx(6.0 / (4 * np.pi) / np.array([1, 4, 16, 16]), rel=0.12)
@@ -279,7 +277,7 @@ def test_the_glow_in_thin_smoke_is_the_sum_over_cells_of_light(parallel):
     lights, power = rng.uniform(-1, 1, (300, 3)), rng.uniform(0, 1, (300, 3))
     x = rng.uniform(-2, 2, (60, 3)).astype(np.float32)
     smoke = Smoke.of(x, np.full(60, 1e-9, np.float32), np.zeros(60, np.float32), np.eye(3), 24)
-    lamp = KeyLight(phase=0.5, glow_intensity=3.0, glow_softness=0.4)
+    lamp = Light(phase=0.5, glow_intensity=3.0, glow_softness=0.4)
     eye = np.array((0.6, 0.0, -0.8)) if parallel else np.array((3.0, 1.0, 9.0))
     got = scatter_emitted_light(smoke, smoke, EmittedLight(lights, power), lamp, octaves(0.5), eye, parallel)
     nodes = (

@@ -8,7 +8,7 @@ import pytest
 import gen_art as ga
 from gen_art.errors import PresetError
 from gen_art.output.job import still
-from gen_art.preset.light import KeyLight
+from gen_art.preset.light import Light
 from gen_art.preset.look import Look
 from gen_art.preset.surface import ground_of
 from gen_art.renderer.camera import Camera
@@ -17,7 +17,7 @@ from gen_art.renderer.surfaces.reflection import fresnel
 from gen_art.renderer.surfaces.scene import Scene
 from tests.render.particles import scene, state
 
-EVEN = KeyLight(intensity=0, ambient_intensity=1)
+EVEN = Light(intensity=0, ambient_intensity=1)
 BLACK = {"clear": False}
 RADIUS = 0.03
 SPACING = 1.2 * RADIUS
@@ -114,7 +114,7 @@ def test_the_slope_of_a_sheet_has_its_direction(tilt):
     assert math.degrees(math.atan(found)) == pytest.approx(tilt, abs=1.0)
     light = {"direction": (-sine, 0, -cosine), "intensity": 0.25, "ambient_intensity": 0}  # along the sheet's normal
     matte = {"liquid": BLACK, "finish": {"ior": 1}, "albedo": "white"}
-    got = drawn(points, camera, look=matte, light=KeyLight(**light))[16:48, 24:72, 0]
+    got = drawn(points, camera, look=matte, light=Light(**light))[16:48, 24:72, 0]
     assert got.mean() == pytest.approx(1.0, abs=1 - math.cos(math.radians(2)) + 0.01)
     assert slope > 0
 
@@ -145,7 +145,7 @@ def test_a_ball_of_particles_has_the_light_of_a_sphere(direction):
     y, x = np.meshgrid((79.5 - np.arange(160)) / 80, (np.arange(160) - 79.5) / 80, indexing="ij")
     facing = np.sqrt(np.maximum(big**2 - x * x - y * y, 0)) / big
     normal = np.stack([x / big, y / big, facing], axis=-1)
-    light = KeyLight(direction=direction, intensity=0.25, ambient_intensity=0)
+    light = Light(direction=direction, intensity=0.25, ambient_intensity=0)
     matt = {"liquid": BLACK, "finish": {"ior": 1}, "albedo": "white"}
     got = drawn(ball(), camera, size, look=matt, light=light)[..., 0]
     middle = facing > 0.5
@@ -272,14 +272,14 @@ def test_colours_of_particles_run_into_each_other():
     points = lattice((-1, -0.2, -1), (1, 0, 1))
     look = {"liquid": BLACK, "albedo": "black", "finish": {"ior": 1}}
     look["emission"] = {"intensity": {"by": "x", "curve": [[-1, 0], [1, 2]]}}
-    got = drawn(points, above(1.0), look=look, light=KeyLight(intensity=0, ambient_intensity=0))[16:48, :, 0]
+    got = drawn(points, above(1.0), look=look, light=Light(intensity=0, ambient_intensity=0))[16:48, :, 0]
     x = (np.arange(96) + 0.5 - 48) / 64
     assert np.abs(got - (1 + x)).max() < 2 * SPACING
 
 
 def test_an_opaque_liquid_shadows_the_ground_and_clear_water_hardly():
     camera = Camera(position=(0, 6, 0), target=(0, 0, 0), up=(0, 0, -1), height=4.0)
-    tilted = KeyLight(direction=(1, -1, 0), intensity=0.25, ambient_intensity=0)
+    tilted = Light(direction=(1, -1, 0), intensity=0.25, ambient_intensity=0)
     points = ball(0.3, 0.0) + [-1, 1, 0]
     ground = {"albedo": "white", "ior": 1}
     lit = math.cos(math.radians(45))
@@ -301,7 +301,7 @@ def test_solids_hide_the_liquid_and_the_liquid_hides_sprites():
     assert got[:47].max() < 0.01 and got[50:].min() > 0.5
     looks = {"w": Look.model_validate({"draw": "surface", **look}), "dot": Look.model_validate({"draw": "disc"})}
     for height, seen in ((-0.5, False), (0.5, True)):
-        artist = Painter((96, 64), above(1.0), looks, scene=Scene(KeyLight(intensity=0, ambient_intensity=0)))
+        artist = Painter((96, 64), above(1.0), looks, scene=Scene(Light(intensity=0, ambient_intensity=0)))
         dots = state([[0, height, 0]], radius=0.1)
         assert bool(artist.paint(scene(w=state(points, radius=RADIUS), dot=dots), 0.0)[..., :3].any()) is seen
 

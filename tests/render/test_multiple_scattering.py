@@ -5,7 +5,7 @@ import pytest
 
 import gen_art as ga
 from gen_art.errors import PresetError
-from gen_art.preset.light import KeyLight
+from gen_art.preset.light import Light
 from gen_art.renderer import multiple_scattering
 from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.multiple_scattering import albedo_on_nodes, light_scattered_many_times
@@ -125,7 +125,7 @@ def ball(n, depth, radius=1.0):
 def test_white_furnace(depth, phase):
     """Smoke that absorbs nothing, in an even sky, has the light of the sky at every place."""
     x, section = ball(20_000, depth)
-    light = Lighting.of(KeyLight(intensity=0.0, ambient_intensity=0.7, phase=phase, resolution=48), of_scene=True)
+    light = Lighting.of(Light(intensity=0.0, ambient_intensity=0.7, phase=phase, resolution=48), of_scene=True)
     got = scattered_light([LitParticles(light, x, section, np.full(len(x), 0.05, np.float32))], (0, 0, 9))[0]
     assert got == pytest.approx(np.full_like(got, 0.7), rel=1e-3)
 
@@ -149,9 +149,9 @@ def test_white_smoke_before_an_even_sky_is_invisible(opacity):
 
 
 def test_who_follows_light_and_who_does_not():
-    assert Lighting.of(KeyLight()).scatter == 0.2 and Lighting.of(KeyLight(), of_scene=True).scatter is None
-    assert Lighting.of(KeyLight(scatter="full")).scatter is None
-    assert Lighting.of(KeyLight(scatter=0.5), of_scene=True).scatter == 0.5
+    assert Lighting.of(Light()).scatter == 0.2 and Lighting.of(Light(), of_scene=True).scatter is None
+    assert Lighting.of(Light(scatter="full")).scatter is None
+    assert Lighting.of(Light(scatter=0.5), of_scene=True).scatter == 0.5
     given = {"version": 1, "clock": {"duration": 1, "fps": 30, "step": "1/60"}, "systems": {"a": {"look": {}}}}
     with pytest.raises(PresetError, match=r"light\.scatter: must be `full` or a number"):
         ga.load_preset({**given, "light": {"scatter": "often"}})
@@ -164,7 +164,7 @@ def test_the_shadowed_side_is_lit_by_the_lit_side():
 
     def far_side(albedo, **more):
         light = Lighting.of(
-            KeyLight(direction=(-1, 0, 0), intensity=1.0, ambient_intensity=0.0, resolution=48, **more), of_scene=True
+            Light(direction=(-1, 0, 0), intensity=1.0, ambient_intensity=0.0, resolution=48, **more), of_scene=True
         )
         particles = LitParticles(light, x, section, radii, np.tile(albedo, (len(x), 1)))
         return scattered_light([particles], (0, 0, 9))[0][x[:, 0] < -0.6].mean(axis=0)
@@ -174,7 +174,7 @@ def test_the_shadowed_side_is_lit_by_the_lit_side():
 
 
 def test_no_particles_and_one():
-    light = Lighting.of(KeyLight(), of_scene=True)
+    light = Lighting.of(Light(), of_scene=True)
     none, one = np.zeros((0, 3), np.float32), np.zeros((1, 3), np.float32)
     empty = LitParticles(light, none, np.zeros(0, np.float32), np.zeros(0, np.float32), none)
     single = LitParticles(light, one, np.full(1, 1e-3, np.float32), np.full(1, 0.1, np.float32), one + np.nan)
@@ -202,5 +202,5 @@ def test_the_albedo_of_nodes_is_that_of_the_particles_around_them():
 
 def test_a_wrong_scatter_names_what_is_known():
     with pytest.raises(ValueError, match="must be `full` or a number from 0 to 1, not 'fully'"):
-        KeyLight(scatter="fully")
-    assert KeyLight(scatter="1/4").scatter == 0.25 and KeyLight(scatter="full").scatter == "full"
+        Light(scatter="fully")
+    assert Light(scatter="1/4").scatter == 0.25 and Light(scatter="full").scatter == "full"

@@ -415,7 +415,7 @@ def test_a_script_gives_light_ground_and_looks():
     for keys, words in (
         ({"light": {"size": -1}}, "light.size"),
         ({"ground": 3}, "ga.Ground"),
-        ({"light": "sun"}, "ga.KeyLight"),
+        ({"light": "sun"}, "ga.Light"),
     ):
         with pytest.raises(ga.UsageError, match=words):
             ga.render_frame(sim, SIZE, camera, **keys)
@@ -436,7 +436,7 @@ def test_the_sun_of_a_sky_is_the_lamp_and_what_light_names_replaces_it():
     around = np.random.default_rng(3).normal(size=(20_000, 3))
     around /= np.linalg.norm(around, axis=1)[:, None]
     assert sun.ambient[:, 0] == pytest.approx(dome.radiance(around).mean(axis=0), rel=0.03)
-    named = Lighting.of(ga.KeyLight(direction=(0, -1, 0), ambient_intensity=0), dome)
+    named = Lighting.of(ga.Light(direction=(0, -1, 0), ambient_intensity=0), dome)
     assert named.direction == pytest.approx([0, -1, 0]) and not named.ambient.any()
     assert named.lamp == pytest.approx(sun.lamp)
 

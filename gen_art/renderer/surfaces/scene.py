@@ -7,7 +7,7 @@ from functools import cached_property
 from gen_art.colliders.base import Collider
 from gen_art.colliders.plane import Plane
 from gen_art.errors import UsageError
-from gen_art.preset.light import KeyLight
+from gen_art.preset.light import Light
 from gen_art.preset.surface import Ground, SurfaceLook, surface_look
 from gen_art.preset.wormhole import Wormhole
 from gen_art.renderer.lighting import Lighting
@@ -28,7 +28,7 @@ class Scene:
     wormhole : what bends its light, or None
     """
 
-    light: KeyLight | None = None
+    light: Light | None = None
     ground: Ground | None = None
     shadows: bool = True
     colliders: tuple[Collider, ...] = ()
