@@ -79,7 +79,10 @@ export class View extends EventTarget {
       this.#newest += 1;
       const number = this.#newest;
       const bitmap = await createImageBitmap(shown.picture);
-      if (number < this.#newest) return; // a newer one has come meanwhile, and is shown before this one or after it
+      if (number < this.#newest) { // a newer one has come meanwhile, and is shown before this one or after it
+        bitmap.close();
+        return;
+      }
       if (this.#canvas.width !== bitmap.width || this.#canvas.height !== bitmap.height) {
         this.#canvas.width = bitmap.width;
         this.#canvas.height = bitmap.height;
