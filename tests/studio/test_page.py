@@ -129,6 +129,34 @@ def test_text_and_controls_agree_after_two_hundred_edits(page):
     assert "# A fountain for the studio." in text(page) and "# shrinks" in text(page)
 
 
+def test_what_is_being_typed_stays_under_the_hand(page, studio):
+    """A value that comes from elsewhere goes into a field that is selected, but not into one that is typed in."""
+    field = knob(page, "glow").locator("input[type=text]")
+    field.select_text()
+    studio.path.write_text(TEXT.replace("glow: 3", "glow: 4"), encoding="utf-8")
+    expect(field).to_have_value("4")
+    page.keyboard.type("1.")
+    expect(field).to_have_value("1.")
+    studio.path.write_text(TEXT.replace("glow: 3", "glow: 6"), encoding="utf-8")
+    until(lambda: "glow: 6" in text(page))
+    page.keyboard.type("5")
+    expect(field).to_have_value("1.5")
+    field.blur()
+    until(lambda: "glow: 1.5" in text(page))
+
+
+def test_a_field_that_is_left_as_it_was_shows_what_came_meanwhile(page, studio):
+    field = knob(page, "glow").locator("input[type=text]")
+    field.focus()
+    page.keyboard.press("End")
+    page.keyboard.type("1")
+    studio.path.write_text(TEXT.replace("glow: 3", "glow: 6"), encoding="utf-8")
+    until(lambda: "glow: 6" in text(page))
+    page.keyboard.press("Backspace")
+    field.blur()
+    expect(field).to_have_value("6")
+
+
 def test_problems_stand_at_their_lines_and_the_last_picture_stays(page):
     before = pixels(page)
     page.click("#tab-yaml")

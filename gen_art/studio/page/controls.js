@@ -125,6 +125,7 @@ export class Controls {
     row.dataset.words = `${path} ${words}`.toLowerCase();
     const set = (now, done) => {
       row.value = null; // so that a value which is refused gives way to the one that stays
+      if (done) row.isTypedIn = false;
       this.#studio.set({ [path]: now }, done);
     };
     const build = (shown) => {
@@ -132,11 +133,24 @@ export class Controls {
       inputs.replaceChildren(...this.#inputs(shown, schema, path, range, set));
     };
     build(value);
+    // What is being typed stays under the hand: a value that comes meanwhile is shown when the field is left.
+    inputs.addEventListener("input", (event) => { row.isTypedIn = ["text", "number"].includes(event.target.type); });
+    inputs.addEventListener("focusout", () => {
+      if (!row.isTypedIn) return;
+      row.isTypedIn = false;
+      row.renew(row.latest);
+    });
     row.renew = (now) => {
-      if (now === undefined || JSON.stringify(now) === row.value) return;
-      const at = [...inputs.querySelectorAll("input, select")].indexOf(document.activeElement);
+      row.latest = now;
+      if (row.isTypedIn || now === undefined || JSON.stringify(now) === row.value) return;
+      const found = () => [...inputs.querySelectorAll("input, select")];
+      const held = document.activeElement;
+      const at = found().indexOf(held);
+      const isSelected = held.type === "text" && held.selectionStart === 0 && held.selectionEnd === held.value.length;
       build(now);
-      if (at >= 0) inputs.querySelectorAll("input, select")[at]?.focus();
+      if (at < 0) return;
+      found()[at]?.focus();
+      if (isSelected) found()[at]?.select?.();
     };
     return row;
   }
