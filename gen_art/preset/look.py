@@ -238,6 +238,10 @@ class Picture(Model):
     spin: RangeValue = about(
         Range(0.0, 0.0), "rotation per simulated second, drawn for each particle", unit="degrees/s"
     )
+    upright: bool = about(
+        False,
+        "start with the image's top towards the scene's up (+y), however the camera is rolled; else towards the camera's up",
+    )
 
     short_form = {"type": "string", "description": "the picture's file"}
 

@@ -64,6 +64,11 @@ class CameraView:
         red, green, blue = sky.radiance((ahead + (0.0, 1e-3, 0.0))[None])[0].tolist()
         return replace(self, fog=(*self.fog[:2], (red, green, blue)), fog_is_sky=True)
 
+    @property
+    def roll(self) -> float:
+        """Radians counter-clockwise in the picture from its up to the scene's (+y); 0 where the camera looks up or down."""
+        return math.atan2(-self.axes[0, 1], self.axes[1, 1])
+
     def scale(self, rows: int) -> float:
         """Pixels per world unit (orthographic), or pixels per unit of slope (perspective)."""
         return rows / self.height if self.height else 0.5 * rows / math.tan(math.radians(self.fov) / 2)

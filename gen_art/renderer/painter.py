@@ -497,9 +497,9 @@ class Painter:
             elif name in shaded.stretched:
                 sprites.add_ellipses(self._projected[name], shaded.stretched[name], framebuffer)
             elif not self._is_surface(look):
-                self._add_sprites(look, self._projected[name], framebuffer)
+                self._add_sprites(look, self._projected[name], view, framebuffer)
                 if name in shaded.second:
-                    self._add_sprites(look, shaded.second[name], framebuffer)
+                    self._add_sprites(look, shaded.second[name], view, framebuffer)
                 if name in shaded.curved:
                     sprites.add(self._projected_pieces[name], PIECE, framebuffer, shaded.curved[name].ends, HIDDEN)
         splat(sprites, framebuffer)
@@ -640,11 +640,13 @@ class Painter:
         acceleration = np.linalg.norm(change, axis=0) / abs(time - previous_time)
         return np.where(ids[slot] == current_ids, acceleration, 0.0).astype(np.float32)
 
-    def _add_sprites(self, look: Look, projected: ProjectedParticles, framebuffer: FrameBuffer) -> None:
+    def _add_sprites(
+        self, look: Look, projected: ProjectedParticles, view: CameraView, framebuffer: FrameBuffer
+    ) -> None:
         """Draw a system's small sprites directly where they only add light; add the others to the sprites."""
         sprites, kind, min_footprint = self._sprites, KINDS[look.draw], HIDDEN
         if look.picture is not None:
-            sprites.add_images(projected, look.picture, framebuffer)
+            sprites.add_images(projected, look.picture, view.roll, framebuffer)
             return
         if not sprites.layered and kind in (POINT, DISC) and projected.count > MIN_PARTICLES:
             largest = float(projected.used[FOOTPRINT].max())

@@ -71,8 +71,12 @@ class Sprites:
                 framebuffer.height, *self._hiding,
             )  # fmt: skip
 
-    def add_images(self, projected, picture, framebuffer) -> None:
-        """Append a system's particles as images; `picture` is the look's entry."""
+    def add_images(self, projected, picture, roll: float, framebuffer) -> None:
+        """Append a system's particles as images.
+
+        picture : the look's entry
+        roll : the camera's, radians; upright images are turned by it
+        """
         image, _, parts = texels(picture.image.place)
         if picture.image.place not in self._chains:
             self._chains[picture.image.place] = len(self.texels)
@@ -82,13 +86,13 @@ class Sprites:
         side = round(((3 * len(image) + 1) / 4) ** 0.5)
         n, base = projected.count, self._reserve(projected.count)
         random_angle = picture.turn == "random"
+        angle = (0.0 if random_angle else math.radians(picture.turn)) + (roll if picture.upright else 0.0)
         lo, hi = math.radians(picture.spin.lo), math.radians(picture.spin.hi)
         if n:
             write_image_sprites(
                 projected.channels, n, self.texels, first, side, first + len(image) - 1, *parts,
-                0.0 if random_angle else math.radians(picture.turn),
-                math.tau if random_angle else 0.0, lo, hi - lo, self.rows, self.headers, self.depths, base, framebuffer.width,
-                framebuffer.height, *self._hiding,
+                angle, math.tau if random_angle else 0.0, lo, hi - lo, self.rows, self.headers, self.depths, base,
+                framebuffer.width, framebuffer.height, *self._hiding,
             )  # fmt: skip
 
     @property

@@ -1,5 +1,6 @@
 """Sprites that are pictures: their energy, their turn, and files that are refused."""
 
+import math
 import struct
 import zlib
 
@@ -63,6 +64,20 @@ def test_it_turns_counter_clockwise_and_spins_with_its_age(folder):
     assert turned == pytest.approx([0, -still[0]], abs=0.1), "a quarter turn takes right to up, which is less of a row"
     spun = middle_of_light(paint({**look, "picture": {"image": "arrow.png", "spin": 180}}, [[0, 0, 0]], birth=0.0))
     assert spun == pytest.approx(-still, abs=0.1) and length > 3
+
+
+@pytest.mark.parametrize("roll", [-130.0, -20.0, 0.0, 35.0])
+def test_an_upright_picture_stays_where_the_camera_rolls(folder, roll):
+    """A camera's `roll` turns what it sees clockwise, and upright images with it. Mutant: the roll's sign."""
+
+    def seen(upright, turn):
+        look = {"radius": 30.0, "draw": "picture", "picture": {"image": "arrow.png", "turn": turn, "upright": upright}}
+        camera = Camera(position=(0, 0, 10), height=200.0, roll=roll)
+        return middle_of_light(Painter(SIZE, camera, {"a": Look(**look)}).paint(scene(1.0, a=state([[0, 0, 0]])), 0.0))
+
+    length, angle = np.hypot(*seen(False, 0)), math.radians(90 - roll)
+    assert seen(True, 90) == pytest.approx([length * math.cos(angle), -length * math.sin(angle)], abs=0.1)
+    assert seen(False, 90) == pytest.approx([0, -length], abs=0.1)
 
 
 def test_it_keeps_its_form_and_colour(folder):
