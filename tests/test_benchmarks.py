@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 FOLDER = Path(__file__).resolve().parent.parent / "benchmarks"
-SLOW = {"startup", "memory", "pieces", "studio"}  # start many processes
+SLOW = {"startup", "memory", "pieces", "studio", "watching", "lighting"}  # start many processes, or compile much
 NAMES = sorted(path.stem for path in FOLDER.glob("[!_]*.py"))
 
 

@@ -9,7 +9,14 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-STILL = ["still", "course/bouncing_balls", "--time", "0", "--size", "32x18", "--overwrite", "-o"]
+DOT = """version: 1
+clock: {duration: 1, fps: 30, step: 1/30}
+systems:
+  dot:
+    emitters: {start: {count: 1, shape: {point: [0, 0, 0]}}}
+    look: {draw: pixel, emission: {intensity: 5}}
+camera: {position: [0, 0, 3], target: [0, 0, 0], height: 2}
+"""
 
 
 def still(folder: Path, **environment):
@@ -17,8 +24,9 @@ def still(folder: Path, **environment):
     kept = {k: v for k, v in os.environ.items() if k not in environment}
     given = {k: str(v) for k, v in environment.items() if v is not None}
     picture = folder / "a.png"
+    command = ["still", "-", "--time", "0", "--size", "32x18", "--overwrite", "-o", str(picture)]
     done = subprocess.run(
-        [sys.executable, str(ROOT / "cli.py"), *STILL, str(picture)], env=kept | given, capture_output=True, text=True
+        [sys.executable, str(ROOT / "cli.py"), *command], input=DOT, env=kept | given, capture_output=True, text=True
     )
     return done, hashlib.sha256(picture.read_bytes()).hexdigest() if picture.exists() else None
 

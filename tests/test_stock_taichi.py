@@ -11,11 +11,9 @@ import pytest
 from tests.small import SMALL
 
 ROOT = Path(__file__).resolve().parents[1]
-PIECES = {  # colliders, turning ones, rigid bodies, lit smoke, sprites that are only added, a magnetic field, no births
-    "course/bouncing_balls": {},
+PIECES = {  # colliders, rigid bodies, lit smoke, sprites that are only added, a magnetic field, no births
     "course/obstacles": {},
     "course/tower": {},
-    "course/rolling": {},
     "smoke": SMALL["smoke"],
     "charged": SMALL["charged"],
     "course/chain": {},

@@ -20,7 +20,7 @@ def test_the_command_prints_both_forms(gen_art):
     assert gen_art("audit", "chargd").status in (2, 3)
 
 
-SHORT = ("audit", "charged", "--time", "0.1")
+SHORT = ("audit", "course/two_stars", "--time", "0.1")
 
 
 def test_an_audit_is_drawn(gen_art, tmp_path):

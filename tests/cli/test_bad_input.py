@@ -2,6 +2,7 @@
 
 import pytest
 
+from gen_art.commands.main import run
 from tests.preset.piece import TEXT
 
 BOMB = "a: &a [x, x, x, x, x, x, x, x, x, x]\n" + "".join(
@@ -43,6 +44,12 @@ FILES = {
 }  # fmt: skip
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _modules_loaded():
+    """So that no file that an import writes is taken for one that a command wrote."""
+    run(["schema"])
+
+
 @pytest.fixture
 def refused(gen_art, tmp_path):
     """Run a command that must fail: its error text; nothing may have been written."""
@@ -58,7 +65,6 @@ def refused(gen_art, tmp_path):
         assert max(map(len, result.err.splitlines())) <= 400
         return result.err
 
-    gen_art("schema")  # start-up: the modules are loaded
     return call
 
 

@@ -82,7 +82,7 @@ class Body:
     @property
     def reach(self) -> float:
         """A distance, m, from the origin that no point of the body is beyond."""
-        return max(float(norm(part.center) + norm(part.half) + part.radius) for part in self.parts)
+        return max(float(norm(part.center)) + part.reach for part in self.parts)
 
 
 def motion_text(mass: float, position, velocity, spin) -> str:
@@ -239,10 +239,13 @@ def _samples(parts: list[Part], draw: str, points: int):
             f"a body of these sizes needs {needed:,} points, and has at most {MOST_POINTS:,}: lower `points`"
         )
     found = [p.surface(spacing) if draw == "cloud" else p.wires(spacing) for p in parts]
+    centers, reaches = np.array([p.center for p in parts]), np.array([p.reach for p in parts])
     for k, (x, n, area) in enumerate(found):
         outside = np.ones(len(x), bool)
-        for other in (*parts[:k], *parts[k + 1 :]):
-            outside &= other.distance(x) > -1e-9 * spacing
+        near = norm(centers - centers[k]) < 1.001 * (reaches + reaches[k])  # the others hold none of its points
+        for other in np.flatnonzero(near):
+            if other != k:
+                outside &= parts[other].distance(x) > -1e-9 * spacing
         found[k] = x[outside], n[outside], 0.5 * area[outside]
     x, n, area = (np.concatenate([f[k] for f in found]) for k in range(3))
     return x, n, area, spacing

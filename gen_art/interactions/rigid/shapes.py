@@ -71,6 +71,11 @@ class Part:
             squares = np.array([across, along, across]) / (rod + ball)
         return compose(self.axes * squares, self.axes.T)
 
+    @property
+    def reach(self) -> float:
+        """A distance, m, from its centre that no point of the part is beyond."""
+        return float(norm(self.half)) + self.radius
+
     def distance(self, x: np.ndarray) -> np.ndarray:
         """Distances (n,), m, of points (n, 3) in the body's frame from the surface; negative inside."""
         q = np.abs(apply_transposed(self.axes, x - self.center)) - self.half
