@@ -14,6 +14,7 @@ from pathlib import Path
 from gen_art.integrators import INTEGRATORS
 from gen_art.preset import (
     axes,
+    black_hole,
     camera,
     clock,
     develop,
@@ -144,6 +145,7 @@ DOCUMENTED = {  # class: heading of its table
     sky.Stars: "stars: of the sky",
     sky.Band: "band: of the sky",
     wormhole.Wormhole: "wormhole:",
+    black_hole.BlackHole: "black_hole:",
     develop.DevelopSpec: "develop:",
     develop.Bloom: "bloom: of develop",
     develop.AutoExposure: "auto_exposure: of develop",

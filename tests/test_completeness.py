@@ -113,6 +113,7 @@ def test_every_mapping_of_a_preset_has_its_table_and_every_key_its_words(referen
     """`MediumSpec` and `Preset` are told in prose; `ParticleSpec` is `Attributes` by another name."""
     from gen_art.preset import (
         axes,
+        black_hole,
         camera,
         clock,
         develop,
@@ -132,7 +133,7 @@ def test_every_mapping_of_a_preset_has_its_table_and_every_key_its_words(referen
     from gen_art.preset.model import Model
 
     modules = (
-        axes, camera, clock, develop, disc_shape, domain, emitter, expect, labels, light, liquid, look, schema, sky, surface,
+        axes, black_hole, camera, clock, develop, disc_shape, domain, emitter, expect, labels, light, liquid, look, schema, sky, surface,
         wormhole,
     )  # fmt: skip
     found = {

@@ -9,7 +9,7 @@ Source: Carlson, Numerical computation of real or complex elliptic integrals, Nu
 
 from gen_art.backend.runtime import is_f64, ti
 
-__all__ = ["angle_of", "elliptic_rf"]
+__all__ = ["angle_of", "elliptic_rf", "elliptic_rf_of_pair"]
 
 _MOST_STEPS = 60
 # Distance of the arguments from their mean, relative to it, at which the series of degree 5 ends: its error is about the sixth
@@ -40,3 +40,23 @@ def angle_of(s, c):
     """The angle in 0..pi with the sine s >= 0 and the cosine c, whose squares add up to 1."""
     angle = s * elliptic_rf(c * c, 1.0 + 0.0 * c, 1.0 + 0.0 * c)
     return ti.select(c < 0.0, ti.static(3.141592653589793) - angle, angle)
+
+
+@ti.func
+def elliptic_rf_of_pair(re, im, w):
+    """R_F(z, conjugate of z, w) of the complex number z = re + i im, not 0 or below with im = 0, and w > 0."""
+    near = ti.static(_NEAR_F64 if is_f64() else _NEAR_F32)
+    mean = (2.0 * re + w) / 3.0
+    steps = 0
+    while (ti.max(ti.abs(re - mean), ti.max(ti.abs(im), ti.abs(w - mean))) > near * ti.abs(mean)) & (
+        steps < _MOST_STEPS
+    ):
+        size = ti.sqrt(re * re + im * im)
+        # the square roots of z and of its conjugate add up to 2 sqrt((size + re) / 2), and their product is size
+        shift = size + ti.sqrt(2.0 * ti.max(size + re, 0.0) * w)
+        re, im, w = 0.25 * (re + shift), 0.25 * im, 0.25 * (w + shift)
+        mean = (2.0 * re + w) / 3.0
+        steps += 1
+    p, q = 1.0 - re / mean, im / mean
+    e2, e3 = q * q - 3.0 * p * p, -2.0 * p * (p * p + q * q)
+    return (1.0 - e2 / 10.0 + e3 / 14.0 + e2 * e2 / 24.0 - e2 * e3 * ti.static(3.0 / 44.0)) / ti.sqrt(mean)

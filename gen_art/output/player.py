@@ -39,7 +39,7 @@ SNAPSHOT_PAUSE = (
 WRITTEN = 4.0
 MOST_SNAPSHOTS = 512_000_000  # bytes of all of them
 DEVELOPED = ("develop", "labels", "axes", "gallery", "expect")  # keys that change nothing before the linear picture
-DRAWN = ("camera", "sky", "light", "ground", "shadows", "wormhole")  # keys that change no motion
+DRAWN = ("camera", "sky", "light", "ground", "shadows", "wormhole", "black_hole")  # keys that change no motion
 DRAWN_PARTS = ("look", "looks")  # of a system
 
 

@@ -11,6 +11,7 @@ from gen_art.html_table import html_table
 from gen_art.integrators.schemes import INTEGRATORS, charged, scheme
 from gen_art.particles.entries import LedgerEntry
 from gen_art.preset.axes import Axes
+from gen_art.preset.black_hole import BlackHole
 from gen_art.preset.camera import CameraSpec, Fit
 from gen_art.preset.clock import Clock
 from gen_art.preset.develop import DevelopSpec
@@ -177,6 +178,7 @@ class Preset(Model):
     shadows: bool = about(True, "whether things shadow each other and the ground, from the lamp and from the sky")
     sky: Sky | None = about(None, "what surrounds the scene; nothing when left out")
     wormhole: Wormhole | None = about(None, "a throat to another side, which bends light; none when left out")
+    black_hole: BlackHole | None = about(None, "a horizon, and light bent round it; none when left out")
     camera: CameraSpec | None = about(None, "the camera; when left out, one that has all particles in its view")
     develop: DevelopSpec = about(DevelopSpec(), "how light becomes a picture")
     labels: tuple[Label, ...] = about((), "text in the finished picture")
@@ -193,13 +195,23 @@ class Preset(Model):
 
     @model_validator(mode="after")
     def _bent(self):
-        if self.wormhole is not None and self.sky is not None and self.sky.sun is not None:
-            raise UsageError("the skies of a wormhole have no sun: give `sky` a gradient, a color, stars or a band")
-        if self.wormhole is not None and self.camera is not None and self.camera.height is not None:
-            raise UsageError("a wormhole is seen by a perspective camera: give `fov` in place of `height`")
+        if self.bends is None:
+            return self
+        if self.wormhole is not None and self.black_hole is not None:
+            raise UsageError("light is bent by a wormhole or by a black hole: leave out `wormhole` or `black_hole`")
+        name = "wormhole" if self.black_hole is None else "black hole"
+        if self.sky is not None and self.sky.sun is not None:
+            raise UsageError(f"the sky of a {name} has no sun: give `sky` a gradient, a color, stars or a band")
+        if self.camera is not None and self.camera.height is not None:
+            raise UsageError(f"a {name} is seen by a perspective camera: give `fov` in place of `height`")
         if self.wormhole is not None and self.camera is not None and self.camera.follow is not None:
             raise UsageError("a camera that sees a wormhole goes by its own path: leave out `follow`")
         return self
+
+    @property
+    def bends(self) -> Wormhole | BlackHole | None:
+        """What bends the light."""
+        return self.wormhole if self.black_hole is None else self.black_hole
 
     @classmethod
     def known_keys(cls) -> list[str]:

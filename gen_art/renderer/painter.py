@@ -24,7 +24,7 @@ from gen_art.renderer.following import followed, living
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
 from gen_art.renderer.lens_views import draw_through_lens
-from gen_art.renderer.lensing.lensed_view import NO_LENS, LensedView, WormholeView
+from gen_art.renderer.lensing.lensed_view import NO_LENS, BentSpace, LensedView
 from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.liquid.lamp_map import lamp_map
 from gen_art.renderer.liquid.liquid_pass import LiquidPass
@@ -81,7 +81,7 @@ class _Shaded:
     """Systems whose particles are shaded.
 
     drawn : (system, channels) of each
-    second : the second images of their particles beside a wormhole, and `bent`, how it bends their light
+    second : the second images of their particles in bent space, and `bent`, how it bends their light
     stretched : of the systems whose discs are stretched, their ellipses
     curved : of the systems whose streaks bend, the pieces of these
     hidden_by : what hides their sprites
@@ -121,7 +121,7 @@ class Painter:
         self.camera, self.looks, self.shutter = camera, looks or {}, shutter
         self.scene = scene or Scene()
         self.sky = None if transparent else self.scene.dome
-        self._wormhole = WormholeView.of(self.scene.wormhole, camera, self.sky, transparent)
+        self._bent = BentSpace.of(self.scene.bends, camera, self.sky, transparent)
         self.framebuffer = FrameBuffer(self.size)
         self._surfaces: SurfacePass | None = None
         self._liquids: LiquidPass | None = None
@@ -168,8 +168,8 @@ class Painter:
             for trail in self._trails.values():
                 self.framebuffer.buffer += trail.buffer
         self._draw_sprites(sim, shaded, view, film_time, 1.0, self.framebuffer)
-        if self._wormhole is not None:
-            self._wormhole.draw_sky(view, film_time, self.framebuffer)
+        if self._bent is not None:
+            self._bent.draw_sky(view, film_time, self.framebuffer)
         elif self.sky is not None:
             draw_sky(self.sky, view, self.framebuffer)
         pixels = self.framebuffer.pixels if self.supersample == 1 else box_averaged(self.framebuffer, self.supersample)
@@ -396,7 +396,7 @@ class Painter:
         sheets: list[SheetSystem] = []
         liquids: list[LiquidSystem] = []
         looks, hidden_by = {}, NOTHING_HIDES
-        bent = NO_LENS if self._wormhole is None else self._wormhole.at(view, film_time)
+        bent = NO_LENS if self._bent is None else self._bent.at(view, film_time)
         second: dict[str, ProjectedParticles] = {}
         for name in names:
             if self.looks.get(name, self._default_look) is not None:
@@ -460,9 +460,9 @@ class Painter:
                 elif light is not None and not light.dark and projected.count:
                     lit[name] = light, projected.used, columns
         scene = self.scene  # the mirror too: it shadows what it shows, and rays from behind do not meet it
-        if bent is not NO_LENS and (solids or sheets or liquids or scene.surfaces):
+        if self._bent is not None and (solids or sheets or liquids or scene.surfaces):
             raise UsageError(
-                "a wormhole bends the light of sprites and of the sky, and not of surfaces: leave out `wormhole`, or the "
+                f"a {self._bent.name} bends the light of sprites and of the sky, and not of surfaces: leave it out, or the "
                 "`ground`, the `look` of colliders and what is drawn as balls, bodies, threads, cloth or liquid"
             )
         casters = None

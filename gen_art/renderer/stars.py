@@ -16,12 +16,15 @@ from functools import lru_cache
 
 import numpy as np
 
+from gen_art.backend.runtime import kernel, ti
 from gen_art.maths.array_functions import cos, exp, log, sin
 from gen_art.maths.random import derive, uniform
 from gen_art.preset.sky import Stars
 from gen_art.renderer.colour import blackbody, luminance_of
 
 __all__ = ["StarField", "add_stars", "star_field", "stars_brighter"]
+
+I2, D2, F1 = ti.types.ndarray(ti.i32, 2), ti.types.ndarray(ti.f64, 2), ti.types.ndarray(ti.f32, 1)
 
 _BRIGHTER_THAN_0, _SLOPE = 5.1, 0.5  # stars; growth of log10 N with the magnitude
 _DISC = math.pi * math.radians(0.1) ** 2  # sr: a star of magnitude 0 has the light of this area with light 1
@@ -83,16 +86,31 @@ def add_stars(stars: StarField, axes: np.ndarray, scale: float, pixels: np.ndarr
     near = front & (column > -1.0) & (column < width + 1.0) & (row > -1.0) & (row < height + 1.0)
     column, row, depth = column[near], row[near], depth[near]
     light = stars.light[near] * (scale * scale / (depth * depth * depth))[:, None]
-    i, j = np.floor(row).astype(np.int64), np.floor(column).astype(np.int64)
-    down, across = _weights(row - i - 0.5), _weights(column - j - 0.5)
-    for k in range(3):
-        for m in range(3):
-            r, c = i + k - 1, j + m - 1
-            inside = np.flatnonzero((r >= 0) & (r < height) & (c >= 0) & (c < width))
-            at = r[inside], c[inside]
-            shown = np.maximum(1.0 - pixels[..., 3][at], 0.0)
-            share = light[inside] * (down[k] * across[m])[inside, None] * shown[:, None]
-            np.add.at(pixels[..., :3], at, share.astype(np.float32))
+    i, j = np.floor(row), np.floor(column)
+    stride = pixels.strides[0] // pixels.itemsize
+    flat = np.lib.stride_tricks.as_strided(pixels, (stride * (height - 1) + 4 * width,), (pixels.itemsize,))
+    corners = np.stack([i, j], axis=1).astype(np.int32) - 1
+    weights = np.stack([*_weights(row - i - 0.5), *_weights(column - j - 0.5)], axis=1)
+    if len(light):
+        _add_kernel(corners, weights, light, len(light), width, height, stride, flat)
+
+
+@ti.kernel
+def _add(corners: I2, weights: D2, light: D2, n: ti.i32, width: ti.i32, height: ti.i32, stride: ti.i32, pixels: F1):
+    """corners : row and column of the first of 3 x 3 pixels; weights : of their three rows and three columns"""
+    ti.loop_config(serialize=True)  # stars may share pixels
+    for i in range(n):
+        for k in range(3):
+            for m in range(3):
+                row, column = corners[i, 0] + k, corners[i, 1] + m
+                if (row >= 0) & (row < height) & (column >= 0) & (column < width):
+                    o = row * stride + 4 * column
+                    shown = ti.max(1.0 - ti.cast(pixels[o + 3], ti.f64), 0.0)
+                    for c in ti.static(range(3)):
+                        pixels[o + c] += ti.cast(light[i, c] * (weights[i, k] * weights[i, 3 + m]) * shown, ti.f32)
+
+
+_add_kernel = kernel(_add, "f64")
 
 
 def _weights(f):

@@ -7,10 +7,11 @@ import pytest
 
 from gen_art.backend.runtime import kernel, ti
 from gen_art.preset.wormhole import Wormhole
-from gen_art.renderer.lensing.geodesics import angle_to, ray_end
+from gen_art.renderer.lensing.ellis import angle_to, ray_end
+from gen_art.renderer.lensing.lens import Lens
 from gen_art.renderer.lensing.lensed_sky import lensed_stars
 from gen_art.renderer.lensing.particle_images import particle_images
-from gen_art.renderer.lensing.throat import Lens, Throat
+from gen_art.renderer.lensing.throat import Throat
 from gen_art.renderer.stars import StarField
 from tests.render.curved_rays import at_plane, flat, frames, index, miss, trace, world
 from tests.render.particles import state
@@ -114,7 +115,7 @@ def lens_at(l, theta, phi, radius=1.0) -> Lens:
     position = world(l, theta, phi) * radius + throat.center
     place = throat.place(position, l < 0.0)
     assert place.l == pytest.approx(l, abs=1e-9)
-    return Lens(radius, position, place, throat.center, throat.axes)
+    return throat.lens_at(position, l < 0.0)
 
 
 CAMERAS = [(4.0, 0.4, 0.3), (0.5, 1.2, -2.0), (6.0, 2.2, 1.0), (-3.0, 0.6, 2.0), (-0.2, 0.1, 0.0)]
@@ -199,7 +200,7 @@ def test_stars_are_magnified_as_the_picture_of_their_sky(far):
     side /= np.linalg.norm(side, axis=1)[:, None]
     other = np.cross(d, side)
 
-    def images(v):
+    def images(v):  # all of them, since none is faint here
         return lensed_stars(StarField(v / np.linalg.norm(v, axis=1)[:, None], np.ones((40, 3))), lens, far, 0)
 
     middle = images(d)

@@ -202,6 +202,15 @@ def wormhole():
     return [picture, *playback.aovs().values()]
 
 
+def black_hole():
+    disc = {"emitters": {"gas": {"count": 20_000, "shape": {"disc": 3, "inner": 1}, "velocity": {"orbit": 20}}},
+            "look": {"draw": "streak", "length": 0.05, "width": 0.02}}  # fmt: skip
+    camera = {"position": [0, 1.2, 8], "target": [0, 0, 0]}
+    return played(
+        size=(161, 91), black_hole=0.33, sky={"stars": True, "band": True}, systems={"disc": disc}, camera=camera
+    )
+
+
 def exposure():
     rng = np.random.default_rng(7)
     return [
@@ -214,7 +223,7 @@ SCENES = {
     for each in (
         surfaces, bodies_and_threads, maps, glass, cloth, liquids, glow, smoke_in_full_light, lens_before_surfaces,
         trails_and_ribbons, small_sprites, small_sprites_through_a_lens, sprites_that_hide_others, ellipses_and_curved_streaks,
-        pictures_as_sprites, sky, wormhole, exposure,
+        pictures_as_sprites, sky, wormhole, black_hole, exposure,
     )
 }  # fmt: skip
 

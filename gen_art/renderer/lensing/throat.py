@@ -20,8 +20,11 @@ import numpy as np
 from gen_art.errors import UsageError
 from gen_art.preset.wormhole import Wormhole
 from gen_art.renderer.camera import Camera, CameraView
+from gen_art.renderer.lensing.ellis import ELLIS
+from gen_art.renderer.lensing.image_table import image_table
+from gen_art.renderer.lensing.lens import Lens
 
-__all__ = ["Lens", "Throat", "WorldPlace"]
+__all__ = ["Throat", "WorldPlace"]
 
 _STEP = 1.0 / 60.0  # film seconds between the places of the camera's path that are tested
 
@@ -42,45 +45,6 @@ class WorldPlace:
     sphere: np.ndarray
 
 
-@dataclass(frozen=True)
-class Lens:
-    """What bends the light of one picture: where its camera stands, and how its directions become the wormhole's.
-
-    radius : a, world units
-    position : (3,) of the camera
-    place : of the camera
-    center : (3,) of the disc
-    axes : (3, 3), rows: two directions in the disc and its axis
-    """
-
-    radius: float
-    position: np.ndarray
-    place: WorldPlace
-    center: np.ndarray
-    axes: np.ndarray
-
-    @property
-    def far(self) -> bool:
-        """Whether the camera is on the other side."""
-        return math.copysign(1.0, self.place.l) < 0.0
-
-    @property
-    def uw(self) -> tuple[float, float]:
-        """abs(l) / r and 1 / r of the camera."""
-        r = math.hypot(self.place.l, 1.0)
-        return abs(self.place.l) / r, 1.0 / r
-
-    @property
-    def outward(self) -> np.ndarray:
-        """(3,) world direction at the camera away from the throat."""
-        return self.place.frame[0] * (-1.0 if self.far else 1.0)
-
-    @property
-    def tangents(self) -> np.ndarray:
-        """(3, 3) by which a direction across the radial one, in the axes of the throat, is multiplied to be one of the world."""
-        return self.place.frame[1:].T @ self.place.sphere
-
-
 class Throat:
     """The wormhole of a preset.
 
@@ -98,6 +62,7 @@ class Throat:
         first /= math.sqrt(float(np.sum(first * first)))
         self.axes = np.stack([first, np.cross(axis, first), axis])
         self._sides: list[tuple[np.ndarray, bool]] = []
+        self._table: tuple[float, np.ndarray] | None = None
 
     def lens(self, view: CameraView, film_time: float, camera: Camera | None) -> Lens:
         """The lens of a camera's view. Raises UsageError for parallel rays, which no camera in a wormhole has."""
@@ -105,8 +70,21 @@ class Throat:
             raise UsageError(
                 "a wormhole is seen by a perspective camera: give `fov` in place of `height`, or leave `wormhole` out"
             )
-        far = self._far_at(film_time, camera)
-        return Lens(self.spec.radius, view.position, self.place(view.position, far), self.center, self.axes)
+        return self.lens_at(view.position, self._far_at(film_time, camera))
+
+    def lens_at(self, position: np.ndarray, far: bool) -> Lens:
+        """The lens of a camera at a world position (3,) on one of the sides."""
+        place = self.place(position, far)
+        far = math.copysign(1.0, place.l) < 0.0
+        r = math.hypot(place.l, 1.0)
+        u, w = abs(place.l) / r, 1.0 / r
+        if self._table is None or self._table[0] != w:
+            self._table = w, image_table(ELLIS, u, w)
+        return Lens(
+            bending=ELLIS, radius=self.spec.radius, position=position, center=self.center, axes=self.axes,
+            uw=(u, w), far=far, normal=place.normal, outward=place.frame[0] * (-1.0 if far else 1.0),
+            tangents=place.frame[1:].T @ place.sphere, aside=place.sphere[1], table=self._table[1],
+        )  # fmt: skip
 
     def place(self, position, far: bool) -> WorldPlace:
         """The place of a world position (3,) on one of the sides."""

@@ -7,6 +7,7 @@ from functools import cached_property
 from gen_art.colliders.base import Collider
 from gen_art.colliders.plane import Plane
 from gen_art.errors import UsageError
+from gen_art.preset.black_hole import BlackHole
 from gen_art.preset.light import Light
 from gen_art.preset.surface import Ground, SurfaceLook, surface_look
 from gen_art.preset.wormhole import Wormhole
@@ -25,7 +26,7 @@ class Scene:
     shadows : whether things shadow each other
     colliders : of all systems; those with a look are drawn
     dome : the sky that surrounds it, or None
-    wormhole : what bends its light, or None
+    bends : what bends its light, or None
     """
 
     light: Light | None = None
@@ -33,7 +34,7 @@ class Scene:
     shadows: bool = True
     colliders: tuple[Collider, ...] = ()
     dome: SkyDome | None = None
-    wormhole: Wormhole | None = None
+    bends: Wormhole | BlackHole | None = None
 
     @classmethod
     def of(
@@ -50,7 +51,7 @@ class Scene:
             *(preset.colliders if shared is None else shared),
             *colliders,
         )  # those of the preset are there even if no system meets them
-        return cls(preset.light, preset.ground, preset.shadows, everything, dome, preset.wormhole)
+        return cls(preset.light, preset.ground, preset.shadows, everything, dome, preset.bends)
 
     @property
     def lit(self) -> bool:
