@@ -880,6 +880,22 @@ def waterline(name="waterline.webp", size=1024, deep=0.65):
     write(name, light, np.clip(np.maximum(tint, 0.9 * shine), 0, 1), 90)
 
 
+def gate():
+    """A ring of cloth filled with gas, in red and white, through which aeroplanes fly."""
+
+    def parts(p):
+        across = np.hypot(p[:, 0], p[:, 1])
+        seams = 0.018 * np.abs(np.cos(6 * np.arctan2(p[:, 1], p[:, 0])))
+        return [0.9 * (np.hypot(across - 9.0, p[:, 2]) - 0.8 - seams)]
+
+    def paint(p, which, normal):
+        stripe = np.cos(6 * np.arctan2(p[:, 1], p[:, 0])) > 0
+        albedo = np.where(stripe[:, None], np.float32((0.80, 0.06, 0.02)), np.float32((0.85, 0.84, 0.80)))
+        return albedo, np.full(len(p), 0.7)
+
+    solid("gate.webp", parts, paint, 9.95, view(0, 0), (-0.35, 0.8, 0.5), size=512)
+
+
 def farmland():
     """The map of `fields` with four times as much in it, for aeroplanes that fly low."""
     fields("farmland.webp", 2048, samples=2)
@@ -906,6 +922,7 @@ ALL = {
         clouds,
         fields,
         farmland,
+        gate,
     )
 }
 
