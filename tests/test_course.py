@@ -49,7 +49,8 @@ def test_every_system_of_the_page_is_shown_and_proved():
     assert set(re.findall(r"`(course/\w+)`", page)) == set(course_names())
     scripts = re.findall(r"`(\w+\.py)`", page)
     assert scripts and all((root / "examples" / name).is_file() for name in scripts)
-    tests = "\n".join(path.read_text(encoding="utf-8") for path in (root / "tests" / "physics").glob("test_*.py"))
+    folders = (root / "tests" / name for name in ("physics", "render"))
+    tests = "\n".join(path.read_text(encoding="utf-8") for folder in folders for path in folder.glob("test_*.py"))
     named = re.findall(r"`test_\w+\.py::(test_\w+)`", page)
     assert len(named) > 60 and not [name for name in named if f"\ndef {name}(" not in tests]
     rows = [line for line in page.splitlines() if line.startswith("|")][2:]

@@ -91,7 +91,7 @@ def test_pictures_are_there(opened, site):
         assert tab.locator(picture).first.evaluate("img => img.complete && img.naturalWidth > 200"), page
     tab.goto((site / "index.html").as_uri())
     tab.locator("a", has_text="gallery").first.click()
-    assert tab.locator(".tile").count() > 40
+    tab.locator(".tile").nth(40).wait_for(state="attached")  # the page is still being read
 
 
 def test_every_public_name_is_in_the_python_reference(site):
