@@ -1,4 +1,4 @@
-"""The keys of `black_hole:`, which bends light and swallows what reaches its horizon."""
+"""The keys of `black_hole:`, which bends light."""
 
 from gen_art.preset.fields import Size, Vector
 from gen_art.preset.model import Model, about

@@ -1,4 +1,4 @@
-"""The black hole of a preset: where its camera stands, and where things are seen past it.
+"""The black hole of a preset: the lens that it is for a camera.
 
 World coordinates about the middle are those of the metric: r is the distance to it, and directions stay what they are.
 """

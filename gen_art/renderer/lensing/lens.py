@@ -13,19 +13,8 @@ __all__ = [
 ]  # fmt: skip
 
 # numbers of the lens (float64)
-CENTER, AXES, RADIUS_OF, U, W, CAMERA_FAR, NORMAL, OUTWARD, TANGENTS, CAMERA, ANY = (
-    0,
-    3,
-    12,
-    13,
-    14,
-    15,
-    16,
-    19,
-    22,
-    31,
-    34,
-)
+CENTER, AXES, RADIUS_OF, U, W, CAMERA_FAR = 0, 3, 12, 13, 14, 15
+NORMAL, OUTWARD, TANGENTS, CAMERA, ASIDE = 16, 19, 22, 31, 34
 LENS_NUMBERS = 37
 
 
@@ -96,7 +85,7 @@ def lens_numbers(lens: Lens) -> np.ndarray:
     q[U], q[W] = lens.uw
     q[CAMERA_FAR], q[NORMAL : NORMAL + 3], q[OUTWARD : OUTWARD + 3] = lens.far, lens.normal, lens.outward
     q[TANGENTS : TANGENTS + 9], q[CAMERA : CAMERA + 3] = lens.tangents.ravel(), lens.position
-    q[ANY : ANY + 3] = lens.aside
+    q[ASIDE : ASIDE + 3] = lens.aside
     return q
 
 
@@ -115,7 +104,7 @@ def way_to(Q: ti.template(), n, order, towards, fixed):
     m = vector(Q, NORMAL)
     c, cross = ti.min(ti.max(n.dot(m), -1.0), 1.0), m.cross(n)
     s = ti.min(cross.norm(), 1.0)
-    t = vector(Q, ANY)
+    t = vector(Q, ASIDE)
     if s > 1e-12:
         t = (n - m * c) / s
         t = t - m * t.dot(m)
