@@ -15,7 +15,7 @@ demo: $(INSTALLED)
 	@$(BIN)/gen-art render fire -o out/fire.mp4 --overwrite
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -m "not proof" --numprocesses 2 --dist loadfile
+	$(BIN)/python -m pytest -m "not proof" --numprocesses 2 --dist worksteal
 
 proofs: $(INSTALLED)
 	$(BIN)/python -m pytest -m proof --numprocesses 2

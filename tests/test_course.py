@@ -28,6 +28,7 @@ def test_it_says_what_it_shows(name):
     assert third.startswith("# Change first: ")
 
 
+@pytest.mark.proof  # most pieces have kernels of their own, whose compilation takes a quarter of an hour in all
 @pytest.mark.filterwarnings("error::gen_art.errors.AdviceWarning")
 @pytest.mark.parametrize("name", course_names())
 def test_it_runs_and_draws(name, tmp_path):

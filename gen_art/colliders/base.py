@@ -3,6 +3,8 @@
 import math
 from typing import ClassVar
 
+import numpy as np
+
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.kernel_methods import check_kernel_methods
@@ -22,6 +24,7 @@ class Collider(Parametric):
     distance(self, x, q, side)  m, from x to the surface, positive where particles may be, never steeper than 1
     gradient(self, x, q, side)  (3,), the unit gradient of the distance
     nearest(self, x, q)         m, the smallest distance of all sides; needed if there is more than one
+    facet(self, x, q)           0 to 3, the face on which a place of the surface lies; needed if it is `faceted`
 
     `convex` says that no side's solid has a dent: a ray then finds it in a few steps.
     q holds the run-time parameters, and q.table(k) the numbers of a `table()`. A particle touches the surface where its distance
@@ -32,7 +35,8 @@ class Collider(Parametric):
     convex: ClassVar[bool] = (
         False  # whether each side is the surface of a convex solid, which a ray meets by Newton's method
     )
-    faceted: ClassVar[bool] = False  # whether a side has flat faces along the axes, whose edges are drawn smoothly
+    flat: ClassVar[bool] = False  # whether a side has flat faces only
+    faceted: ClassVar[bool] = False  # whether a side has edges between its faces, which are drawn smoothly
     repeat: ClassVar[None] = None
 
     restitution: float = param(
@@ -56,7 +60,7 @@ class Collider(Parametric):
         common = [key for key in Collider.parameters if key in cls.parameters]
         specific: dict[str, Parameter] = {key: p for key, p in cls.parameters.items() if key not in common}
         cls.parameters = specific | {key: cls.parameters[key] for key in common}
-        check_kernel_methods(cls, ("distance", "gradient", "nearest"))
+        check_kernel_methods(cls, ("distance", "gradient", "nearest", "facet"))
 
     def prepare(self):
         pair = tuple(float(c) for c in self.values["friction"])
@@ -88,6 +92,18 @@ class Collider(Parametric):
     def nearest(self, x, q):
         """The distance, m, from x to the nearest side."""
         return self.distance(x, q, 0)
+
+    @ti.func
+    def facet(self, x, q):
+        return 0
+
+    def ball(self) -> tuple[np.ndarray, float] | None:
+        """(centre, radius), m, of a ball around it at time 0; None where its extent is not known."""
+        return None
+
+    def surface_area(self) -> float:
+        """m^2, of a convex solid, four times its mean shadow over all directions; 0 for any other."""
+        return 0.0
 
     def bound_numbers(self, medium) -> list[float]:
         return self.numbers()

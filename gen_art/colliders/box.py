@@ -1,5 +1,9 @@
 """Boxes along the axes: a hollow one that contains particles, and a solid one."""
 
+import math
+
+import numpy as np
+
 from gen_art.backend.runtime import ti
 from gen_art.colliders.base import Collider, collider
 from gen_art.errors import UsageError
@@ -59,7 +63,7 @@ class Block(Collider):
     min, max : m, opposite corners, min below max
     """
 
-    convex = True
+    convex = flat = True
     faceted = True
 
     min: tuple = param((-1.0, -1.0, -1.0), unit="m")
@@ -68,6 +72,25 @@ class Block(Collider):
     def prepare(self):
         super().prepare()
         check_corners(self)
+
+    def ball(self) -> tuple[np.ndarray, float]:
+        low, high = (np.array(self.values[key], np.float64) for key in ("min", "max"))
+        return 0.5 * (low + high), 0.5 * math.dist(low, high)
+
+    def surface_area(self) -> float:
+        a, b, c = (high - low for low, high in zip(self.values["min"], self.values["max"]))
+        return 2.0 * (a * b + b * c + c * a)
+
+    @ti.func
+    def facet(self, x, q):
+        """The axis that the face lies across."""
+        d = ti.max(q.min - x, x - q.max)
+        result = 2
+        if d[0] >= d[1] and d[0] >= d[2]:
+            result = 0
+        elif d[1] >= d[2]:
+            result = 1
+        return result
 
     @ti.func
     def distance(self, x, q, side):

@@ -1,5 +1,9 @@
 """A capsule: a rod with round ends."""
 
+import math
+
+import numpy as np
+
 from gen_art.backend.runtime import ti
 from gen_art.colliders.base import Collider, collider
 from gen_art.registry import param
@@ -20,6 +24,14 @@ class Capsule(Collider):
     a: tuple = param((0.0, 0.0, 0.0), unit="m", doc="one end of the segment")
     b: tuple = param((0.0, 1.0, 0.0), unit="m", doc="the other end")
     radius: float = param(0.5, unit="m", min=1e-30)
+
+    def ball(self) -> tuple[np.ndarray, float]:
+        a, b, radius = (np.array(self.values[key], np.float64) for key in ("a", "b", "radius"))
+        return 0.5 * (a + b), 0.5 * math.dist(a, b) + float(radius)
+
+    def surface_area(self) -> float:
+        radius = float(self.values["radius"])
+        return 4.0 * math.pi * radius * (radius + 0.5 * math.dist(self.values["a"], self.values["b"]))
 
     @ti.func
     def from_segment(self, x, q):

@@ -15,7 +15,7 @@ class Plane(Collider):
     normal : of any length but 0
     """
 
-    convex = True
+    convex = flat = True
 
     point: tuple = param((0.0, 0.0, 0.0), unit="m")
     normal: tuple = param((0.0, 1.0, 0.0), doc="points to the side of the particles")

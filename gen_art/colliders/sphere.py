@@ -1,5 +1,9 @@
 """A sphere, solid or hollow."""
 
+import math
+
+import numpy as np
+
 from gen_art.backend.runtime import ti
 from gen_art.colliders.base import Collider, collider
 from gen_art.registry import param
@@ -22,6 +26,12 @@ class Sphere(Collider):
     @property
     def convex(self) -> bool:  # type: ignore[override]  # only an instance knows on which side the particles are
         return not self.values["inside"]
+
+    def ball(self) -> tuple[np.ndarray, float]:
+        return np.array(self.values["center"], np.float64), float(self.values["radius"])
+
+    def surface_area(self) -> float:
+        return 0.0 if self.values["inside"] else 4.0 * math.pi * float(self.values["radius"]) ** 2
 
     @ti.func
     def distance(self, x, q, side):

@@ -64,6 +64,9 @@ class Torus(Collider):
         cosine = -2.0 if half >= math.pi else math.cos(half)
         return np.array([*self._toward, cosine, math.sin(half)])
 
+    def ball(self) -> tuple[np.ndarray, float]:
+        return np.array(self.values["center"], np.float64), float(self.values["radius"] + self.values["tube"])
+
     @ti.func
     def from_circle(self, x, q):
         """The vector, m, from the nearest point of the arc to x."""

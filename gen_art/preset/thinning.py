@@ -22,11 +22,11 @@ def thinned(preset, until: float, limit: int, systems: Collection[str] | None = 
     systems : the names of those that may be thinned; all when None
     """
     changes: dict[str, tuple] = {}
-    few = preset
+    few, peaks = preset, estimate(preset, "f64", until).peak
     for name in _parents_first(preset):
         if systems is not None and name not in systems:
             continue
-        peak = estimate(few, "f64", until).peak[name]
+        peak = peaks[name]
         mutual = any(interaction.source_system is None for interaction in few.systems[name].interactions)
         allowed = limit * (MUTUAL if mutual else 1)
         if not peak > allowed:
@@ -34,6 +34,7 @@ def thinned(preset, until: float, limit: int, systems: Collection[str] | None = 
         for label, emitter in few.systems[name].emitters.items():
             changes |= _scaled(f"systems.{name}.emitters.{label}", emitter, allowed / peak)
         few = load_preset(preset, overrides={path: after for path, (_, after) in changes.items()})
+        peaks = estimate(few, "f64", until).peak
     return few, changes
 
 

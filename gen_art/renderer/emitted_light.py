@@ -13,7 +13,8 @@ import numpy as np
 from gen_art.particles.rows import POSITION
 from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.look_tables import AREA_OF, KIND, RIBBON, ROWS, SCALE, SIZE_MODE, SNAP, WIDTH, kernel_numbers
-from gen_art.renderer.shading import LIT_RADIUS, REFERENCE_ROWS, ProjectedParticles, shade
+from gen_art.renderer.projected_particles import LIT_RADIUS, ProjectedParticles
+from gen_art.renderer.shading import REFERENCE_ROWS, shade
 from gen_art.renderer.sprite import BLUE, DISC, POINT, RED, STREAK
 
 __all__ = ["emitted_light"]

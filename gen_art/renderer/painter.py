@@ -3,13 +3,12 @@
 import math
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gen_art.arguments import shown
 from gen_art.errors import PresetError, UsageError
-from gen_art.particles.rows import POSITION, VELOCITY
+from gen_art.particles.rows import POSITION
 from gen_art.particles.storage import Particles
 from gen_art.preset.disc_shape import Stretch
 from gen_art.preset.look import Look
@@ -17,6 +16,7 @@ from gen_art.renderer.camera import Camera, CameraView
 from gen_art.renderer.curved_streaks import Pieces, cut
 from gen_art.renderer.direct_splat import MAX_FOOTPRINT, MIN_PARTICLES, discs, pixels, points
 from gen_art.renderer.drawn_particles import particles_of, system_of
+from gen_art.renderer.earlier_velocities import EarlierVelocities
 from gen_art.renderer.elliptic_splat import ellipses_of_motion, ellipses_of_shapes
 from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.emitted_light import emitted_light
@@ -28,32 +28,29 @@ from gen_art.renderer.lensing.lensed_view import NO_LENS, BentSpace, LensedView
 from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.liquid.lamp_map import lamp_map
 from gen_art.renderer.liquid.liquid_pass import LiquidPass
-from gen_art.renderer.liquid.liquid_system import LiquidSystem, hiding_particles
+from gen_art.renderer.liquid.liquid_system import hiding_particles
 from gen_art.renderer.look_tables import SHUTTER, SIZE_MODE, SIZE_VALUE, TIME, LookTables, kernel_numbers
 from gen_art.renderer.neighbour_shapes import neighbour_shapes
 from gen_art.renderer.neighbour_sums import NeighbourSums
 from gen_art.renderer.path_history import MOMENTS, PathHistory
-from gen_art.renderer.ribbons import RibbonHistory, cut_by_plane
-from gen_art.renderer.shading import LIT_RADIUS, ProjectedParticles, shade
+from gen_art.renderer.projected_particles import ProjectedParticles
+from gen_art.renderer.ribbon_sprites import add_segment
+from gen_art.renderer.ribbons import RibbonHistory
+from gen_art.renderer.shading import shade
 from gen_art.renderer.sky_background import draw_sky
 from gen_art.renderer.smoke_lighting import add_scattered_light, lamp_axes, smoke_key
 from gen_art.renderer.spacing import NO_SPACING, spacing
-from gen_art.renderer.sprite import ALPHA, DISC, FOOTPRINT, HIDDEN, KINDS, OUTSIDE, PIECE, POINT, RED, STREAK, X
+from gen_art.renderer.sprite import DISC, FOOTPRINT, HIDDEN, KINDS, PIECE, POINT
 from gen_art.renderer.sprite_buffer import Sprites, streak_ends
 from gen_art.renderer.supersample import box_averaged
+from gen_art.renderer.surface_systems import SurfaceSystems
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES, SurfaceDepths, hide_small_sprites
 from gen_art.renderer.surfaces.liquid_shadow import NO_LIQUID
 from gen_art.renderer.surfaces.mirror_film import NO_MIRROR, MirrorFilm
 from gen_art.renderer.surfaces.scene import Scene
 from gen_art.renderer.surfaces.shadow_casters import ShadowCasters
-from gen_art.renderer.surfaces.sheet_rows import SheetSystem, places_on_sheet, sheet_of
-from gen_art.renderer.surfaces.solid_rows import SolidSystem, shapes_of
-from gen_art.renderer.surfaces.strands import lay_strands
 from gen_art.renderer.surfaces.surface_layers import SurfaceLayers
 from gen_art.renderer.surfaces.surface_pass import SurfacePass
-
-if TYPE_CHECKING:
-    pass
 
 __all__ = ["MAX_SIDE", "Painter", "check_size", "living"]
 
@@ -134,7 +131,7 @@ class Painter:
         self._trails: dict[str, FrameBuffer] = {}
         self._tables: dict[str, LookTables] = {}
         self._default_look = Look()
-        self._previous_velocities: dict[str, tuple] = {}
+        self._earlier_velocities: dict[str, EarlierVelocities] = {}
         self.histories = {
             n: RibbonHistory(k.ribbon) for n, k in self.looks.items() if k is not None and k.ribbon is not None
         }
@@ -321,6 +318,17 @@ class Painter:
             view = view.carried(subject.before(seconds).position, heading, bank)
         return view.in_air(self.scene.dome)
 
+    def remember_velocities(self, sim) -> None:
+        """Keep the velocities of the systems whose look shows the acceleration, which is their change until the next picture."""
+        for name, look in self.looks.items():
+            if look is not None and look.goes_by("acceleration"):
+                self._earlier_velocities[name] = EarlierVelocities.of(self.particles(sim, name), sim.time)
+
+    def _acceleration(self, name: str, system, time: float) -> np.ndarray | None:
+        """(n,) m/s^2 since the velocities that were remembered; None if there are none."""
+        earlier = self._earlier_velocities.get(name)
+        return None if earlier is None else earlier.acceleration(system, time)
+
     def expose_trails(self, sim, film_time: float, exposure: float, shutter: float) -> None:
         """Let the trails fade by `exposure` film seconds, then draw their systems into them once more.
 
@@ -392,9 +400,7 @@ class Painter:
         stretched: dict[str, np.ndarray] = {}
         curved: dict[str, Pieces] = {}
         lit: dict[str, tuple] = {}
-        solids: list[SolidSystem] = []
-        sheets: list[SheetSystem] = []
-        liquids: list[LiquidSystem] = []
+        surfaces = SurfaceSystems()
         looks, hidden_by = {}, NOTHING_HIDES
         bent = NO_LENS if self._bent is None else self._bent.at(view, film_time)
         second: dict[str, ProjectedParticles] = {}
@@ -427,47 +433,26 @@ class Painter:
                     seen_at = bent.images(system, look, 1, sim.time, shutter)
                     shade(second[name], system, tables, q, acceleration, seen_at, distances=distances)
                 if mirror is not None and not solid and look.draw != "cloth":  # rays cut solids at the mirror
-                    _hide_below(projected, system, *mirror)
+                    projected.hide_behind(system, *mirror)
                 if name in self.paths and bent is NO_LENS:
                     pieces = self._bend(name, system, q, acceleration, mirror)
                     curved |= {} if pieces is None else {name: pieces}
                 if look.stretch is not None:
                     stretched[name] = _ellipses(look.stretch, projected, system, neighbours, q)
                 drawn[name] = system, projected.used
-                columns = projected.lit[: projected.count]
-                velocities = system.floats[VELOCITY, : projected.count]
-                if look.draw == "cloth":
-                    member = sim.members[system_of(sim, name)]
-                    faces = sheet_of(name, member.interactions, system)
-                    positions = system.floats[POSITION, : projected.count]
-                    places = None
-                    if look.finish.image is not None:
-                        places = places_on_sheet(name, member.emitters, system)
-                    sheets.append(SheetSystem(look, projected.used, columns, positions, faces, velocities, places))
-                elif solid:
-                    shapes = None
-                    if look.shapes:
-                        joined = sim.members[system_of(sim, name)].interactions
-                        shapes = shapes_of(name, look.draw, joined, system)
-                    if look.strands and shapes is not None:
-                        shapes = lay_strands(shapes, columns[shapes.particle, LIT_RADIUS], look.strands)
-                    glows = name in self.scene.glow
-                    solids.append(
-                        SolidSystem(look.finish, projected.used, columns, velocities, shapes, glows, look.edge)
-                    )
-                elif look.is_liquid:
-                    liquids.append(LiquidSystem(look.liquid, look.liquid_finish, projected, velocities))
+                if self._is_surface(look):
+                    surfaces.add(sim, name, look, system, projected, name in self.scene.glow)
                 elif light is not None and not light.dark and projected.count:
-                    lit[name] = light, projected.used, columns
+                    lit[name] = light, projected.used, projected.lit[: projected.count]
         scene = self.scene  # the mirror too: it shadows what it shows, and rays from behind do not meet it
-        if self._bent is not None and (solids or sheets or liquids or scene.surfaces):
+        if self._bent is not None and (surfaces or scene.surfaces):
             raise UsageError(
                 f"a {self._bent.name} bends the light of sprites and of the sky, and not of surfaces: leave it out, or the "
                 "`ground`, the `look` of colliders and what is drawn as balls, bodies, threads, cloth or liquid"
             )
         casters = None
-        if trails is not None and (solids or sheets or liquids or scene.surfaces):
-            casters = ShadowCasters.of(scene, solids, sheets, view, sim.time)
+        if trails is not None and (surfaces or scene.surfaces):
+            casters = ShadowCasters.of(scene, surfaces.solids, surfaces.sheets, view, sim.time)
         shading = casters if scene.shadows else None
         smoke, emitted = given or ({}, None)
         if given is None:
@@ -476,10 +461,9 @@ class Painter:
         if trails is not None:
             if casters is not None:
                 if layers is not None:
-                    layers.take_motion(solids, sheets)
-                finishes = [*(system.finish for system in solids), *(system.look.finish for system in sheets)]
+                    layers.take_motion(surfaces.solids, surfaces.sheets)
                 hidden_by = self._draw_surfaces(
-                    scene, casters, finishes, liquids, smoke, framebuffer, film, mirror, emitted, layers, depths_only
+                    scene, casters, surfaces, smoke, framebuffer, film, mirror, emitted, layers, depths_only
                 )
             for trail in trails.values():
                 framebuffer.buffer += trail.buffer
@@ -493,7 +477,7 @@ class Painter:
         sprites.layered = any(look.blend != "add" and not self._is_surface(look) for look in looks.values())
         for name, look in looks.items():
             if look.ribbon is not None:
-                self._add_ribbons(sim, name, view, film_time, weight, framebuffer, shaded.mirror, shaded.bent)
+                self._add_ribbons(sim, name, view, film_time, weight, framebuffer, shaded)
             elif name in shaded.stretched:
                 sprites.add_ellipses(self._projected[name], shaded.stretched[name], framebuffer)
             elif not self._is_surface(look):
@@ -510,13 +494,13 @@ class Painter:
         past = self.paths[name].since(system, q[TIME], q[TIME] - q[SHUTTER])
         pieces = cut(system, past, q, look.tail, look.taper)
         if pieces is not None:
-            _hide(projected, pieces.replaced)
+            projected.hide(pieces.replaced)
             if acceleration is not None:
                 acceleration = acceleration[pieces.owner]
             of_pieces = self._projected_pieces.setdefault(name, ProjectedParticles())
             shade(of_pieces, pieces.system, self._tables[name], pieces.numbers, acceleration, pieces=pieces.rows)
             if mirror is not None:
-                _hide_below(of_pieces, pieces.system, *mirror)
+                of_pieces.hide_behind(pieces.system, *mirror)
         return pieces
 
     def _emitted_light(self, sim, view, film_time: float, weight: float) -> EmittedLight | None:
@@ -545,13 +529,13 @@ class Painter:
         return look.is_liquid or self._is_solid(look)
 
     def _draw_surfaces(
-        self, scene, casters, finishes, liquids, smoke: dict, framebuffer, film: MirrorFilm, mirror, emitted, layers,
+        self, scene, casters, drawn: SurfaceSystems, smoke: dict, framebuffer, film: MirrorFilm, mirror, emitted, layers,
         depths_only: bool,
     ) -> SurfaceDepths:  # fmt: skip
         """Draw the surfaces into a clear framebuffer; returns what they hide."""
         if self._surfaces is None:
             self._surfaces = SurfacePass(self.size)
-        surfaces = self._surfaces
+        surfaces, liquids, finishes = self._surfaces, drawn.liquids, drawn.finishes
         of_lamp = smoke.get(smoke_key(scene.lighting))
         shadow = NO_LIQUID
         # a clear liquid does not shadow itself
@@ -583,62 +567,14 @@ class Painter:
         if self._behind is not None:
             self._behind.forget_surfaces()
 
-    def _add_ribbons(
-        self, sim, name: str, view, film_time: float, weight: float, framebuffer: FrameBuffer, mirror, bent: LensedView
-    ) -> None:
-        """Add every segment of a system's ribbons; without earlier positions there are none."""
+    def _add_ribbons(self, sim, name: str, view, film_time, weight, framebuffer: FrameBuffer, shaded: _Shaded) -> None:
+        """Add every segment of a system's ribbons to the sprites; without earlier positions there are none."""
         tables, projected = self._tables[name], self._projected[name]
         for segment in self.histories[name].segments(self.particles(sim, name), sim.time):
-            light = weight * segment.light
             q = kernel_numbers(
-                tables,
-                view,
-                self.size,
-                segment.time,
-                film_time,
-                segment.duration,
-                False,
-                weight=light,
-                width=segment.width,
-            )
-            pieces = None
-            if len(bent.orders) == 1:
-                pieces = cut(segment.system, segment.past, q, segment.tail, segment.taper, segment.motion, along=True)
-            if mirror is not None:
-                cut_by_plane(segment, *mirror)
-            for order in bent.orders:
-                seen = bent.images(segment.system, tables.look, order, segment.time, segment.duration)
-                shade(projected, segment.system, tables, q, seen=seen)
-                if pieces is not None:
-                    _hide(projected, pieces.replaced)
-                self._sprites.add(projected, STREAK, framebuffer, streak_ends(segment.tail, segment.taper), HIDDEN)
-            if pieces is not None:
-                shade(projected, pieces.system, tables, pieces.numbers, pieces=pieces.rows)
-                if mirror is not None:
-                    _hide_below(projected, pieces.system, *mirror)
-                self._sprites.add(projected, PIECE, framebuffer, pieces.ends, HIDDEN)
-
-    def remember_velocities(self, sim) -> None:
-        """Keep the velocities of the systems whose look shows the acceleration, which is their change until the next picture."""
-        for name, look in self.looks.items():
-            if look is not None and look.goes_by("acceleration"):
-                system = self.particles(sim, name)
-                n = int(system.count)
-                velocities = np.array(system.floats[VELOCITY, :n], np.float64)
-                self._previous_velocities[name] = sim.time, np.array(system.id[:n]), velocities
-
-    def _acceleration(self, name: str, system, time: float) -> np.ndarray | None:
-        """(n,) m/s^2 since the velocities of the previous step; 0 for particles that did not exist then."""
-        if name not in self._previous_velocities:
-            return None
-        previous_time, ids, velocities = self._previous_velocities[name]
-        if previous_time == time or not len(ids):
-            return None
-        current_ids = system.id[: int(system.count)]
-        slot = np.minimum(np.searchsorted(ids, current_ids), len(ids) - 1)
-        change = system.floats[VELOCITY, : len(current_ids)] - velocities[:, slot]
-        acceleration = np.linalg.norm(change, axis=0) / abs(time - previous_time)
-        return np.where(ids[slot] == current_ids, acceleration, 0.0).astype(np.float32)
+                tables, view, self.size, segment.time, film_time, segment.duration, False, weight * segment.light, segment.width
+            )  # fmt: skip
+            add_segment(self._sprites, segment, projected, tables, q, framebuffer, shaded.mirror, shaded.bent)
 
     def _add_sprites(
         self, look: Look, projected: ProjectedParticles, view: CameraView, framebuffer: FrameBuffer
@@ -676,15 +612,3 @@ def _ellipses(
         return ellipses_of_shapes(projected, q, neighbour_shapes(neighbours[stretch.reach], stretch.most))
     assert stretch.time is not None
     return ellipses_of_motion(projected, system, q, stretch.time, stretch.most)
-
-
-def _hide_below(projected: ProjectedParticles, system, point, normal) -> None:
-    """Hide the particles behind a plane."""
-    height = np.asarray(normal, np.float64) @ system.floats[POSITION, : projected.count] - float(np.dot(normal, point))
-    _hide(projected, height < 0.0)
-
-
-def _hide(projected: ProjectedParticles, which: np.ndarray) -> None:
-    """Hide the particles that a mask names."""
-    projected.used[FOOTPRINT, which], projected.used[X, which] = HIDDEN, OUTSIDE
-    projected.used[RED : ALPHA + 1, which] = 0.0

@@ -7,7 +7,7 @@ The one-letter names in kernels are in docs/glossary.md.
 
 import numpy as np
 
-from gen_art.backend.runtime import aligned, kernel, ti
+from gen_art.backend.runtime import kernel, ti
 from gen_art.maths.elementary import exp
 from gen_art.particles.rows import CHARGE, LIFETIME, MASS, PX, PY, PZ, RADIUS, VX, VY, VZ
 from gen_art.renderer.colour import TABLE
@@ -67,12 +67,17 @@ from gen_art.renderer.look_tables import (
     LookTables,
 )
 from gen_art.renderer.piece_rows import NO_PIECES, PIECE_HEAD, PIECE_LIGHT, PIECE_OLD, PIECE_WIDTH
+from gen_art.renderer.projected_particles import (
+    FIRST_ALBEDO,
+    LIT_EXTINCTION,
+    LIT_RADIUS,
+    ProjectedParticles,
+)
 from gen_art.renderer.spacing import NO_SPACING
 from gen_art.renderer.sprite import (
     ALPHA,
     AREA,
     BLUE,
-    CHANNELS,
     DEPTH,
     DISC,
     DX,
@@ -95,7 +100,7 @@ from gen_art.renderer.sprite import (
     Y,
 )  # fmt: skip
 
-__all__ = ["ProjectedParticles", "shade"]
+__all__ = ["shade"]
 
 LANES = 8
 BLOCK = 2048  # particles per iteration of the parallel loop
@@ -107,9 +112,6 @@ BOKEH = 0.25 / KERNEL_VARIANCE  # square of the footprint whose kernel has the v
 SHARP_RIM, SOFT_RIM = (0.2 / KERNEL_VARIANCE) ** 0.5, 0.8**0.5
 # radius^2 / (disc^2 + circle^2) where disc and circle of confusion are nearly of one size: a cone, all rim.
 CONE_RADIUS2 = (1.0 + KERNEL_VARIANCE) / (1.0 + 6.0 * KERNEL_VARIANCE + 0.021)
-# columns of a lit particle: position, extinction cross section (m^2), albedo times coverage, radius of the sprite (m)
-LIT_POSITION, LIT_EXTINCTION, LIT_ALBEDO, LIT_RADIUS = slice(0, 3), 3, slice(4, 7), 7
-LIT_COLUMNS, FIRST_ALBEDO = 8, LIT_ALBEDO.start
 # quantities that a ramp may follow, in the order of preset.look.BY; RANDOM is in look_tables
 Q_AGE, Q_SECONDS, Q_SPEED, Q_ENERGY, Q_CHARGE, Q_MASS, Q_RADIUS, Q_ID, _, Q_DISTANCE, Q_X, Q_Y, Q_Z, Q_ACCELERATION = (
     range(QUANTITIES)
@@ -432,31 +434,6 @@ shade_kernel = kernel(_shade)
 
 NO_ACCELERATION = np.zeros(1, np.float32)
 NOTHING_BOOKED = np.zeros((1, 1))
-
-
-class ProjectedParticles:
-    """One system's particles on the picture; the arrays are reused from frame to frame.
-
-    channels : (11, capacity) float32, of which the first `count` columns are in use; there is room for a whole tile at the end
-    lit : (capacity, 8) float32, the columns LIT_... of a lit look's particles
-    """
-
-    def __init__(self):
-        self.channels = np.zeros((CHANNELS, 0), np.float32)
-        self.lit = np.zeros((1, LIT_COLUMNS), np.float32)
-        self.count = 0
-
-    def reserve(self, n: int, lit: bool) -> None:
-        if n > self.channels.shape[1]:
-            self.channels = aligned((CHANNELS, (n + n // 8) // 32 * 32 + 32), np.float32)
-        if lit and n > len(self.lit):
-            self.lit = np.empty((n + n // 8, LIT_COLUMNS), np.float32)
-        self.count = n
-
-    @property
-    def used(self) -> np.ndarray:
-        """The channels of the particles in use, (11, count): a view."""
-        return self.channels[:, : self.count]
 
 
 def shade(

@@ -29,7 +29,7 @@ from gen_art.preset.look import Light
 from gen_art.renderer.emissive_lighting import EmittedLight, scatter_emitted_light
 from gen_art.renderer.lighting import Lighting
 from gen_art.renderer.multiple_scattering import albedo_on_nodes, light_scattered_many_times
-from gen_art.renderer.shading import LIT_ALBEDO, LIT_EXTINCTION, LIT_POSITION, LIT_RADIUS
+from gen_art.renderer.projected_particles import LIT_ALBEDO, LIT_EXTINCTION, LIT_POSITION, LIT_RADIUS
 from gen_art.renderer.smoke_density import DIRECTIONS, WEIGHTS, Smoke
 from gen_art.renderer.sprite import ALPHA, BLUE, DEPTH, RED
 
@@ -285,7 +285,7 @@ def add_scattered_light(
 ) -> dict:
     """Add the light that lit systems scatter to their channels, in place. Returns the smoke by lamp, see `scattered_light`.
 
-    lit : name -> (Lighting, channels (11, n), (n, 8) columns LIT_... of shading.py)
+    lit : name -> (Lighting, channels (11, n), (n, 8) columns LIT_... of projected_particles.py)
     drawn : name -> (system, channels) of everything in the picture
     scale : pixels per world unit, or per unit of slope
     casters : what else shadows the lamp

@@ -27,7 +27,8 @@ from gen_art.renderer.look_tables import (
     LookTables,
     kernel_numbers,
 )
-from gen_art.renderer.shading import LIT_RADIUS, REFERENCE_ROWS, ProjectedParticles, shade
+from gen_art.renderer.projected_particles import LIT_RADIUS, ProjectedParticles
+from gen_art.renderer.shading import REFERENCE_ROWS, shade
 from gen_art.renderer.sprite import ALPHA, BLUE, DISC, GREEN, KINDS, POINT, RED, STREAK
 
 if TYPE_CHECKING:

@@ -57,3 +57,26 @@ def test_the_command(gen_art, tmp_path):
     gen_art("check", "bob.yaml", "euler.yaml")
     kept = json.loads((tmp_path / "verdicts.json").read_text(encoding="utf-8"))
     assert {name: one["verdict"] for name, one in kept.items()} == {"bob": "good", "euler": "not good"}
+
+
+def test_several_processes_find_what_one_does(gen_art, tmp_path):
+    (tmp_path / "bob.yaml").write_text(YAML, encoding="utf-8")
+    (tmp_path / "euler.yaml").write_text(YAML.replace("leapfrog", "euler"), encoding="utf-8")
+    one, two = (gen_art("check", "bob.yaml", "euler.yaml", "--no-keep", "--workers", count) for count in (1, 2))
+    assert one.status == two.status == 3 and one.out == two.out and "euler" in two.out
+    (tmp_path / "bare.yaml").write_text(YAML.split("expect:")[0], encoding="utf-8")
+    wrong = gen_art("check", "bare.yaml", "bob.yaml", "--workers", 2)
+    assert wrong.status == 2 and "expects nothing" in wrong.err and "Traceback" not in wrong.err
+
+
+def test_stale_checks_what_has_changed(gen_art, tmp_path):
+    bob = tmp_path / "bob.yaml"
+    bob.write_text(YAML, encoding="utf-8")
+    first = gen_art("check", "bob.yaml", "--stale")
+    assert first.status == 0 and "holds" in first.out
+    again = gen_art("check", "bob.yaml", "--stale")
+    assert again.status == 0 and again.out.strip() == "every kept verdict is good, and of the present preset"
+    bob.write_text(YAML.replace("9.8696", "9.8"), encoding="utf-8")
+    assert "holds" in gen_art("check", "bob.yaml", "--stale").out
+    bob.write_text(YAML.replace("leapfrog", "euler"), encoding="utf-8")
+    assert gen_art("check", "bob.yaml", "--stale").status == gen_art("check", "bob.yaml", "--stale").status == 3

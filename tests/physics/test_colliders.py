@@ -282,12 +282,66 @@ def test_a_torus_that_cannot_be_says_why():
         C.Torus(axis=(0, 0, 0))
 
 
+def distance_from_cylinder(points, a, b, radius):
+    """Signed distances of points (n, 3), in the plane of the axis: from a rectangle, by its nearest place or its nearest side."""
+    axis, middle = (b - a) / np.linalg.norm(b - a), 0.5 * (a + b)
+    along = (points - middle) @ axis
+    across = np.linalg.norm(points - middle - along[:, None] * axis, axis=1)
+    half = 0.5 * np.linalg.norm(b - a)
+    inside = (across < radius) & (abs(along) < half)
+    nearest = np.hypot(across - np.minimum(across, radius), along - np.clip(along, -half, half))
+    return np.where(inside, -np.minimum(radius - across, half - abs(along)), nearest)
+
+
+def test_the_distance_from_a_cylinder_and_its_gradient():
+    a, b, radius = np.array([0.2, -0.5, 0.1]), np.array([0.5, 0.6, -0.3]), 0.4
+    drum = ColliderTerms([C.Cylinder(a, b, radius)])
+    points = np.random.default_rng(3).uniform(-1.5, 1.5, (300, 3))
+    found = collider_distances(drum, points, 0.0)[:, 0]
+    assert (
+        np.abs(found - distance_from_cylinder(points, a, b, radius)).max() < 16 * 3 * 2**-24
+    )  # float32, of at most 3 m
+    assert np.abs(found - distance_from_cylinder(points, a, b, 1.01 * radius)).max() > 3e-3  # the mutant: a wider one
+    assert (found < 0).sum() > 5 and (found > 0).sum() > 100
+
+
+def test_balls_bounce_off_the_faces_and_the_edge_of_a_cylinder():
+    """Straight up from the top, sideways at 45 degrees of the edge and of the round face, and past it."""
+    drum = C.Cylinder((0, 0, 0), (0, 0.5, 0), 1.0, restitution=1.0)
+    lying = C.Cylinder((0, 0, -1), (0, 0, 1), 1.0, restitution=1.0)
+    edge, side = 1 + R / np.sqrt(2), (1 + R) / np.sqrt(2)
+    sim = simulation([[0.3, 2, 0.2], [edge, 2, 0], [1 + 2 * R, 2, 0]], [[0, -3, 0]] * 3, [drum], forces=[], dt=1.0)
+    sim.step(1)
+    assert np.allclose(sim["s"].velocity, [[0, 3, 0], [3, 0, 0], [0, -3, 0]], atol=1e-10)
+    closes(sim)
+    sim = simulation([[side, 2, 0.4], [0, 2, -0.9]], [[0, -3, 0]] * 2, [lying], forces=[], dt=1.0)
+    sim.step(1)
+    assert np.allclose(sim["s"].velocity, [[3, 0, 0], [0, 3, 0]], atol=1e-10)
+
+
+def test_a_turning_cylinder_takes_along_what_lies_on_it():
+    """Rough enough, a ball goes round with it: v = w x r. Without the turn it stays where it is."""
+    for turn in (0.5, 0.0):
+        disc = C.Cylinder((0, -0.2, 0), (0, 0, 0), 1.0, restitution=0, friction=1.0, angular_velocity=(0, turn, 0))
+        sim = simulation([[0.5, R, 0]], [[0, 0, -0.5 * turn]], [disc], dt=1e-3, ledger=False)
+        sim.step(1000)
+        x = sim["s"].position[0]
+        assert np.hypot(x[0], x[2]) == pytest.approx(0.5, abs=2e-3)
+        assert np.arctan2(-x[2], x[0]) == pytest.approx(turn, abs=2e-3)
+
+
+def test_a_cylinder_without_length_says_why():
+    with pytest.raises(ga.UsageError, match="must not be in one place"):
+        C.Cylinder(a=(1, 1, 1), b=(1, 1, 1))
+
+
 def test_fast_particles_do_not_pass_through():
     """A hundred metres a step through a ball of half a metre, a thin rod, a slab and the walls of a box."""
     for one in (
         C.Sphere((0, 0, 0), 0.5),
         C.Capsule((0, -1, 0), (0, 1, 0), 0.02),
         C.Block((-0.01, -1, -1), (0.01, 1, 1)),
+        C.Cylinder((-0.01, 0, 0), (0.01, 0, 0), 1),
     ):
         sim = simulation([[-1, 0, 0]], [[1e4, 0, 0]], [one], forces=[], ledger=False)
         sim.step(1)

@@ -163,6 +163,7 @@ def test_bounding_balls_hold_their_colliders():
         (c.Sphere(center=(1, 2, 3), radius=0.5, velocity=(1, 0, 0)), (3, 2, 3), 0.5),
         (c.Capsule(a=(0, 0, 0), b=(0, 2, 0), radius=0.5), (0, 1, 0), 1.5),
         (c.Block(min=(0, 0, 0), max=(2, 2, 2)), (1, 1, 1), math.sqrt(3)),
+        (c.Cylinder(a=(0, 0, 0), b=(0, 0.8, 0), radius=0.3), (0, 0.4, 0), 0.5),
     ):
         found = caustics.bounding_ball(collider, 2.0)
         assert found is not None and found[0] == pytest.approx(center) and found[1] == pytest.approx(radius)

@@ -73,4 +73,7 @@ def test_the_mean_radius_is_that_of_cauchys_shadow():
     assert mean_radius(c.Capsule(a=(0, 0, 0), b=(0, 2, 0), radius=0.5)) == pytest.approx(
         math.sqrt((math.pi + 2 * math.pi) / 4 / math.pi)
     )
+    assert mean_radius(c.Cylinder(a=(0, 0, 0), b=(0, 2, 0), radius=0.5)) == pytest.approx(
+        math.sqrt((0.5 * math.pi + 2 * math.pi) / 4 / math.pi)
+    )
     assert mean_radius(c.Plane()) == 0.0 and mean_radius(c.Sphere(radius=2, inside=True)) == 0.0

@@ -192,6 +192,25 @@ def test_a_body_looks_like_the_collider_of_its_shape(shape, collider):
     assert np.abs(one.mean(axis=(0, 1)) / two.mean(axis=(0, 1)) - 1).max() < 2e-3
 
 
+@pytest.mark.parametrize("view", [[0, 0, 1], [1, 0, 0], [0.3, 0.6, 0.7]])
+def test_a_cylinder_covers_its_outline(view):
+    """Across the axis, along it and between: the outline of radius r and length l has the area pi r^2 c + 2 r l s.
+
+    c, s : cosine and sine of the angle between the axis and the view. A pixel at the edge is off by one of 8 rays at most.
+    """
+    radius, length, rows = 0.4, 1.6, 192
+    view = np.array(view) / np.linalg.norm(view)
+    cosine = abs(view[0])
+    sine = math.sqrt(1 - cosine**2)
+    camera = {"position": (5 * view).tolist(), "target": [0, 0, 0], "up": [0, 1, 0], "height": 3}
+    drum = {"cylinder": {"a": [-length / 2, 0, 0], "b": [length / 2, 0, 0], "radius": radius, "look": matte()}}
+    covered = picture((256, rows), colliders=drum, light=EVEN, camera=camera)[..., 3].sum() * (3 / rows) ** 2
+    area = math.pi * radius**2 * cosine + 2 * radius * length * sine
+    outline = 2 * math.pi * radius + 2 * length * sine
+    off = outline * (3 / rows) / 8
+    assert abs(covered - area) < off < 0.02 * area
+
+
 def test_a_turned_body_is_drawn_turned():
     light = {"direction": [0, -1, 0], "intensity": 0.25, **DARK}
     flat = picture(systems=body_system({"box": [1, 0.2, 0.2]}), light=light, size=(96, 96))

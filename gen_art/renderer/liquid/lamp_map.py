@@ -6,7 +6,7 @@ from gen_art.maths.array_functions import log
 from gen_art.renderer.liquid.layers import PixelLayers
 from gen_art.renderer.liquid.liquid_system import LiquidSystem
 from gen_art.renderer.liquid.particle_bins import ParticleBins
-from gen_art.renderer.shading import LIT_COLUMNS, LIT_RADIUS
+from gen_art.renderer.projected_particles import LIT_COLUMNS, LIT_RADIUS
 from gen_art.renderer.sprite import CHANNELS, DEPTH, X, Y
 from gen_art.renderer.surfaces.liquid_shadow import NO_LIQUID, LiquidShadow
 from gen_art.renderer.surfaces.reflection import fresnel

@@ -10,7 +10,13 @@ from gen_art.preset.liquid import Liquid
 from gen_art.preset.surface import Finish
 from gen_art.renderer.colour import linear
 from gen_art.renderer.liquid.packing import packing
-from gen_art.renderer.shading import LIT_ALBEDO, LIT_EXTINCTION, LIT_POSITION, LIT_RADIUS, ProjectedParticles
+from gen_art.renderer.projected_particles import (
+    LIT_ALBEDO,
+    LIT_EXTINCTION,
+    LIT_POSITION,
+    LIT_RADIUS,
+    ProjectedParticles,
+)
 from gen_art.renderer.sprite import ALPHA, BLUE, DEPTH, FOOTPRINT, RED
 
 __all__ = ["LiquidSystem", "absorption", "hiding_particles"]

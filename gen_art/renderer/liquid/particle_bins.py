@@ -9,7 +9,7 @@ import numpy as np
 
 from gen_art.backend.runtime import kernel, ti
 from gen_art.renderer.picture_tiles import BIN
-from gen_art.renderer.shading import LIT_RADIUS
+from gen_art.renderer.projected_particles import LIT_RADIUS
 from gen_art.renderer.sprite import DEPTH, FOOTPRINT, X, Y
 from gen_art.renderer.surfaces.scene_numbers import PARALLEL, ROWS, SCALE, WIDTH
 

@@ -8,7 +8,6 @@ Source: Jensen, Global illumination using photon maps, Eurographics Workshop on 
 The one-letter names in kernels are in docs/glossary.md.
 """
 
-import math
 from functools import cache, lru_cache
 
 import numpy as np
@@ -16,10 +15,6 @@ import numpy as np
 from gen_art.backend.kernel_views import particle as arrays
 from gen_art.backend.runtime import kernel, ti
 from gen_art.colliders.base import Collider
-from gen_art.colliders.box import Block
-from gen_art.colliders.capsule import Capsule
-from gen_art.colliders.sphere import Sphere
-from gen_art.colliders.torus import Torus
 from gen_art.maths.array_functions import cos, sin
 from gen_art.maths.elementary import exp, log
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms
@@ -133,21 +128,9 @@ def _starts(count: int) -> np.ndarray:
 
 
 def bounding_ball(collider: Collider, time: float) -> tuple[np.ndarray, float] | None:
-    """(centre, radius) of a ball around a solid collider; None for one whose extent is not known."""
-    v = collider.values
-    if isinstance(collider, Sphere):
-        center, radius = np.array(v["center"], np.float64), float(v["radius"])
-    elif isinstance(collider, Capsule):
-        a, b = np.array(v["a"], np.float64), np.array(v["b"], np.float64)
-        center, radius = 0.5 * (a + b), 0.5 * math.dist(a, b) + float(v["radius"])
-    elif isinstance(collider, Torus):
-        center, radius = np.array(v["center"], np.float64), float(v["radius"] + v["tube"])
-    elif isinstance(collider, Block):
-        low, high = np.array(v["min"], np.float64), np.array(v["max"], np.float64)
-        center, radius = 0.5 * (low + high), 0.5 * math.dist(low, high)
-    else:
-        return None
-    return center + np.array(v["velocity"], np.float64) * time, radius
+    """(centre, radius), m, of a ball around a solid collider at a time; None for one whose extent is not known."""
+    ball = collider.ball()
+    return None if ball is None else (ball[0] + np.array(collider.values["velocity"], np.float64) * time, ball[1])
 
 
 def caustic_photons(casters: ShadowCasters, surfaces, table, owners, numbers, smoke, grid: SolidGrid) -> Photons:

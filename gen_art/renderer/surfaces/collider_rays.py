@@ -176,7 +176,7 @@ def first_hit(
     """(distance along the ray, surface, facet) of the first surface that a ray enters, or (high, -1, 0).
 
     among : the set of the colliders that it may enter, as of collider_sets.py
-    facet : of a side with flat faces, 0, 1 or 2: the axis that the face lies across
+    facet : the face of its side that it meets
     """
     nearest, surface, facet = high, -1, 0
     for kind in ti.static(kinds):
@@ -197,7 +197,7 @@ def first_hit(
                         if inside == 1:
                             nearest, surface, facet = t, kind.first_surface + j * kind.collider.sides + side, 0
                             if ti.static(kind.collider.faceted):
-                                facet = _largest_axis(kind.collider.gradient(o + d * t, q, side))
+                                facet = kind.collider.facet(o + d * t, q)
     return nearest, surface, facet
 
 
@@ -227,17 +227,6 @@ def surface_exit(kinds: ti.template(), Q: ti.template(), surface, origin, direct
                     t -= f
                     f = kind.collider.distance(o + d * t, q, 0)
     return t
-
-
-@ti.func
-def _largest_axis(n):
-    """The axis, 0, 1 or 2, along which a vector is longest."""
-    result = 2
-    if abs(n[0]) >= abs(n[1]) and abs(n[0]) >= abs(n[2]):
-        result = 0
-    elif abs(n[1]) >= abs(n[2]):
-        result = 1
-    return result
 
 
 @ti.func

@@ -8,7 +8,7 @@ import numpy as np
 from gen_art.errors import UsageError
 from gen_art.preset.look import Look
 from gen_art.renderer.colour import linear
-from gen_art.renderer.shading import LIT_ALBEDO, LIT_EXTINCTION
+from gen_art.renderer.projected_particles import LIT_ALBEDO, LIT_EXTINCTION
 from gen_art.renderer.sprite import ALPHA, BLUE, RED
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 
@@ -68,7 +68,7 @@ class SheetSystem:
 
     look : its finish, back and translucency
     channels : (11, n) of ProjectedParticles
-    columns : (n, 8) LIT_... of shading.py
+    columns : (n, 8) LIT_... of projected_particles.py
     positions : (3, n) m, of the particles
     faces : (k, 3), particles at the corners of the triangles
     velocities : (3, n) m/s

@@ -15,10 +15,7 @@ import numpy as np
 
 from gen_art.backend.runtime import ti
 from gen_art.colliders.base import Collider
-from gen_art.colliders.box import Block
-from gen_art.colliders.capsule import Capsule
 from gen_art.colliders.kinds import numbers_of
-from gen_art.colliders.sphere import Sphere
 from gen_art.colliders.surface import rotated_about, to_start_frame
 from gen_art.renderer.surfaces.collider_rays import cast_by
 from gen_art.renderer.surfaces.collider_sets import holds
@@ -30,17 +27,11 @@ FARTHEST_OCCLUDER = 12.0  # mean radii: farther away a collider hides less than 
 
 
 def mean_radius(collider: Collider) -> float:
-    """Radius of the ball whose shadow is as large as the collider's, as the mean over all directions, m; 0 if not known."""
-    v = collider.values
-    if isinstance(collider, Sphere):
-        return 0.0 if v["inside"] else float(v["radius"])
-    if isinstance(collider, Capsule):
-        r = float(v["radius"])
-        return math.sqrt(r * r + 0.5 * r * math.dist(v["a"], v["b"]))
-    if isinstance(collider, Block):
-        a, b, c = (high - low for low, high in zip(v["min"], v["max"]))
-        return math.sqrt(0.5 * (a * b + b * c + c * a) / math.pi)
-    return 0.0
+    """Radius of the ball whose shadow is as large as the collider's, as the mean over all directions, m; 0 if not known.
+
+    The mean shadow of a convex solid is a quarter of its surface (Cauchy).
+    """
+    return math.sqrt(collider.surface_area() / (4.0 * math.pi))
 
 
 def sky_occluders(surfaces, through: float) -> np.ndarray:

@@ -7,7 +7,7 @@ import numpy as np
 from gen_art.errors import UsageError
 from gen_art.interactions.base import Shapes
 from gen_art.preset.surface import Finish
-from gen_art.renderer.shading import LIT_ALBEDO, LIT_EXTINCTION, LIT_POSITION, LIT_RADIUS
+from gen_art.renderer.projected_particles import LIT_ALBEDO, LIT_EXTINCTION, LIT_POSITION, LIT_RADIUS
 from gen_art.renderer.sprite import ALPHA, BLUE, RED
 from gen_art.renderer.surfaces.solids import (
     ALBEDO,
@@ -35,7 +35,7 @@ class SolidSystem:
 
     finish : how they reflect
     channels : (11, n) of ProjectedParticles
-    columns : (n, 8) LIT_... of shading.py
+    columns : (n, 8) LIT_... of projected_particles.py
     shapes : of bodies or threads; balls if None
     glows : whether it lights the others
     edge : m, radius to which the edges of boxes are rounded

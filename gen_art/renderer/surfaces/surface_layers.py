@@ -10,7 +10,7 @@ import numpy as np
 
 from gen_art.backend.runtime import ti
 from gen_art.colliders.surface import surface_properties
-from gen_art.renderer.shading import LIT_EXTINCTION
+from gen_art.renderer.projected_particles import LIT_EXTINCTION
 from gen_art.renderer.surfaces.collider_sets import every_caster
 from gen_art.renderer.surfaces.draw_sheets import sheet_velocity
 from gen_art.renderer.surfaces.liquid_shadow import liquid_light

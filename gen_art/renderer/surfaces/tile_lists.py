@@ -5,7 +5,6 @@ The one-letter names in kernels are in docs/glossary.md.
 
 from gen_art.backend.runtime import ti
 from gen_art.colliders.kinds import numbers_of
-from gen_art.colliders.plane import Plane
 from gen_art.colliders.surface import to_start_frame
 from gen_art.renderer.picture_tiles import TILE
 from gen_art.renderer.surfaces.collider_rays import cast_by, cone_contact, ray_in_start_frame
@@ -58,7 +57,7 @@ def covered_by(kinds: ti.template(), among, owners: ti.template()):
         if ti.static(kind.collider.convex and kind.collider.sides == 1):
             for j in range(kind.count):
                 if among == with_collider(ti.i64(0), kind.first + j):
-                    alone, flat = 1, ti.static(int(kind.collider.faceted or isinstance(kind.collider, Plane)))
+                    alone, flat = 1, ti.static(int(kind.collider.flat))
     same = owner == owners[TILE + 1] and owner == owners[last - TILE - 1] and owner == owners[last]
     return ti.select(alone == 1 and same, owner, -1), flat
 
