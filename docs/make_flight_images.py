@@ -896,6 +896,43 @@ def gate():
     solid("gate.webp", parts, paint, 9.95, view(0, 0), (-0.35, 0.8, 0.5), size=512)
 
 
+def probe():
+    """A space probe: a body in gilt foil, a dish, and two panels of solar cells."""
+
+    def parts(p):
+        q = p.copy()
+        q[:, 0] = np.abs(q[:, 0])
+        foil = 0.02 * np.sin(17 * p[:, 0] + 5 * p[:, 1]) * np.sin(13 * p[:, 1] - 7 * p[:, 2]) * np.sin(15 * p[:, 2])
+        body = 0.8 * (box(p, (0, 0, 0), (0.62, 0.8, 0.62), 0.08) - foil)
+        dish = np.maximum(np.abs(ball(p, (0, 1.9, 0), (1.15, 1.15, 1.15))) - 0.03, p[:, 1] - 1.32)
+        feed = rod(p, (0, 0.8, 0), (0, 1.75, 0), 0.05)
+        arm = rod(q, (0.6, 0, 0), (1.3, 0, 0), 0.06)
+        panel = box(q, (2.75, 0, 0), (1.45, 0.72, 0.03), 0.01)
+        nozzle = rod(p, (0, -0.8, 0), (0, -1.1, 0), 0.14, 0.26)
+        return [body, dish, feed, arm, panel, nozzle]
+
+    def paint(p, which, normal):
+        albedo = np.broadcast_to(np.float32((0.75, 0.42, 0.08)), p.shape).copy()
+        albedo[which == 1] = (0.85, 0.85, 0.84)
+        albedo[(which == 2) | (which == 3)] = 0.5
+        cell = np.minimum(np.abs((p[:, 0] % 0.29) - 0.145), np.abs(((p[:, 1] + 0.72) % 0.36) - 0.18))
+        albedo[which == 4] = np.where(cell[which == 4, None] < 0.125, (0.03, 0.07, 0.28), (0.42, 0.44, 0.5))
+        albedo[which == 5] = (0.12, 0.12, 0.13)
+        return albedo, np.where(which == 1, 0.3, 1.0)
+
+    solid(
+        "probe.webp",
+        parts,
+        paint,
+        4.4,
+        view(28, 24, -14),
+        (0.5, 0.6, 0.62),
+        size=256,
+        sky=(0.2, 0.22, 0.28),
+        below=(0.16, 0.12, 0.08),
+    )
+
+
 def farmland():
     """The map of `fields` with four times as much in it, for aeroplanes that fly low."""
     fields("farmland.webp", 2048, samples=2)
@@ -923,6 +960,7 @@ ALL = {
         fields,
         farmland,
         gate,
+        probe,
     )
 }
 
