@@ -55,18 +55,27 @@ def command(
     changed = bool(settings or fps or duration or seed is not None or model)
     given = {"seed": seed, "settings": settings, "fps": fps, "duration": duration, "plugins": plugins}
     names = presets or (*preset_names(), *course_names())
+    if stale and against is not None:
+        raise click.UsageError(
+            "--stale goes by the verdicts that are kept, and with --expect none is: leave one of them out"
+        )
+    if "-" in names and (stale or len(names) > 1):
+        raise click.UsageError("standard input (-) can be read once only: give - alone, without --stale")
     if stale:
         names = [name for name in names if _kept_verdict(name, given) != "good"]
         if not names and not as_json:
             echo("every kept verdict is good, and of the present preset")
     found = {}
-    for name, (text, result) in zip(names, _checks(names, min(workers, len(names)), given, model, threads)):
+    for name, (text, result, key) in zip(names, _checks(names, min(workers, len(names)), given, model, threads)):
         found[name] = result
         if not as_json:
             echo(text)
         if keep and not changed and name != "-":
             try:
-                verdicts.keep(options.load(name, **given)[0], result, version())
+                preset, _ = options.load(name, **given)
+                if verdicts.key(preset, version()) != key:
+                    raise OutputError(f"{name} was changed while it was checked")
+                verdicts.keep(preset, result, version())
             except OutputError as error:
                 echo(f"gen-art: warning: the verdict is not kept: {error}", err=True)
     good = sum(one["verdict"] == "good" for one in found.values())
@@ -77,8 +86,8 @@ def command(
     context.exit(0 if good == len(found) else 3)
 
 
-def _checks(names, workers: int, given: dict, model, threads) -> Iterator[tuple[str, dict]]:
-    """What is found of each preset, in their order, as text and as plain numbers."""
+def _checks(names, workers: int, given: dict, model, threads) -> Iterator[tuple[str, dict, str]]:
+    """What `_check` finds of each preset, in their order."""
     if workers <= 1:
         yield from (_check(name, given, model, threads) for name in names)
         return
@@ -105,10 +114,13 @@ def _kept_verdict(name: str, given: dict) -> str:
     return (verdict_of(options.load(name, **given)[0], version()) or {"verdict": "not checked"})["verdict"]
 
 
-def _check(name: str, given: dict, model, threads) -> tuple[str, dict]:
+def _check(name: str, given: dict, model, threads) -> tuple[str, dict, str]:
+    """What is found of a preset as text and as plain numbers, and the key of the preset that was checked."""
     from gen_art.audit.expectations import check
+    from gen_art.output.recipe import version
     from gen_art.preset.load import load_preset
+    from gen_art.preset.verdicts import key
 
     preset, _ = options.load(name, **given)
     result = check(load_preset(preset, overrides={"expect": model}) if model else preset, threads)
-    return result.text(), result.as_dict()
+    return result.text(), result.as_dict(), key(preset, version())

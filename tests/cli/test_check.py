@@ -69,6 +69,16 @@ def test_several_processes_find_what_one_does(gen_art, tmp_path):
     assert wrong.status == 2 and "expects nothing" in wrong.err and "Traceback" not in wrong.err
 
 
+def test_what_cannot_be_shared_or_stale_is_said(gen_art, tmp_path):
+    (tmp_path / "bob.yaml").write_text(YAML, encoding="utf-8")
+    for words in (("-", "bob.yaml", "--workers", 2), ("-", "--stale")):
+        wrong = gen_art("check", *words)
+        assert wrong.status == 2 and "can be read once only" in wrong.err
+    both = gen_art("check", "bob.yaml", "--stale", "--expect", "bob.yaml")
+    assert both.status == 2 and "leave one of them out" in both.err
+    assert gen_art("check", "bob.yaml", "--workers", 0).status == 2
+
+
 def test_stale_checks_what_has_changed(gen_art, tmp_path):
     bob = tmp_path / "bob.yaml"
     bob.write_text(YAML, encoding="utf-8")
