@@ -279,51 +279,48 @@ def tourer():
 
 
 def canopies():
-    """Three round parachutes with a jumper each, and one that is reefed; and a jumper who falls."""
-    legs = 20
+    """Five round parachutes, each with a cut, a pose and a heading of its own; one that is reefed; and a jumper who falls."""
+    legs, low, lines = 20, 6.2, 16
+    holding = (((0.46, 1.66, 0.1), (0.24, 2.02, 0.03)),) * 2
+    waving = (((0.46, 1.66, 0.1), (0.24, 2.02, 0.03)), ((0.58, 1.5, 0.12), (0.84, 1.86, 0.2)))
+    pulling = (((0.44, 1.5, 0.16), (0.22, 1.74, 0.12)), ((0.48, 1.72, 0.06), (0.25, 2.1, 0.03)))
+    standing = (((0.19, 0.5, 0.2), (0.17, 0.1, 0.02)),) * 2
+    sitting = (((0.18, 0.72, 0.46), (0.16, 0.3, 0.56)), ((0.2, 0.74, 0.44), (0.18, 0.3, 0.44)))
+    striding = (((0.2, 0.54, 0.34), (0.18, 0.12, 0.3)), ((0.18, 0.46, 0.02), (0.16, 0.12, -0.22)))
+    apart = (((0.36, 0.52, 0.16), (0.44, 0.12, 0.02)), ((0.34, 0.52, 0.18), (0.38, 0.12, 0.0)))
 
-    def person(p, foot=(0, 0, 0), spread=0.0):
-        f = np.float32(foot)
+    def person(p, arms=holding, stance=standing):
+        """arms : the elbow and the hand on the left and on the right, m; stance : the knee and the ankle, likewise"""
         out = [
-            ball(p, f + (0, 1.66, 0), (0.15, 0.17, 0.16)),
-            box(p, f + (0, 1.2, 0), (0.22, 0.34, 0.16), 0.12),
-            box(p, f + (0, 1.22, -0.2), (0.19, 0.28, 0.13), 0.08),
+            ball(p, (0, 1.66, 0), (0.15, 0.17, 0.16)),
+            box(p, (0, 1.2, 0), (0.22, 0.34, 0.16), 0.12),
+            box(p, (0, 1.22, -0.2), (0.19, 0.28, 0.13), 0.08),
         ]
-        for side in (-1, 1):
-            if spread:
-                out += [
-                    rod(p, f + (0.2 * side, 1.45, 0), f + (0.62 * side, 1.62, 0.1), 0.08),
-                    rod(p, f + (0.62 * side, 1.62, 0.1), f + (0.72 * side, 1.98, 0.1), 0.065),
-                ]
-                out += [
-                    rod(p, f + (0.12 * side, 0.9, 0), f + (0.38 * side, 0.5, 0), 0.11),
-                    rod(p, f + (0.38 * side, 0.5, 0), f + (0.42 * side, 0.62, -0.4), 0.085),
-                ]
-            else:
-                out += [
-                    rod(p, f + (0.24 * side, 1.45, 0), f + (0.46 * side, 1.66, 0.1), 0.085, 0.065),
-                    rod(p, f + (0.46 * side, 1.66, 0.1), f + (0.24 * side, 2.02, 0.03), 0.062, 0.055),
-                ]
-                out += [
-                    rod(p, f + (0.12 * side, 0.9, 0), f + (0.19 * side, 0.5, 0.2), 0.125, 0.095),
-                    rod(p, f + (0.19 * side, 0.5, 0.2), f + (0.17 * side, 0.1, 0.02), 0.09, 0.07),
-                ]
-                out += [
-                    rod(p, f + (0.17 * side, 0.06, 0.0), f + (0.19 * side, 0.0, 0.2), 0.085, 0.075),  # a boot
-                    rod(p, f + (0.17 * side, 1.4, 0.0), f + (0.2 * side, 2.3, 0), 0.03),  # a strap of the harness
-                ]
+        for side, (elbow, hand), (knee, ankle) in zip((-1, 1), arms, stance, strict=True):
+            mirror = np.float32([side, 1, 1])
+            elbow, hand, knee, ankle = (np.float32(at) * mirror for at in (elbow, hand, knee, ankle))
+            out += [
+                rod(p, (0.24 * side, 1.45, 0), elbow, 0.085, 0.065),
+                rod(p, elbow, hand, 0.062, 0.055),
+                rod(p, (0.12 * side, 0.9, 0), knee, 0.125, 0.095),
+                rod(p, knee, ankle, 0.09, 0.07),
+                rod(p, ankle - (0, 0.04, 0.02), ankle + (0.02 * side, -0.1, 0.18), 0.085, 0.075),  # a boot
+                rod(p, (0.17 * side, 1.4, 0.0), (0.2 * side, 2.3, 0), 0.03),  # a strap of the harness
+            ]
         return out
+
+    def falling(p):
+        lifted = p + np.float32([0, 1.1, 0])
+        arms = (((0.62, 1.62, 0.1), (0.72, 1.98, 0.1)),) * 2
+        return person(lifted, arms, (((0.38, 0.5, 0), (0.42, 0.62, -0.4)),) * 2)
 
     def dress(colour):
         def paint(p, which, normal, first=0):
             albedo = np.empty(p.shape, np.float32)
             albedo[:] = colour
-            albedo[which == first] = (0.8, 0.8, 0.78)
-            albedo[(which == first) & (p[:, 2] > 0.07) & (np.abs(p[:, 1] - 1.65) < 0.06)] = (
-                0.03,
-                0.03,
-                0.04,
-            )  # goggles
+            head = which == first
+            albedo[head] = (0.8, 0.8, 0.78)
+            albedo[head & (p[:, 2] > 0.07) & (np.abs(p[:, 1] - 1.65) < 0.06)] = (0.03, 0.03, 0.04)  # goggles
             albedo[which == first + 2] = (0.05, 0.06, 0.08)
             if first:  # the harness, boots and gloves
                 body, thigh = which == first + 1, (which == first + 5) | (which == first + 11)
@@ -332,84 +329,75 @@ def canopies():
                 albedo[thigh & (np.abs(p[:, 1] - 0.78) < 0.035)] = 0.03
                 for side in (0, 6):
                     albedo[(which == first + 7 + side) | (which == first + 8 + side)] = 0.03
-                    albedo[(which == first + 4 + side) & (p[:, 1] > 1.95)] = 0.04
             return albedo, np.full(len(p), 0.25)
 
         return paint
 
     solid(
-        "jumper_falling.webp",
-        lambda p: person(p, (0, -1.1, 0), 1.0),
-        dress((0.75, 0.12, 0.04)),
-        1.3,
-        view(20, 25),
-        (0.5, 0.7, 0.5),
-        size=192,
+        "jumper_falling.webp", falling, dress((0.75, 0.12, 0.04)), 1.3, view(20, 25), (0.5, 0.7, 0.5), size=192
     )
-    palettes = {
-        "a": ((0.72, 0.04, 0.05), (0.88, 0.86, 0.80), (0.04, 0.16, 0.55)),
-        "b": ((0.02, 0.12, 0.42), (0.92, 0.60, 0.06), (0.75, 0.10, 0.05)),
-        "c": ((0.85, 0.26, 0.02), (0.03, 0.25, 0.26), (0.90, 0.62, 0.05)),
-    }  # of the gores, and of the jumper's suit
-    for letter, (one, two, suit) in palettes.items():
-        for wide, high, name in ((4.4, 3.0, "canopy"), (1.25, 2.6, "reefed")):
-            if name == "reefed" and letter != "a":
-                continue
-            low, lines = 6.2, 16
 
-            def scallop(p, wide=wide):
-                a = np.arctan2(p[:, 2], p[:, 0])
-                g = np.abs(np.sin(a * legs / 2))  # a gore bulges between its seams
-                return a, g
+    def gores(a, height, one, two):
+        """Every second one, and a band."""
+        other = (np.floor(a / (2 * np.pi) * legs) % 2 == 1) | ((height > 0.14) & (height < 0.30))
+        return np.where(other[:, None], two, one)
 
-            def parts(p, wide=wide, high=high, low=low, lines=lines):
-                _, g = scallop(p)
-                r = length(p[:, 0], p[:, 2])
-                bulge = 1 + 0.035 * g * np.clip(r / wide, 0, 1)
-                q = np.stack([p[:, 0] / bulge, p[:, 1] - low, p[:, 2] / bulge], 1)
-                outer = ball(q, (0, 0, 0), (wide, high, wide))
-                shell = np.maximum(np.abs(outer) - 0.03, -(q[:, 1] + 0.05 - 0.32 * (1 - g) - 0.0))
-                shell = np.maximum(shell, 0.28 - r)  # the vent
-                out = [0.7 * shell]
-                cords = []
-                for k in range(lines):
-                    b = 2 * np.pi * (k + 0.25) / lines
-                    cords.append(
-                        rod(
-                            p,
-                            (0.2 * np.sign(np.cos(b)), 2.3, 0),
-                            (wide * 1.0 * np.cos(b), low + 0.08, wide * 1.0 * np.sin(b)),
-                            0.022,
-                        )
-                    )
-                out.append(np.min(np.stack(cords), axis=0))
-                return out + person(p)
+    def bands(a, height, one, two):
+        return np.where((np.floor(4.4 * np.arcsin(np.clip(height, 0, 1)) / 1.57) % 2 == 1)[:, None], two, one)
 
-            def paint(p, which, normal, one=one, two=two, suit=suit, wide=wide):
-                a, g = scallop(p)
-                albedo, gloss = dress(suit)(p, which, normal, 2)
-                gore = np.floor((a / (2 * np.pi)) * legs).astype(int) % 2
-                cloth = np.where(gore[:, None] == 0, np.float32(one), np.float32(two))
-                height = (p[:, 1] - 6.2) / 3.0
-                cloth = np.where(((height > 0.14) & (height < 0.30))[:, None], np.float32(two), cloth)
-                cloth = cloth * (0.72 + 0.28 * rise(0.0, 0.25, g))[:, None]
-                inside = normal[:, 1] * 1.0 + 0.0 < 0  # light that comes through the cloth
-                cloth = np.where(inside[:, None], 1.5 * cloth, cloth)
-                albedo[which == 0] = cloth[which == 0]
-                albedo[which == 1] = 0.75
-                return albedo, np.where(which == 0, 0.12, gloss)
+    def quarters(a, height, one, two):
+        return np.where((np.floor(a / (2 * np.pi) * 4) % 2 == 1)[:, None], two, one)
 
-            solid(
-                f"{name}_{letter}.webp" if name == "canopy" else "reefed.webp",
-                parts,
-                paint,
-                5.0,
-                view(15, -14),
-                (0.6, 0.6, 0.55),
-                size=512,
-                centre=(0, 4.55, 0),
-                below=(0.30, 0.30, 0.26),
-            )
+    def spiral(a, height, one, two):
+        turn = np.floor((a / (2 * np.pi) + 0.45 * height) * legs / 2)
+        return np.where((turn % 2 == 1)[:, None], two, one)
+
+    def crown(a, height, one, two):
+        """Plain, with a top and a hem of the other colour."""
+        return np.where(((height > 0.72) | (height < 0.12))[:, None], two, one)
+
+    def parachute(name, cut, one, two, suit, arms, stance, axes, wide=4.4, high=3.0):
+        def around(p):
+            a = np.arctan2(p[:, 2], p[:, 0])
+            return a, np.abs(np.sin(a * legs / 2))  # a gore bulges between its seams
+
+        def parts(p):
+            _, g = around(p)
+            r = length(p[:, 0], p[:, 2])
+            bulge = 1 + 0.035 * g * np.clip(r / wide, 0, 1)
+            q = np.stack([p[:, 0] / bulge, p[:, 1] - low, p[:, 2] / bulge], 1)
+            shell = np.maximum(np.abs(ball(q, (0, 0, 0), (wide, high, wide))) - 0.03, -(q[:, 1] + 0.05 - 0.32 * (1 - g)))
+            shell = np.maximum(shell, 0.28 - r)  # the vent
+            turns = 2 * np.pi * (np.arange(lines) + 0.25) / lines
+            cords = [
+                rod(p, (0.2 * np.sign(np.cos(b)), 2.3, 0), (wide * np.cos(b), low + 0.08, wide * np.sin(b)), 0.022)
+                for b in turns
+            ]
+            return [0.7 * shell, np.min(np.stack(cords), axis=0), *person(p, arms, stance)]
+
+        def paint(p, which, normal):
+            a, g = around(p)
+            albedo, gloss = dress(suit)(p, which, normal, 2)
+            cloth = cut(a, (p[:, 1] - low) / high, np.float32(one), np.float32(two))
+            cloth = cloth * (0.72 + 0.28 * rise(0.0, 0.25, g))[:, None]
+            inside = normal[:, 1] < 0  # light that comes through the cloth
+            cloth = np.where(inside[:, None], 1.5 * cloth, cloth)
+            albedo[which == 0] = cloth[which == 0]
+            albedo[which == 1] = 0.75
+            return albedo, np.where(which == 0, 0.12, gloss)
+
+        sun = (0.6, 0.6, 0.55)
+        solid(f"{name}.webp", parts, paint, 5.0, axes, sun, centre=(0, 4.55, 0), below=(0.30, 0.30, 0.26))
+
+    red, cream, blue = (0.72, 0.04, 0.05), (0.88, 0.86, 0.80), (0.04, 0.16, 0.55)
+    yellow, teal, orange = (0.92, 0.60, 0.06), (0.03, 0.25, 0.26), (0.85, 0.26, 0.02)
+    navy, violet, green = (0.02, 0.12, 0.42), (0.22, 0.05, 0.30), (0.05, 0.32, 0.09)
+    parachute("canopy_a", crown, red, cream, blue, waving, striding, view(28, -15, 4))
+    parachute("canopy_b", gores, navy, yellow, (0.75, 0.10, 0.05), pulling, apart, view(-24, -11, -3))
+    parachute("canopy_c", spiral, orange, teal, yellow, holding, sitting, view(52, -13, -6))
+    parachute("canopy_d", bands, cream, violet, (0.10, 0.10, 0.12), holding, striding, view(-50, -12, 5))
+    parachute("canopy_e", quarters, green, cream, (0.62, 0.62, 0.6), waving, standing, view(10, -16, -4))
+    parachute("reefed", gores, red, cream, blue, holding, standing, view(15, -14), wide=1.25, high=2.6)
 
 
 def hot_air():
@@ -897,7 +885,7 @@ def gate():
 
 
 def probe():
-    """A space probe: a body in gilt foil, a dish, and two panels of solar cells."""
+    """A space probe in two attitudes: gilt foil, a dish, two panels of solar cells, in the orange light of a disc at the left above."""
 
     def parts(p):
         q = p.copy()
@@ -920,17 +908,9 @@ def probe():
         albedo[which == 5] = (0.12, 0.12, 0.13)
         return albedo, np.where(which == 1, 0.3, 1.0)
 
-    solid(
-        "probe.webp",
-        parts,
-        paint,
-        4.4,
-        view(28, 24, -14),
-        (0.5, 0.6, 0.62),
-        size=256,
-        sky=(0.2, 0.22, 0.28),
-        below=(0.16, 0.12, 0.08),
-    )
+    light = {"size": 256, "warm": (3.4, 2.1, 1.1), "sky": (0.10, 0.12, 0.18), "below": (0.03, 0.03, 0.05)}
+    solid("probe.webp", parts, paint, 4.4, view(28, 24, -14), (-0.6, 0.62, 0.5), **light)
+    solid("probe_b.webp", parts, paint, 4.4, view(-48, 34, 48), (-0.6, 0.62, 0.5), **light)
 
 
 def farmland():

@@ -1,4 +1,4 @@
-"""Draws the planets of the course, lit from one side: presets/course/planet_*.webp.
+"""Draws the planets of the course, lit from one side: presets/course/planet_*.webp; and the bands of Saturn, unlit.
 
 python docs/make_planet_images.py [FOLDER]
 """
@@ -109,7 +109,34 @@ def draw(path, surface, sun, tilt, air, night, radius=1.0, below=0.0):
     Image.fromarray(pixels.astype(np.uint8)).save(path, quality=82, method=6)
 
 
+SATURN = (
+    (1.0, (128, 122, 102)), (0.985, (150, 138, 110)), (0.943, (172, 155, 120)), (0.887, (198, 177, 136)), (0.831, (176, 153, 111)),
+    (0.775, (204, 180, 136)), (0.719, (193, 167, 122)), (0.663, (203, 177, 133)), (0.607, (216, 190, 144)), (0.551, (212, 181, 134)),
+    (0.495, (221, 193, 146)), (0.439, (204, 176, 129)), (0.383, (211, 180, 131)), (0.327, (204, 172, 121)), (0.271, (208, 176, 127)),
+    (0.215, (228, 204, 158)), (0.159, (236, 214, 176)), (0.103, (246, 230, 190)), (0.047, (233, 215, 177)), (-0.009, (244, 226, 185)),
+    (-0.065, (252, 235, 195)), (-0.121, (236, 214, 173)), (-0.177, (224, 200, 156)), (-0.29, (220, 191, 141)), (-0.402, (212, 180, 128)),
+    (-0.57, (204, 173, 125)), (-0.738, (207, 178, 131)), (-0.85, (195, 168, 123)), (-0.906, (176, 156, 113)), (-1.0, (140, 128, 100)),
+)  # the sine of the latitude, and the colour there  # fmt: skip
+
+
+def saturn(path, width=512, height=1024):
+    """What Saturn's clouds scatter, by latitude alone: 13 wide and 26 high, the sides of the globe in the middle and its pole at the corners."""
+    y, x = (np.mgrid[0:height, 0:width] + 0.5) / width * 13
+    from_axis = np.hypot(np.minimum(x, 13 - x), np.minimum(y, 26 - y))
+    above = np.sqrt(np.clip(1 - (np.clip(from_axis - 0.5904, 0, None) / 5.4364) ** 2, 0, 1))
+    sine = np.where(np.abs(13 - y) < 6.4, np.clip((13 - y) / 5.4364, -1, 1), above)
+    at, colours = np.array([s for s, _ in SATURN[::-1]]), np.array([c for _, c in SATURN[::-1]]) / 255
+    linear = np.where(colours > 0.04045, ((colours + 0.055) / 1.055) ** 2.4, colours / 12.92)
+    colour = np.stack([np.interp(sine, at, linear[:, k]) for k in range(3)], axis=-1)
+    fine = fractal(np.stack([sine, 0 * sine, 0 * sine], axis=-1), 7, 20, 4, 0.85)[..., None]
+    grey = colour.mean(axis=-1, keepdims=True)
+    colour = 0.41 * (grey + 1.3 * (colour - grey)) * (1 + 0.07 * fine * np.array([0.8, 1, 1.3])) * (grey / 0.5) ** 0.6
+    srgb = np.where(colour < 0.0031308, 12.92 * colour, 1.055 * np.clip(colour, 1e-9, None) ** (1 / 2.4) - 0.055)
+    Image.fromarray((np.clip(srgb, 0, 1) * 255 + 0.5).astype(np.uint8)).save(path, quality=90, method=6)
+
+
 if __name__ == "__main__":
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent.parent / "presets" / "course"
     draw(folder / "planet_ocean.webp", ocean, (-0.75, 0.45, 0.5), 20, (0.25, 0.5, 1.0), 0.004)
     draw(folder / "planet_limb.webp", seas, (-0.3, 0.75, 0.6), 12, (0.25, 0.5, 1.0), 0.004, 5.0, 5.1)
+    saturn(folder / "saturn_bands.webp")
