@@ -333,9 +333,7 @@ def canopies():
 
         return paint
 
-    solid(
-        "jumper_falling.webp", falling, dress((0.75, 0.12, 0.04)), 1.3, view(20, 25), (0.5, 0.7, 0.5), size=192
-    )
+    solid("jumper_falling.webp", falling, dress((0.75, 0.12, 0.04)), 1.3, view(20, 25), (0.5, 0.7, 0.5), size=192)
 
     def gores(a, height, one, two):
         """Every second one, and a band."""
@@ -366,7 +364,9 @@ def canopies():
             r = length(p[:, 0], p[:, 2])
             bulge = 1 + 0.035 * g * np.clip(r / wide, 0, 1)
             q = np.stack([p[:, 0] / bulge, p[:, 1] - low, p[:, 2] / bulge], 1)
-            shell = np.maximum(np.abs(ball(q, (0, 0, 0), (wide, high, wide))) - 0.03, -(q[:, 1] + 0.05 - 0.32 * (1 - g)))
+            shell = np.maximum(
+                np.abs(ball(q, (0, 0, 0), (wide, high, wide))) - 0.03, -(q[:, 1] + 0.05 - 0.32 * (1 - g))
+            )
             shell = np.maximum(shell, 0.28 - r)  # the vent
             turns = 2 * np.pi * (np.arange(lines) + 0.25) / lines
             cords = [
@@ -885,7 +885,7 @@ def gate():
 
 
 def probe():
-    """A space probe in two attitudes: gilt foil, a dish, two panels of solar cells, in the orange light of a disc at the left above."""
+    """A space probe in two attitudes: gilt foil, a dish, two panels, in the orange light of a disc at the left above."""
 
     def parts(p):
         q = p.copy()

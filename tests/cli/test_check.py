@@ -3,6 +3,7 @@
 import json
 
 import gen_art as ga
+from gen_art.audit import expectations
 from gen_art.output.read_recipe import read_recipe
 from gen_art.output.recipe import version
 from gen_art.preset.verdicts import verdict_of
@@ -90,3 +91,18 @@ def test_stale_checks_what_has_changed(gen_art, tmp_path):
     assert "holds" in gen_art("check", "bob.yaml", "--stale").out
     bob.write_text(YAML.replace("leapfrog", "euler"), encoding="utf-8")
     assert gen_art("check", "bob.yaml", "--stale").status == gen_art("check", "bob.yaml", "--stale").status == 3
+
+
+def test_no_verdict_is_kept_of_a_preset_that_was_saved_meanwhile(gen_art, tmp_path, monkeypatch):
+    bob, whole_check = tmp_path / "bob.yaml", expectations.check
+    bob.write_text(YAML, encoding="utf-8")
+
+    def saved_meanwhile(preset, threads):
+        bob.write_text(YAML.replace("9.8696", "9.8"), encoding="utf-8")
+        return whole_check(preset, threads)
+
+    monkeypatch.setattr(expectations, "check", saved_meanwhile)
+    checked = gen_art("check", "bob.yaml")
+    assert checked.status == 0 and "bob.yaml was changed while it was checked" in checked.err
+    monkeypatch.undo()
+    assert verdict_of(ga.load_preset(bob), version()) == {"verdict": "not checked"}
