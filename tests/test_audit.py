@@ -114,6 +114,29 @@ def test_thinning_scales_rates_counts_and_what_events_feed():
     assert thinned(few, 9.0, 300)[1] == {}
 
 
+def test_fewer_bodies_of_their_own_gravity_attract_as_much_in_all():
+    """Mutants: no mass is changed; masses are changed where other forces act on them too."""
+
+    def total(forces):
+        cloud = {
+            "particle": {"mass": 0.001},
+            "forces": forces,
+            "interactions": {"self_gravity": {"softening": 0.05}},
+            "emitters": {"all": {"count": 5000, "shape": {"ball": 1}}},
+        }
+        clock = {"duration": 1, "fps": 10, "step": "1/50"}
+        few, changes = thinned(
+            ga.load_preset({"version": 1, "name": "cloud", "clock": clock, "systems": {"s": cloud}}), 0.5, 50
+        )
+        sim = ga.Simulation(few, precision="f64")
+        sim.step()
+        assert sim["s"].count == 200 and ("systems.s.particle.mass" in changes) == (not forces)
+        return sim["s"].mass.sum()
+
+    assert total({}) == pytest.approx(5, rel=1e-5)
+    assert total({"damping": 1}) == pytest.approx(0.2)
+
+
 @pytest.mark.parametrize("time", [-1, float("nan"), 99, 0.0133, 0])
 def test_a_bad_time_is_a_sentence(time):
     with pytest.raises(ga.UsageError, match="film time"):

@@ -17,12 +17,14 @@ def thinned(preset, until: float, limit: int, systems: Collection[str] | None = 
     Systems that attract themselves keep four times as many, because fewer would scatter each other and hide the order.
     Rates and counts of a system are scaled by one factor, parents before the children that their events feed. `changes`
     maps each changed path (as in `--set`) to (before, after). Without forces between particles each particle moves as in
-    the full preset; bodies that attract each other are fewer, and with a fixed `mass` they attract less.
+    the full preset; bodies that attract each other are fewer. If they feel nothing else and share a mass, or take theirs from
+    the system's `particle`, each is heavier by as much, so that together they attract as before; others attract less.
 
     systems : the names of those that may be thinned; all when None
     """
     changes: dict[str, tuple] = {}
-    few, peaks = preset, estimate(preset, "f64", until).peak
+    full = estimate(preset, "f64", until).peak
+    few, peaks = preset, full
     for name in _parents_first(preset):
         if systems is not None and name not in systems:
             continue
@@ -35,6 +37,10 @@ def thinned(preset, until: float, limit: int, systems: Collection[str] | None = 
             changes |= _scaled(f"systems.{name}.emitters.{label}", emitter, allowed / peak)
         few = load_preset(preset, overrides={path: after for path, (_, after) in changes.items()})
         peaks = estimate(few, "f64", until).peak
+    heavier = _heavier(few, {name: full[name] / max(peaks[name], 1) for name in peaks})
+    if heavier:
+        changes |= heavier
+        few = load_preset(preset, overrides={path: after for path, (_, after) in changes.items()})
     return few, changes
 
 
@@ -60,6 +66,23 @@ def galaxies(preset) -> list[str]:
         return bool(gravity) and shared and all(each.name == "self_gravity" for each in gravity)
 
     return [name for name, system in preset.systems.items() if is_galaxy(system)]
+
+
+def _heavier(few, ratios: dict[str, float]) -> dict[str, tuple]:
+    """The masses with which fewer bodies that feel nothing but each other's gravity attract as much as all of them."""
+    changes = {}
+    for name, system in few.systems.items():
+        acting = [each.name for each in system.interactions if each.source_system is None]
+        mass = system.particle.mass
+        given = mass is not None and all(e.scripted is None and e.mass is None for e in system.emitters.values())
+        if given and acting == ["self_gravity"] and not system.forces and ratios[name] > 1:
+            ends = [float(f"{end * ratios[name]:.6g}") for end in (mass.lo, mass.hi)]
+            before = mass.lo if mass.lo == mass.hi else f"{mass.lo}..{mass.hi}"
+            changes[f"systems.{name}.particle.mass"] = (
+                before,
+                ends[0] if mass.lo == mass.hi else f"{ends[0]}..{ends[1]}",
+            )
+    return changes
 
 
 def _parents_first(preset) -> list[str]:

@@ -312,7 +312,7 @@ def test_the_survey_thins_galaxies_and_grains_that_follow_them():
     (first, *_) = survey(galaxy)
     assert 3900 < len(first.points) <= 4000 + 420 + 10  # each emitter has a whole number of them
     grains = load_preset("course/galaxy_encounter", overrides=short)
-    assert independent_systems(grains) == ["bulges", "stars", "haze"]
+    assert independent_systems(grains) == ["stars", "gas", "nurseries", "clouds", "young", "far"]
     few, _ = thinned(galaxy, galaxy.clock.simulated, ATTRACTING // MUTUAL, galaxies(galaxy))
     masses = [ga.Simulation(each)["bodies"].mass for each in (galaxy, few)]
     assert len(masses[0]) == 1_000_000 and len(masses[1]) == pytest.approx(4000, abs=10)
