@@ -73,15 +73,13 @@ def _heavier(few, ratios: dict[str, float]) -> dict[str, tuple]:
     changes = {}
     for name, system in few.systems.items():
         acting = [each.name for each in system.interactions if each.source_system is None]
-        mass = system.particle.mass
-        given = mass is not None and all(e.scripted is None and e.mass is None for e in system.emitters.values())
-        if given and acting == ["self_gravity"] and not system.forces and ratios[name] > 1:
-            ends = [float(f"{end * ratios[name]:.6g}") for end in (mass.lo, mass.hi)]
-            before = mass.lo if mass.lo == mass.hi else f"{mass.lo}..{mass.hi}"
-            changes[f"systems.{name}.particle.mass"] = (
-                before,
-                ends[0] if mass.lo == mass.hi else f"{ends[0]}..{ends[1]}",
-            )
+        own = [part.mass or part.density for e in system.emitters.values() for part in (e, *e.choose.values())]
+        scripted = any(emitter.scripted is not None for emitter in system.emitters.values())
+        mass, ratio = system.particle.mass, ratios[name]
+        if mass is None or scripted or any(own) or acting != ["self_gravity"] or system.forces or ratio <= 1:
+            continue
+        before, after = (f"{mass.lo * k:.6g}..{mass.hi * k:.6g}" for k in (1, ratio))
+        changes[f"systems.{name}.particle.mass"] = (before, after)
     return changes
 
 
