@@ -144,6 +144,7 @@ DOCUMENTED = {  # class: heading of its table
     sky.Sun: "sun: of the sky",
     sky.Stars: "stars: of the sky",
     sky.Band: "band: of the sky",
+    sky.Softbox: "softboxes: of the sky, a list of",
     wormhole.Wormhole: "wormhole:",
     black_hole.BlackHole: "black_hole:",
     develop.DevelopSpec: "develop:",

@@ -1,4 +1,4 @@
-"""The keys of `sky:`, what surrounds the scene: an atmosphere, a gradient or an even colour, and stars."""
+"""The keys of `sky:`, what surrounds the scene: an atmosphere, a gradient or an even colour, stars and softboxes."""
 
 from typing import Annotated, Any
 
@@ -12,7 +12,7 @@ from gen_art.preset.palettes import palette
 from gen_art.preset.values import shown
 from gen_art.registry import suggest
 
-__all__ = ["SHORT_NAMES", "Band", "Sky", "Stars", "Sun"]
+__all__ = ["SHORT_NAMES", "Band", "Sky", "Softbox", "Stars", "Sun"]
 
 # what the short names stand for. The studio has a lit floor that runs into its wall, and soft light from above
 SHORT_NAMES: dict[str, dict] = {
@@ -98,6 +98,27 @@ class Band(Model):
         return self
 
 
+class Softbox(Model):
+    """A rectangle of even light far away, as the softboxes of a photographer's studio: metal and gloss have it to reflect.
+
+    It lights what stands in the scene as the rest of the sky does, evenly from its side, and throws no shadow of its own.
+    A camera that looks towards it sees it.
+    """
+
+    height: Annotated[float, Within(-90, 90)] = about(..., "of its middle above the horizon", unit="degrees")
+    azimuth: Annotated[float, Within(-360, 360)] = about(
+        0.0, "direction of its middle, clockwise seen from above: 0 is -z, where a new camera looks, 90 is +x",
+        unit="degrees",
+    )  # fmt: skip
+    width: Annotated[float, Within(1, 160)] = about(30.0, "angle that it is wide", unit="degrees")
+    tall: Annotated[float, Within(1, 160)] = about(30.0, "angle that it is tall", unit="degrees")
+    edge: Annotated[float, Within(0, 60)] = about(
+        3.0, "angle over which its light fades at each side, half of it outside", unit="degrees"
+    )
+    color: ColourValue = about("white", "of its light")
+    intensity: Brightness = about(2.0, "light of its middle")
+
+
 def _stars(value):
     return None if value is False else value
 
@@ -115,8 +136,9 @@ def _several_colours(value):
 class Sky(Model):
     """What surrounds the scene, in linear light: it lies behind everything, and exposure and tone map act on it.
 
-    One of `sun`, `gradient` and `color`, or `stars` and a `band` alone before black. `studio` and `paper` are names of even, soft
-    surroundings, `night` of stars before black; a colour stands for `color`, a palette or a list of colours for `gradient`.
+    One of `sun`, `gradient` and `color`, or `stars`, a `band` and `softboxes` alone before black. `studio` and `paper` are names
+    of even, soft surroundings, `night` of stars before black; a colour stands for `color`, a palette or a list of colours for
+    `gradient`.
     """
 
     sun: Sun | None = about(None, "the air, lit by the sun")
@@ -128,6 +150,7 @@ class Sky(Model):
     band: Annotated[Band | None, BeforeValidator(_stars)] = about(
         None, "a band of distant stars like the Milky Way, behind the air"
     )
+    softboxes: tuple[Softbox, ...] = about((), "rectangles of light before all of this")
     haze: Annotated[float, Within(0, 30)] = about(
         1.0, "for `sun`: amount of dust and droplets in the air; 0 is pure air, 1 a clear day, 10 a hazy one"
     )
@@ -161,8 +184,10 @@ class Sky(Model):
         given = [name for name in ("sun", "gradient", "color") if getattr(self, name) is not None]
         if len(given) > 1:
             raise UsageError(f"give one of sun, gradient and color, not {' and '.join(given)}")
-        if not given and self.stars is None and self.band is None:
-            raise UsageError("needs one of sun, gradient, color and stars, or a band, or is a name such as studio")
+        if not (given or self.stars or self.band or self.softboxes):
+            raise UsageError(
+                "needs one of sun, gradient, color, stars, band and softboxes, or is a name such as studio"
+            )
         if self.sun is None:
             for name in ("haze", "ground"):
                 if name in self.model_fields_set:

@@ -10,8 +10,9 @@ from gen_art.preset.sky import Sky
 from gen_art.renderer.atmosphere import SUN_RADIUS
 from gen_art.renderer.colour import gradient_table, linear
 from gen_art.renderer.daylight import DISC_ROWS, daylight
-from gen_art.renderer.sky_band import band_light, directions_of_table
-from gen_art.renderer.sky_table import COLUMNS, HALF, ROWS, elevations, look_up, sky_radiance
+from gen_art.renderer.sky_band import band_light
+from gen_art.renderer.sky_softboxes import before
+from gen_art.renderer.sky_table import COLUMNS, HALF, ROWS, directions_of_table, elevations, look_up, sky_radiance
 from gen_art.renderer.stars import StarField, star_field
 
 __all__ = ["SkyDome", "sky_radiance"]
@@ -54,9 +55,11 @@ class SkyDome:
 def _dome(spec: Sky) -> SkyDome:
     stars = None if spec.stars is None else star_field(spec.stars)
     if spec.sun is None:
-        rows = np.repeat(_rows(spec)[:, None], 2 if spec.band is None else COLUMNS, axis=1) * spec.intensity
+        around = COLUMNS if spec.band or spec.softboxes else 2
+        rows = np.repeat(_rows(spec)[:, None], around, axis=1)
         if spec.band is not None:
-            rows = rows + band_light(spec.band, directions_of_table()) * spec.intensity
+            rows = rows + band_light(spec.band, directions_of_table())
+        rows = before(rows, spec.softboxes) * spec.intensity
         stars = stars and StarField(stars.directions, stars.light * spec.intensity)
         return SkyDome(_frozen(rows), None, np.zeros(3), 0.0, np.zeros((DISC_ROWS, 3), np.float32), stars)
     day = daylight(spec)
@@ -67,6 +70,7 @@ def _dome(spec: Sky) -> SkyDome:
     if stars is not None:
         clear = np.repeat(np.concatenate([np.zeros((HALF, 3)), day.extinction])[:, None], 2, axis=1)
         stars = StarField(stars.directions, stars.light * look_up(clear, stars.directions) * spec.intensity)
+    table = before(table, spec.softboxes)
     disc = _frozen(day.disc * (spec.intensity * spec.sun.disc))
     irradiance = day.sun_irradiance * spec.intensity
     return SkyDome(_frozen(table * spec.intensity), day.sun_direction, irradiance, SUN_RADIUS, disc, stars)

@@ -11,25 +11,16 @@ import math
 
 import numpy as np
 
-from gen_art.maths.array_functions import cos, exp, sin
+from gen_art.maths.array_functions import exp
 from gen_art.maths.random import derive, uniform
 from gen_art.preset.sky import Band
 from gen_art.renderer.colour import gradient_table
-from gen_art.renderer.sky_table import azimuths, elevations
 
-__all__ = ["band_light", "directions_of_table"]
+__all__ = ["band_light"]
 
 _SIDE = 32  # cells of the lattice, which repeats after them
 _CORE = 0.4  # rad
 _GRADIENT = 1025
-
-
-def directions_of_table() -> np.ndarray:
-    """(ROWS, COLUMNS, 3) unit vectors of the entries of a sky's table."""
-    upper, around = elevations(), azimuths()
-    up = np.concatenate([-upper[::-1], upper])[:, None]
-    level = cos(up)
-    return np.stack(np.broadcast_arrays(level * sin(around), sin(up), -level * cos(around)), axis=-1)
 
 
 def _noise(lattice: np.ndarray, p: np.ndarray) -> np.ndarray:

@@ -14,9 +14,9 @@ The one-letter names in kernels are in docs/glossary.md.
 import numpy as np
 
 from gen_art.backend.runtime import ti
-from gen_art.maths.array_functions import arctan2
+from gen_art.maths.array_functions import arctan2, cos, sin
 
-__all__ = ["COLUMNS", "HALF", "ROWS", "azimuths", "elevations", "look_up", "sky_radiance"]
+__all__ = ["COLUMNS", "HALF", "ROWS", "azimuths", "directions_of_table", "elevations", "look_up", "sky_radiance"]
 
 HALF = 160  # rows above the horizon, and below it
 ROWS, COLUMNS = 2 * HALF, 4 * 128 + 1
@@ -34,6 +34,14 @@ def azimuths() -> np.ndarray:
     quarter = np.minimum(p.astype(np.int64), 3)
     u = p - quarter
     return arctan2(u, 1.0 - u) + quarter * (np.pi / 2)
+
+
+def directions_of_table() -> np.ndarray:
+    """(ROWS, COLUMNS, 3) unit vectors of the entries of a sky's table."""
+    upper, around = elevations(), azimuths()
+    up = np.concatenate([-upper[::-1], upper])[:, None]
+    level = cos(up)
+    return np.stack(np.broadcast_arrays(level * sin(around), sin(up), -level * cos(around)), axis=-1)
 
 
 def _place(x, y, z):

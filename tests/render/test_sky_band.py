@@ -11,8 +11,8 @@ from gen_art.preset.load import load_preset
 from gen_art.preset.sky import Band, Sky
 from gen_art.renderer.colour import luminance_of
 from gen_art.renderer.sky import SkyDome
-from gen_art.renderer.sky_band import band_light, directions_of_table
-from gen_art.renderer.sky_table import look_up
+from gen_art.renderer.sky_band import band_light
+from gen_art.renderer.sky_table import directions_of_table, look_up
 
 
 def directions(number=20_000):
