@@ -173,42 +173,62 @@ def write(name, light, alpha, quality=88):
 
 
 def jet():
-    """A trainer with swept wings, red above and blue below, in a steep turn, seen from inside the turn and from ahead."""
+    """Five trainers with swept wings in a steep turn to the left, seen from behind and below, each as it stands in its place."""
 
     def parts(p):
         q = p.copy()
         q[:, 2] = np.abs(q[:, 2])
-        body = hull(p, [-5.6, -5.2, -3, 0, 2.2, 4.2, 5.2, 5.9], [0.36, 0.42, 0.62, 0.74, 0.70, 0.48, 0.26, 0.02])
-        hood = ball(p, (2.3, 0.52, 0), (1.75, 0.58, 0.42))
-        intake = ball(q, (0.7, -0.05, 0.72), (2.3, 0.46, 0.34))
-        main = wing(q, (1.4, -0.34, 0.5), 3.0, (-1.5, -0.30, 5.0), 1.05, 0.055)
+        body = hull(p, [-5.6, -5.2, -3, 0, 2.2, 4.2, 5.2, 5.9], [0.36, 0.42, 0.58, 0.68, 0.64, 0.45, 0.25, 0.02])
+        hood = ball(p, (2.3, 0.50, 0), (1.75, 0.56, 0.40))
+        intake = ball(q, (0.5, -0.02, 0.66), (2.3, 0.46, 0.36))
+        main = wing(q, (1.5, -0.34, 0.5), 3.1, (-1.6, -0.40, 4.9), 1.15, 0.05)
         fin = wing(p, (-2.9, 0.4, 0), 2.3, (-4.7, 2.75, 0), 0.95, 0.05, along=1)
-        tail = wing(q, (-3.9, 0.15, 0.3), 1.35, (-5.0, 0.0, 2.3), 0.65, 0.05)
-        pipe = hull(p, [-5.85, -5.5], [0.31, 0.33])
-        return [body, hood, intake, main, fin, tail, pipe]
+        tail = wing(q, (-3.9, 0.15, 0.3), 1.45, (-5.0, -0.15, 2.4), 0.7, 0.05)
+        pipe = np.maximum(hull(p, [-6.0, -5.5], [0.36, 0.38]), 0.26 - np.hypot(p[:, 1], p[:, 2]))
+        keel = wing(p, (-3.7, -0.35, 0), 1.3, (-4.6, -0.95, 0), 0.7, 0.05, along=1)
+        pods = ball(q, (-0.9, -0.62, 2.3), (1.5, 0.17, 0.17))  # smoke oil and lights
+        return [body, hood, intake, main, fin, tail, pipe, keel, pods]
 
     def paint(p, which, normal):
         red, white, blue, glass = (
-            np.float32(c) for c in ((0.62, 0.03, 0.04), (0.82, 0.82, 0.80), (0.03, 0.07, 0.30), (0.02, 0.03, 0.045))
+            np.float32(c) for c in ((0.58, 0.02, 0.025), (0.84, 0.84, 0.82), (0.02, 0.06, 0.28), (0.02, 0.03, 0.045))
         )
         albedo = np.broadcast_to(red, p.shape).copy()
-        stripe = (which == 0) & (p[:, 1] < 0.02 - 0.02 * p[:, 0]) & (p[:, 1] > -0.22 - 0.02 * p[:, 0])
-        albedo[stripe] = white
-        albedo[(which == 0) & (p[:, 1] <= -0.22 - 0.02 * p[:, 0])] = blue
-        s = np.abs(p[:, 2])
-        albedo[(which == 3) & (s > 3.3) & (s < 4.1)] = white
-        albedo[(which == 3) & (s >= 4.1)] = blue
-        albedo[(which == 4) & (p[:, 1] > 1.5) & (p[:, 1] < 2.1)] = white
-        albedo[(which == 4) & (p[:, 1] >= 2.1)] = blue
-        albedo[(which == 1)] = glass
-        frame = (which == 1) & ((np.abs(p[:, 0] - 2.1) < 0.06) | (np.abs(p[:, 0] - 3.2) < 0.06))
-        albedo[frame] = 0.3 * red
-        albedo[(which == 6) | ((which == 0) & (p[:, 0] < -5.35))] = 0.05
-        seams = (np.abs(p[:, 0] % 1.1 - 0.55) < 0.018) & (which == 0)
-        albedo[seams] *= 0.6
-        return albedo, np.where(which == 1, 1.0, 0.4)
+        s, below = np.abs(p[:, 2]), normal[:, 1] < 0
+        ahead = 1.5 - 0.705 * (s - 0.5) - p[:, 0]  # behind the wing's leading edge
+        body, plane = (which == 0) | (which == 2), which == 3
+        albedo[body & (np.abs(p[:, 1] + 0.05 - 0.03 * p[:, 0]) < 0.09) & (p[:, 0] > -4.5)] = white
+        albedo[body & below & (s < 0.10 + 0.045 * (5.9 - p[:, 0]).clip(0, 5)) & (p[:, 1] < -0.2)] = white
+        albedo[plane & below & (ahead > 0.45) & (ahead < 1.0)] = white
+        albedo[plane & (s > 3.75) & (s < 4.15)] = white
+        albedo[plane & (s >= 4.15)] = blue
+        albedo[(which == 5) & (s > 1.75)] = white
+        albedo[(which == 4) & (p[:, 1] > 1.4) & (p[:, 1] < 2.0)] = white
+        albedo[((which == 4) & (p[:, 1] >= 2.0)) | (which == 7)] = blue
+        hinge = plane & (np.abs(3.1 - 0.443 * (s - 0.5) - ahead - 0.62) < 0.035) & (s < 4.6)
+        joint = plane & (np.abs(s - 2.55) < 0.03) & (ahead > 1.9)
+        wheel = body & below & (np.abs(np.abs(p[:, 0] - 0.1) - 0.9) < 0.03) & (s > 0.25)
+        albedo[hinge | joint | wheel] *= 0.3
+        albedo[which == 1] = glass
+        albedo[(which == 1) & ((np.abs(p[:, 0] - 2.1) < 0.06) | (np.abs(p[:, 0] - 3.2) < 0.06))] = 0.3 * red
+        albedo[(which == 6) | ((which == 0) & (p[:, 0] < -5.35))] = 0.04
+        albedo[(which == 2) & (p[:, 0] > 2.35)] = 0.03
+        albedo[(np.abs(p[:, 0] % 1.1 - 0.55) < 0.02) & (which == 0)] *= 0.6
+        return albedo, np.where(which == 1, 1.0, 0.45)
 
-    solid("display_jet.webp", parts, paint, 6.4, view(51, 23, -60), (0.30, 0.88, -0.37))
+    light = {"sky": (0.30, 0.42, 0.62), "below": (0.16, 0.20, 0.24), "warm": (2.5, 2.2, 1.75), "size": 320}
+    for letter, axes, sun in JETS:
+        solid(f"display_jet_{letter}.webp", parts, paint, 6.4, view(*axes), sun, **light)
+
+
+# how the camera and the sun of course/display_team stand to each jet at the time of its still
+JETS = (
+    ("a", (-88, -49, -92), (-0.65, -0.18, 0.74)),
+    ("b", (-78, -58, -86), (-0.60, -0.24, 0.76)),
+    ("c", (-99, -57, -104), (-0.61, -0.27, 0.75)),
+    ("d", (-62, -66, -75), (-0.54, -0.29, 0.79)),
+    ("e", (-117, -64, -124), (-0.56, -0.35, 0.75)),
+)
 
 
 def sailplane():
@@ -359,6 +379,19 @@ def canopies():
             a = np.arctan2(p[:, 2], p[:, 0])
             return a, np.abs(np.sin(a * legs / 2))  # a gore bulges between its seams
 
+        def near_cords(p):
+            """The distance from the two cords between which p lies, seen from above."""
+            at = np.arctan2(p[:, 2], p[:, 0]) / (2 * np.pi) * lines - 0.25
+            out = np.full(len(p), 9.0, np.float32)
+            for k in (np.floor(at), np.ceil(at)):
+                b = 2 * np.pi * (k + 0.25) / lines
+                top = np.stack([wide * np.cos(b), 0 * b + low + 0.08, wide * np.sin(b)], 1)
+                low_end = np.stack([0.2 * np.sign(np.cos(b)), 0 * b + 2.3, 0 * b], 1)
+                along = top - low_end
+                t = np.clip(((p - low_end) * along).sum(axis=1) / (along * along).sum(axis=1), 0, 1)
+                out = np.minimum(out, np.linalg.norm(p - low_end - t[:, None] * along, axis=1) - 0.012)
+            return out
+
         def parts(p):
             _, g = around(p)
             r = length(p[:, 0], p[:, 2])
@@ -368,12 +401,10 @@ def canopies():
                 np.abs(ball(q, (0, 0, 0), (wide, high, wide))) - 0.03, -(q[:, 1] + 0.05 - 0.32 * (1 - g))
             )
             shell = np.maximum(shell, 0.28 - r)  # the vent
-            turns = 2 * np.pi * (np.arange(lines) + 0.25) / lines
-            cords = [
-                rod(p, (0.2 * np.sign(np.cos(b)), 2.3, 0), (wide * np.cos(b), low + 0.08, wide * np.sin(b)), 0.022)
-                for b in turns
-            ]
-            return [0.7 * shell, np.min(np.stack(cords), axis=0), *person(p, arms, stance)]
+            cords, men = near_cords(p), np.repeat(length(*(p - np.float32((0, 1.15, 0))).T)[None] - 1.6, 15, axis=0)
+            close = men[0] < 0.4  # elsewhere a ball around the jumper is exact enough
+            men[:, close] = person(p[close], arms, stance)
+            return [0.7 * shell, cords, *men]
 
         def paint(p, which, normal):
             a, g = around(p)
@@ -392,11 +423,11 @@ def canopies():
     red, cream, blue = (0.72, 0.04, 0.05), (0.88, 0.86, 0.80), (0.04, 0.16, 0.55)
     yellow, teal, orange = (0.92, 0.60, 0.06), (0.03, 0.25, 0.26), (0.85, 0.26, 0.02)
     navy, violet, green = (0.02, 0.12, 0.42), (0.22, 0.05, 0.30), (0.05, 0.32, 0.09)
-    parachute("canopy_a", crown, red, cream, blue, waving, striding, view(28, -15, 4))
-    parachute("canopy_b", gores, navy, yellow, (0.75, 0.10, 0.05), pulling, apart, view(-24, -11, -3))
-    parachute("canopy_c", spiral, orange, teal, yellow, holding, sitting, view(52, -13, -6))
-    parachute("canopy_d", bands, cream, violet, (0.10, 0.10, 0.12), holding, striding, view(-50, -12, 5))
-    parachute("canopy_e", quarters, green, cream, (0.62, 0.62, 0.6), waving, standing, view(10, -16, -4))
+    parachute("canopy_a", crown, red, cream, blue, waving, striding, view(28, -15, 8))
+    parachute("canopy_b", gores, navy, yellow, (0.75, 0.10, 0.05), pulling, apart, view(-24, -11, -6))
+    parachute("canopy_c", spiral, orange, teal, yellow, holding, sitting, view(52, -13, -11))
+    parachute("canopy_d", bands, cream, violet, (0.10, 0.10, 0.12), holding, striding, view(-50, -12, 9))
+    parachute("canopy_e", quarters, green, cream, (0.62, 0.62, 0.6), waving, standing, view(10, -16, -9))
     parachute("reefed", gores, red, cream, blue, holding, standing, view(15, -14), wide=1.25, high=2.6)
 
 
@@ -636,6 +667,28 @@ def cumulus(name, seed, size=512, wide=1.0):
     sky_light = (0.24 + 0.10 * y)[..., None] * np.float32([0.78, 0.92, 1.15])
     edge = rise(1.0, 0.86, np.maximum(np.abs(x), np.abs(y)))
     write(name, sun_light + sky_light, alpha * edge, 80)
+
+
+def ice_clouds(name, seed, size=640):
+    """High ice clouds combed by the wind, in 70 degrees of the sky; the lower edge of the image is level with the eye."""
+    x, y = np.meshgrid(np.linspace(-0.7, 0.7, size, dtype=np.float32), np.linspace(1.4, 0, size, dtype=np.float32))
+    y = np.maximum(y, 0.02)
+    far, side = 1 / (y + 0.08), x / (y + 0.08)  # where the line of sight meets a level sheet
+    a = 0.7
+    u, v = 1.5 * (side * np.cos(a) + far * np.sin(a)), 1.5 * (far * np.cos(a) - side * np.sin(a))
+    bend = 0.35 * fractal(u * 0.6 + 20, v * 0.6 + 20, 0.0, 1.0, 3, 0.5, seed)
+    v = v + bend + 0.25 * np.sin(0.5 * u)
+    comb = fractal(u * 0.35 + 40, v * 2.6 + 40, 0.0, 1.0, 6, 0.55, seed + 1)
+    fine = fractal(u * 0.9 + 70, v * 9.0 + 70, 0.0, 1.0, 4, 0.55, seed + 2)
+    where = fractal(u * 0.45 + 90, v * 0.6 + 90, 0.0, 1.0, 3, 0.5, seed + 3)
+    veil = np.clip(0.08 + 1.2 * comb + 0.9 * fine, 0, 1) * rise(-0.25, 0.35, where)
+    edge = rise(0.7, 0.42, np.abs(x)) * rise(1.4, 1.0, y) * rise(0.06, 0.3, y)
+    write(name, np.broadcast_to(np.float32((1.3, 1.3, 1.3)), (*x.shape, 3)), 0.27 * veil * edge, 80)
+
+
+def cirrus():
+    ice_clouds("cirrus_a.webp", 1)
+    ice_clouds("cirrus_b.webp", 5)
 
 
 def parcels(rng, depth=8):
@@ -937,6 +990,7 @@ ALL = {
         sea,
         waterline,
         clouds,
+        cirrus,
         fields,
         farmland,
         gate,

@@ -112,8 +112,9 @@ class Rate(Schedule):
 
     def times(self, first, last):
         target = np.arange(first, last) + 0.5
-        if len(self._times) == 1 and self._rates[0] > 0 and self._pulse is None:
-            return self._times[0] + target / self._rates[0]  # what the formulas below give, at a tenth of the time
+        if len(self._times) == 1 and self._rates[0] > 0:  # what the formulas below give, at a tenth of the time
+            t = self._times[0] + target / self._rates[0]
+            return t if self._pulse is None else self._pulse.shifted(t)
         k = np.minimum(np.searchsorted(self._integral, target, "left") - 1, len(self._times) - 1).clip(0)
         remainder, rate = target - self._integral[k], self._rates[k]
         next_k = np.minimum(k + 1, len(self._times) - 1)
