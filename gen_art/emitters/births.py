@@ -7,6 +7,7 @@ the order of births.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -99,13 +100,19 @@ class EmitterMotion:
 
     def at(self, t: np.ndarray) -> np.ndarray:
         """The emitter's place (3, m) at times t (m,)."""
-        n = _unit(np.asarray(self.axis, float))
-        helper = np.array([0.0, 1.0, 0.0]) if abs(n[1]) < 0.9 else np.array([1.0, 0.0, 0.0])
-        e = _unit(np.cross(helper, n))
-        f = np.cross(n, e)
+        e, f = _plane_across(self.axis)
         angle = 2 * np.pi * t / self.period + self.phase
         circle = self.radius * (np.outer(e, cos(angle)) + np.outer(f, sin(angle)))
         return np.outer(np.asarray(self.velocity, float), t) + circle
+
+
+@lru_cache(64)
+def _plane_across(axis: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Two unit vectors across an axis and each other."""
+    n = _unit(np.asarray(axis, float))
+    helper = np.array([0.0, 1.0, 0.0]) if abs(n[1]) < 0.9 else np.array([1.0, 0.0, 0.0])
+    e = _unit(np.cross(helper, n))
+    return e, np.cross(n, e)
 
 
 def _unit(v: np.ndarray) -> np.ndarray:
