@@ -298,7 +298,7 @@ def test_frames_stills_and_trails_show_the_preset_s_sky(tmp_path):
         ("studoi", "sky", "did you mean 'studio'"),
         ("qqq", "sky", "no sky named 'qqq'; write studio, paper, night, a colour or a palette"),
         ("12", "sky", "must be a mapping of keys, not 12"),
-        ("{}", "sky", "needs one of sun, gradient, color and stars"),
+        ("{}", "sky", "needs one of sun, gradient, color, stars, band and softboxes"),
         ("{gradient: [red]}", "sky.gradient", "needs two colours or more"),
         ("{gradient: red}", "sky.gradient", "needs two colours or more"),
         ("{gradient: [[0.5, red], [0.2, blue]]}", "sky.gradient", "positions must increase"),
