@@ -9,7 +9,7 @@ __all__ = ["PIECES", "write_contact_sheet"]
 PIECES = (
     "fire", "galaxy", "course/lake", "charged",
     "course/marbles", "smoke", "course/flag", "wormhole",
-    "fireworks", "course/pendulums", "course/wet_street", "course/glider",
+    "fireworks", "course/pendulums", "course/wet_street", "course/rocket",
 )  # fmt: skip
 COLUMNS, TILE, GAP = 4, (400, 225), 8  # pixels
 
