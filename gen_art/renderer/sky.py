@@ -11,7 +11,7 @@ from gen_art.renderer.atmosphere import SUN_RADIUS
 from gen_art.renderer.colour import gradient_table, linear
 from gen_art.renderer.daylight import DISC_ROWS, daylight
 from gen_art.renderer.sky_band import band_light
-from gen_art.renderer.sky_softboxes import before
+from gen_art.renderer.sky_softboxes import with_softboxes
 from gen_art.renderer.sky_table import COLUMNS, HALF, ROWS, directions_of_table, elevations, look_up, sky_radiance
 from gen_art.renderer.stars import StarField, star_field
 
@@ -59,7 +59,7 @@ def _dome(spec: Sky) -> SkyDome:
         rows = np.repeat(_rows(spec)[:, None], around, axis=1)
         if spec.band is not None:
             rows = rows + band_light(spec.band, directions_of_table())
-        rows = before(rows, spec.softboxes) * spec.intensity
+        rows = with_softboxes(rows, spec.softboxes) * spec.intensity
         stars = stars and StarField(stars.directions, stars.light * spec.intensity)
         return SkyDome(_frozen(rows), None, np.zeros(3), 0.0, np.zeros((DISC_ROWS, 3), np.float32), stars)
     day = daylight(spec)
@@ -70,7 +70,7 @@ def _dome(spec: Sky) -> SkyDome:
     if stars is not None:
         clear = np.repeat(np.concatenate([np.zeros((HALF, 3)), day.extinction])[:, None], 2, axis=1)
         stars = StarField(stars.directions, stars.light * look_up(clear, stars.directions) * spec.intensity)
-    table = before(table, spec.softboxes)
+    table = with_softboxes(table, spec.softboxes)
     disc = _frozen(day.disc * (spec.intensity * spec.sun.disc))
     irradiance = day.sun_irradiance * spec.intensity
     return SkyDome(_frozen(table * spec.intensity), day.sun_direction, irradiance, SUN_RADIUS, disc, stars)

@@ -18,7 +18,7 @@ from gen_art.preset.sky import Softbox
 from gen_art.renderer.colour import linear
 from gen_art.renderer.sky_table import directions_of_table
 
-__all__ = ["before", "coverage"]
+__all__ = ["coverage", "with_softboxes"]
 
 _SHARPEST = 0.5  # degrees, about the cells of the table
 
@@ -44,9 +44,12 @@ def _half_slope(degrees: float) -> float:
     return float(sin(half) / cos(half))
 
 
-def before(table: np.ndarray, boxes: Sequence[Softbox]) -> np.ndarray:
-    """A sky's table (rows, any columns, 3) with boxes before it, the later ones in front."""
+def with_softboxes(table: np.ndarray, boxes: Sequence[Softbox]) -> np.ndarray:
+    """A sky's table (rows, columns, 3) behind its boxes, of which later ones hide earlier ones."""
+    if not boxes:
+        return table
+    directions = directions_of_table()
     for box in boxes:
-        share = coverage(box, directions_of_table())[..., None]
+        share = coverage(box, directions)[..., None]
         table = table + (linear(box.color) * box.intensity - table) * share
     return table
