@@ -5,7 +5,8 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
 	$$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null && echo $$p && break; done)
 # named after what went in, so a touched file installs nothing again and a changed one does
 INSTALLED := $(VENV)/installed-$(shell cat requirements.lock pyproject.toml | cksum | cut -d' ' -f1)
-BENCH := $(VENV)/installed-bench-$(shell cat requirements-bench.lock | cksum | cut -d' ' -f1)
+# numba, with which gen-art is compared, needs older versions of some packages: an environment of its own
+BENCH := .venv-bench/installed-$(shell cat requirements-bench.lock pyproject.toml | cksum | cut -d' ' -f1)
 
 .PHONY: demo test proofs verdicts check golden bench gallery docs lock clean
 
@@ -36,7 +37,7 @@ golden: $(INSTALLED)
 	$(BIN)/python -m tests.golden
 
 bench: $(BENCH)
-	$(BIN)/gen-art bench
+	.venv-bench/bin/gen-art bench
 
 gallery: $(INSTALLED)
 	$(BIN)/gen-art gallery
@@ -45,22 +46,28 @@ gallery: $(INSTALLED)
 docs: $(INSTALLED)
 	$(BIN)/python docs/make_site.py
 
-$(INSTALLED): | requirements.lock pyproject.toml
-	@test -n "$(PYTHON)" || { echo "gen-art needs Python 3.11, 3.12 or 3.13; name one: make PYTHON=/path/to/python3.12" >&2; exit 2; }
-	$(PYTHON) -m venv --clear $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
-	@touch $@
+CHECK_PYTHON := test -n "$(PYTHON)" || { echo "gen-art needs Python 3.11, 3.12 or 3.13; name one: make PYTHON=/path/to/python3.12" >&2; exit 2; }
 
-$(BENCH): $(INSTALLED)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-bench.lock
-	@touch $@
+# $(1): folder of the environment, $(2): file that pins its packages
+define ENVIRONMENT
+@$(CHECK_PYTHON)
+$(PYTHON) -m venv --clear $(1)
+$(1)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r $(2)
+$(1)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+@touch $@
+endef
+
+$(INSTALLED): | requirements.lock pyproject.toml
+	$(call ENVIRONMENT,$(VENV),requirements.lock)
+
+$(BENCH): | requirements-bench.lock pyproject.toml
+	$(call ENVIRONMENT,.venv-bench,requirements-bench.lock)
 
 # needs uv; universal: one file for Linux, macOS and Windows, Python 3.11 to 3.13, and no index address in it
 COMPILE := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-emit-index-url --custom-compile-command "make lock"
 lock:
 	$(COMPILE) --extra dev pyproject.toml -o requirements.lock
-	$(COMPILE) --extra bench -c requirements.lock pyproject.toml -o requirements-bench.lock
+	$(COMPILE) --extra bench pyproject.toml -o requirements-bench.lock
 
 clean:
-	rm -rf $(VENV) out build dist site
+	rm -rf $(VENV) .venv-bench out build dist site

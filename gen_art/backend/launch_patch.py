@@ -1,47 +1,71 @@
-"""A faster launch of kernels than that of Taichi 1.7.4. It does not change what a launch computes.
+"""A faster start and launch of kernels than those of Taichi 1.7.4. Neither changes what a launch computes.
+
+In each process Taichi traces every kernel anew, and makes machine code of it, which takes seconds. Here the machine code is kept
+under a key of all that it depends on (fingerprint.py), so that a later process loads it.
 
 At every launch Taichi checks the type of every argument, builds a dozen helper objects and asks its cache for the kernel. This
-takes 0.12 ms for a dozen arguments, several times the run time of a small kernel. Here Taichi does the first launch with arrays
-of given types, with all its checks. Later launches pass only pointers, shapes and numbers, and of these only what has changed
+takes 0.12 ms for a dozen arguments, several times the run time of a small kernel. Here Taichi checks the arguments when it
+compiles the kernel for arrays of given types. Launches pass only pointers, shapes and numbers, and of these only what has changed
 since the kernel's latest launch.
-GEN_ART_STOCK_TAICHI=1 switches it off: Taichi then does every launch.
+GEN_ART_STOCK_TAICHI=1 switches it off, and it is off where machine_code.py does not work: Taichi then does every launch.
 """
 
+import ctypes
+import hashlib
+import os
+import sys
+import time
 import weakref
+from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import taichi as ti
 from taichi.lang import impl
 from taichi.lang.matrix import MatrixType
-from taichi.types import primitive_types
 from taichi.types.ndarray_type import NdarrayType
+
+from gen_art.backend import machine_code
+from gen_art.backend.fingerprint import Unknown, fingerprint
+from gen_art.backend.kernel_store import KernelStore
 
 __all__ = ["launch_without_repeats"]
 
+_FORMAT = 1  # of what is kept; part of every key
+_STARTED = time.time()
 
-def launch_without_repeats(primal, function, compiling):
+
+def launch_without_repeats(primal, function, compiling, settings: tuple, store: Callable[[], KernelStore]):
     """A function that launches the kernel `function`, faster from the second call with arrays of the same types on.
 
     primal : Taichi's object of the kernel
     compiling : returns the context manager in which Taichi may compile
+    settings : what the machine code depends on beside the kernel and Taichi's options; store : returns where it is kept
     The result has an attribute `bound(*args)`: a function without arguments that launches the kernel with `args`, which are
-    passed to Taichi once. Raises ValueError for an array of vectors whose address is not aligned for vector loads.
+    passed once. Raises ValueError for an array of vectors whose address is not aligned for vector loads.
     """
     name = primal.func.__name__
     annotations = [argument.annotation for argument in primal.arguments]
     kinds = [_kind(annotation) for annotation in annotations]
     plain = primal.return_type is None and None not in kinds
-    arrays = [(k, _lanes(annotations[k])) for k, kind in enumerate(kinds) if kind == "array"]
-    integers = [k for k, kind in enumerate(kinds) if kind == "integer"]
-    floats = [k for k, kind in enumerate(kinds) if kind == "float"]
-    known: dict[tuple, tuple[Any, Any, Any]] = {}  # by types of the arrays: compiled kernel, program, its data
+    arrays = [(k, _lanes(annotations[k])) for k, kind in enumerate(kinds) if kind is _ARRAY]
+    numbers = [k for k, kind in enumerate(kinds) if kind is not _ARRAY]
+    known: dict[tuple, list] = {}  # the kernel's tasks, by types of the arrays
     latest: list[_Launch] = []
 
-    def prepared(args) -> _Launch:
-        """The launch with these arguments, after Taichi has launched the kernel with arrays of the same types."""
-        launch = _Launch(name, *known[_types(arrays, args)], arrays, integers, floats)
-        launch.pass_arguments(args)
-        return launch
+    def tasks_for(args, types: tuple) -> list:
+        """The kernel's tasks for arrays of these types: from the store, or compiled by Taichi."""
+        place, key = store(), _key(primal.func, types, settings)
+        code = place.find(key) if key else None
+        if code is None:
+            with compiling():
+                compiled = machine_code.intermediate(primal.compiled_kernels[primal.ensure_compiled(*args)])
+            key = key or compiled.digest()
+            code = place.find(key)
+            if code is None:
+                code = machine_code.emit(compiled)
+                place.keep(key, code)
+        return machine_code.load(code)
 
     def launch(*args):
         # taken out while it is used: another thread may launch the same kernel
@@ -50,16 +74,13 @@ def launch_without_repeats(primal, function, compiling):
             for k, lanes in arrays:
                 _check_alignment(name, k, args[k], lanes)
             types = _types(arrays, args)
-            if types not in known or not all(args[k].flags.c_contiguous for k, _ in arrays):
+            usual = plain and all(kind is np.ndarray for kind, _, _ in types) and _contiguous(arrays, args)
+            if not usual or not machine_code.available():
                 with compiling():
-                    result = function(*args)
-                    if plain:
-                        compiled = primal.compiled_kernels[primal.ensure_compiled(*args)]
-                        program = impl.get_runtime().prog
-                        data = program.compile_kernel(program.config(), program.get_device_caps(), compiled)
-                        known[types] = compiled, program, data
-                return result
-            one = _Launch(name, *known[types], arrays, integers, floats)
+                    return function(*args)
+            if types not in known:
+                known[types] = tasks_for(args, types)
+            one = _Launch(name, known[types], arrays, numbers, kinds)
         one.pass_arguments(args)
         one()
         latest[:] = [one]
@@ -73,27 +94,54 @@ def launch_without_repeats(primal, function, compiling):
                 ready[0]()
                 return
             launch(*args)
-            ready.append(prepared(args))
+            tasks = known.get(_types(arrays, args))
+            if tasks is not None:
+                ready.append(_Launch(name, tasks, arrays, numbers, kinds))
+                ready[0].pass_arguments(args)
 
         return launch_again
 
     vars(launch)["bound"] = bound
+    vars(launch)["variants"] = known
     return launch
 
 
-class _Launch:
-    """A launch of a compiled kernel, with the arguments that Taichi has of it.
+def _key(function, types: tuple, settings: tuple) -> str | None:
+    """The key of a kernel's machine code; None where it reaches what has no digest, as code of a user has none."""
+    try:
+        reached = fingerprint(function)
+    except Unknown:
+        return None
+    if not all(_is_as_loaded(file) for file in reached.files):
+        return None
+    config = impl.get_runtime().prog.config()
+    options = [(name, getattr(config, name)) for name in dir(config) if not name.startswith(("_", "offline_cache"))]
+    options = [(name, value) for name, value in options if isinstance(value, int | float | str)]
+    arrays = [(str(dtype), ndim) for _, dtype, ndim in types]
+    words = _FORMAT, ti.__version__, sys.implementation.cache_tag, options, settings, arrays, reached.digest
+    return hashlib.sha256(repr(words).encode()).hexdigest()
 
-    arrays : (number of the argument, lanes of its vectors or 0); integers, floats : numbers of the arguments
+
+def _is_as_loaded(file: str) -> bool:
+    """Whether a source file is older than this process: Taichi reads what it says now, the digest is of what was loaded."""
+    try:
+        return os.stat(file).st_mtime < _STARTED
+    except OSError:
+        return False
+
+
+class _Launch:
+    """A launch of a compiled kernel, with the arguments that were passed to it.
+
+    arrays : (number of the argument, lanes of its vectors or 0); numbers : numbers of the other arguments
     """
 
-    def __init__(self, name: str, compiled, program, data, arrays: list, integers: list, floats: list):
-        self._name, self._program, self._data = name, program, data
-        self._arrays, self._integers, self._floats = arrays, integers, floats
-        self._context = compiled.make_launch_context()
+    def __init__(self, name: str, tasks: list, arrays: list, numbers: list, kinds: list):
+        self._name, self._tasks = name, tasks
+        self._arrays, self._numbers = arrays, [(k, f"_{k}") for k in numbers]
+        self._kinds = kinds
         self._types: tuple = ()
         self._passed: list = [None] * len(arrays)  # weak references: a launch keeps no array alive
-        self._whole = [None] * len(integers)
 
     def takes(self, args) -> bool:
         """Whether arrays of these types can be passed to this launch."""
@@ -111,28 +159,39 @@ class _Launch:
 
         Raises ValueError for an array of vectors whose address is not aligned.
         """
-        context = self._context
         if not self._types:
             self._types = _types(self._arrays, args)
+            self._arguments = _structure(self._kinds, self._arrays, self._types)()
+            self._context = machine_code.context_of(self._arguments)
+            self._address = ctypes.addressof(self._context)
         for n, (k, lanes) in enumerate(self._arrays):
             array, passed = args[k], self._passed[n]
             if passed is None or passed() is not array:
                 self._passed[n] = None
                 _check_alignment(self._name, k, array, lanes)
-                pointer, shape = array.__array_interface__["data"][0], array.shape
-                context.set_arg_external_array_with_shape(
-                    (k,), pointer, array.nbytes, shape[:-1] if lanes else shape, 0
-                )
+                argument = getattr(self._arguments, f"_{k}")
+                argument.shape[:] = array.shape[:-1] if lanes else array.shape
+                argument.data = array.__array_interface__["data"][0]
                 self._passed[n] = weakref.ref(array)
-        for n, k in enumerate(self._integers):
-            if self._whole[n] != args[k]:
-                context.set_arg_int((k,), args[k])
-                self._whole[n] = args[k]
-        for k in self._floats:
-            context.set_arg_float((k,), args[k])
+        for k, field in self._numbers:
+            setattr(self._arguments, field, args[k])
 
     def __call__(self) -> None:
-        self._program.launch_kernel(self._data, self._context)
+        for task in self._tasks:
+            task(self._address)
+
+
+def _structure(kinds: list, arrays: list, types: tuple) -> type[ctypes.Structure]:
+    """The C structure in which a kernel gets its arguments; that of an array has its shape and its address."""
+    fields: list[Any] = list(kinds)
+    for (k, lanes), (_, _, ndim) in zip(arrays, types, strict=True):
+        shape = ctypes.c_int32 * (ndim - 1 if lanes else ndim)
+        fields[k] = type("Array", (ctypes.Structure,), {"_fields_": (("shape", shape), ("data", ctypes.c_void_p))})
+    return type("Arguments", (ctypes.Structure,), {"_fields_": [(f"_{k}", field) for k, field in enumerate(fields)]})
+
+
+def _contiguous(arrays: list, args) -> bool:
+    return all(args[k].flags.c_contiguous for k, _ in arrays)
 
 
 def _types(arrays: list, args) -> tuple:
@@ -146,13 +205,18 @@ def _check_alignment(name: str, k: int, array, lanes: int) -> None:
         raise ValueError(f"argument {k} of {name}: vectors need an array from runtime.aligned")
 
 
-def _kind(annotation) -> str | None:
-    """How an argument is passed; None if only Taichi's launch can pass it."""
-    if isinstance(annotation, NdarrayType):
-        return "array"
-    if id(annotation) in primitive_types.real_type_ids:
-        return "float"
-    return "integer" if annotation in (ti.i32, ti.i64) else None
+_ARRAY = object()
+_NUMBERS = {
+    id(ti.i32): ctypes.c_int32,
+    id(ti.i64): ctypes.c_int64,
+    id(ti.f32): ctypes.c_float,
+    id(ti.f64): ctypes.c_double,
+}
+
+
+def _kind(annotation):
+    """How an argument is passed: an array, or a number's C type; None if only Taichi's launch can pass it."""
+    return _ARRAY if isinstance(annotation, NdarrayType) else _NUMBERS.get(id(annotation))
 
 
 def _lanes(annotation) -> int:

@@ -33,8 +33,9 @@ from gen_art.backend.compile_errors import as_sentences
 from gen_art.errors import OutputError, UsageError
 
 if not STOCK_TAICHI:
-    from gen_art.backend import real_function_patch
-    from gen_art.backend.launch_patch import launch_without_repeats as _launcher
+    from gen_art.backend import machine_code, real_function_patch
+    from gen_art.backend.kernel_store import KernelStore
+    from gen_art.backend.launch_patch import launch_without_repeats
 
     tracing_patch.install()
     real_function_patch.install()
@@ -52,6 +53,7 @@ __all__ = [
     "impl",
     "init",
     "is_f64",
+    "keeps_machine_code",
     "kernel",
     "make_matrix",
     "real",
@@ -171,6 +173,8 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
             unrolling_limit=0,  # no warning of long static loops: the expansions of the tree are such
         )
     _state["config"] = (arch, count)
+    if not STOCK_TAICHI:
+        _state["store"] = KernelStore(folder / "machine-code")
 
 
 def finish() -> None:
@@ -179,6 +183,8 @@ def finish() -> None:
     Raises OutputError when they cannot be stored; Taichi then crashes when the process ends, unless by os._exit.
     """
     if _state["config"]:
+        if not STOCK_TAICHI:
+            _state["store"].tidy()
         try:
             ti.reset()
         except RuntimeError as error:
@@ -190,7 +196,7 @@ def threads() -> int:
     return _state["config"][1] if _state["config"] else 0
 
 
-def _launch_by_taichi(primal, function, compiling):
+def _launch_by_taichi(primal, function, compiling, settings):
     """Like `launch_without_repeats`, but Taichi does every launch."""
 
     def launch(*args):
@@ -198,11 +204,15 @@ def _launch_by_taichi(primal, function, compiling):
             return function(*args)
 
     vars(launch)["bound"] = lambda *args: lambda: launch(*args)
+    vars(launch)["variants"] = primal.compiled_kernels
     return launch
 
 
-if STOCK_TAICHI:
-    _launcher = _launch_by_taichi
+def _launcher(primal, function, compiling, settings):
+    """The function that launches a kernel."""
+    if STOCK_TAICHI:
+        return _launch_by_taichi(primal, function, compiling, settings)
+    return launch_without_repeats(primal, function, compiling, settings, lambda: _state["store"])
 
 
 @contextlib.contextmanager
@@ -226,9 +236,9 @@ def kernel(function, precision: str = "f32", vectors: bool = False):
     Taichi splits vectors into scalars.
     """
     dtype = DTYPES[precision]
-    primal = function._primal
-    _state["kernels"].append(primal)
-    return _launcher(primal, function, lambda: _compiling(dtype, vectors))
+    launch = _launcher(function._primal, function, lambda: _compiling(dtype, vectors), (precision, vectors))
+    _state["kernels"].append(launch)
+    return launch
 
 
 # Masking an index tells LLVM that adding a small constant to it cannot overflow, so it folds constant offsets into the load.
@@ -247,7 +257,12 @@ def aligned(shape, dtype) -> np.ndarray:
 
 def compilations() -> int:
     """The number of kernels that this process has compiled or loaded from the cache."""
-    return sum(len(k.compiled_kernels) for k in _state["kernels"])
+    return sum(len(launch.variants) for launch in _state["kernels"])
+
+
+def keeps_machine_code() -> bool:
+    """Whether later processes load the machine code of this one's kernels; else Taichi compiles each kernel in each process."""
+    return not STOCK_TAICHI and machine_code.available()
 
 
 def real():

@@ -4,7 +4,8 @@
 
 Each finding is one line of JSON on standard output, printed as soon as it is known:
 {"taichi": version}, {"supported": bool, "patched": bool}, {"cache": {"folder", "bytes", "files", "limit", "problem"}},
-{"threads": n}, or after which nothing follows {"error": what is wrong, "remedy": what to do, "status": exit status}.
+{"threads": n, "kept": whether machine code is kept}, or after which nothing follows
+{"error": what is wrong, "remedy": what to do, "status": exit status}.
 """
 
 import contextlib
@@ -60,7 +61,7 @@ def _cache() -> None:
 
     folder, problem = runtime.cache_folder("cpu"), runtime.cache_problem("cpu")
     sizes = []
-    for file in folder.glob("*") if folder is not None and problem is None else ():
+    for file in folder.rglob("*") if folder is not None and problem is None else ():
         try:
             sizes.append(file.stat().st_size)
         except OSError:  # another process has just deleted it
@@ -90,7 +91,7 @@ def _kernel() -> None:
         if not np.array_equal(found, 2.0 * np.arange(_LENGTH, dtype=np.float32) + 1.0):
             raise InstallationError("a kernel ran and wrote wrong numbers")
         runtime.finish()
-    _print(threads=runtime.threads())
+    _print(threads=runtime.threads(), kept=runtime.keeps_machine_code())
 
 
 def _temporary_folder() -> tempfile.TemporaryDirectory:

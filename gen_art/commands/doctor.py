@@ -71,7 +71,12 @@ def _taichi(taichi: dict[str, Any]) -> str:
 
 def _kernel(kernel: dict[str, Any]) -> str:
     threads = kernel["threads"]
-    return f"compiled and ran on {threads} thread{'s' * (threads != 1)}" if kernel["runs"] else "did not run"
+    if not kernel["runs"]:
+        return "did not run"
+    kept = (
+        "machine code is kept" if kernel["kept"] else "each start compiles anew (llvmlite 0.44 on Linux would keep it)"
+    )
+    return f"compiled and ran on {threads} thread{'s' * (threads != 1)}; {kept}"
 
 
 def _cache(cache: dict[str, Any] | None) -> str:

@@ -52,15 +52,17 @@ class BirthKind:
     count: tuple[int, int] = (1, 1)
     channels: dict[str, int] = field(default_factory=dict)
 
-    def _signature(self):
+    @property
+    def fixed(self) -> tuple:
+        """What the birth kernel is compiled for: the classes, their choices, and the names. Numbers are never part of it."""
         fixed = tuple(None if t is None else t.fixed for t in (self.shape, self.velocity, self.scripted))
         return (fixed, tuple(self.attributes), tuple(self.channels))
 
     def __hash__(self):
-        return hash(self._signature())
+        return hash(self.fixed)
 
     def __eq__(self, other):
-        return isinstance(other, BirthKind) and self._signature() == other._signature()
+        return isinstance(other, BirthKind) and self.fixed == other.fixed
 
     def numbers(self, dtype) -> np.ndarray:
         """The run-time numbers of the birth kernel."""
@@ -261,7 +263,7 @@ def give_birth(particles: Particles, batches: list[BirthBatch], precision: str) 
             continue
         make_birth(b.kind, precision)(
             particles.floats, particles.key, batch_slots, _words(b.paired), _words(b.burst),
-            (b.ordinal & 0x7FFFFFFF).astype(np.int32), b.sign.astype(dtype), b.origin.astype(dtype),
+            (b.ordinal & 0x7FFFFFFF).astype(np.int32), b.sign.astype(dtype), b.origin.astype(dtype, order="C"),
             b.when.astype(dtype), b.kind.numbers(dtype),
         )  # fmt: skip
     particles.wrap(new)

@@ -96,7 +96,7 @@ class KernelTerms:
         self.box, self.box_offset = box, len(self._numbers)
         if box is not None:
             self._numbers += [0.0] * BOX_NUMBERS
-        self.signature = (
+        self.fixed = (  # what kernels are compiled for
             tuple((t.force.fixed, t.medium) for t in self.terms),
             tuple(tuple(t.force.fixed for t in medium) for medium in self.media),
             tuple(t.force.fixed for t in self.colliders),
@@ -160,7 +160,7 @@ class KernelTerms:
         return [t for t in self.terms if t.force.provides("potential")]
 
     def __hash__(self):
-        return hash(self.signature)
+        return hash(self.fixed)
 
     def __eq__(self, other):
-        return isinstance(other, KernelTerms) and self.signature == other.signature
+        return isinstance(other, KernelTerms) and self.fixed == other.fixed

@@ -122,7 +122,9 @@ def _cache(machine: Machine, cache: dict[str, Any] | None) -> None:
 
 
 def _kernel(machine: Machine, found: dict[str, Any]) -> None:
-    machine.facts["kernel"] = {"runs": "threads" in found, "threads": found.get("threads", 0)}
+    machine.facts["kernel"] = {
+        "runs": "threads" in found, "threads": found.get("threads", 0), "kept": found.get("kept", False),
+    }  # fmt: skip
     if "error" not in found:
         return
     machine.problems.append(Problem(found["error"], found.get("remedy", REINSTALL), found["status"]))

@@ -64,6 +64,11 @@ class ColliderTerms:
         """The colliders' run-time numbers, (m,) float32."""
         return self._terms.numbers(np.float32)
 
+    @property
+    def fixed(self) -> tuple:
+        """What kernels are compiled for."""
+        return self._terms.fixed
+
     def __hash__(self):
         return hash(self._terms)
 
