@@ -19,7 +19,7 @@ from gen_art.renderer.look_tables import AXES, NEAR, ORTHOGRAPHIC, PIECES, POSIT
 from gen_art.renderer.path_history import PastMotion
 from gen_art.renderer.piece_rows import PIECE_HEAD, PIECE_LIGHT, PIECE_OLD, PIECE_ROWS, PIECE_WIDTH
 
-__all__ = ["Pieces", "cut"]
+__all__ = ["BLOCK", "MOST_PIECES", "Pieces", "TOLERANCE", "cut", "hermite", "on_picture", "seen", "seen_place"]
 
 TOLERANCE = 0.25  # pixels
 MOST_PIECES = 64  # of a streak
@@ -32,15 +32,15 @@ REAL2, REAL3 = ti.types.ndarray(ndim=2), ti.types.ndarray(ndim=3)
 
 
 @ti.func
-def _seen_place(x, y, z, Q: ti.template()):
+def seen_place(x, y, z, Q: ti.template()):
     """A place right of, above and ahead of the camera."""
     p = ti.Vector([ti.cast(ti.cast(x, ti.f64) - Q[POSITION], ti.f32), ti.cast(ti.cast(y, ti.f64) - Q[POSITION + 1], ti.f32),
                    ti.cast(ti.cast(z, ti.f64) - Q[POSITION + 2], ti.f32)])  # fmt: skip
-    return _seen(p[0], p[1], p[2], Q)
+    return seen(p[0], p[1], p[2], Q)
 
 
 @ti.func
-def _seen(x, y, z, Q: ti.template()):
+def seen(x, y, z, Q: ti.template()):
     """A vector's parts right, up and ahead."""
     u, v, w = ti.cast(x, ti.f32), ti.cast(y, ti.f32), ti.cast(z, ti.f32)
     a = ti.Vector([ti.cast(Q[AXES + k], ti.f32) for k in range(9)])
@@ -48,7 +48,7 @@ def _seen(x, y, z, Q: ti.template()):
 
 
 @ti.func
-def _on_picture(p, Q: ti.template()):
+def on_picture(p, Q: ti.template()):
     """Pixels from the middle of the picture; what is nearer than the near plane is seen as if it were there."""
     scale = ti.cast(Q[SCALE], ti.f32)
     if Q[ORTHOGRAPHIC] < 0.5:
@@ -57,7 +57,7 @@ def _on_picture(p, Q: ti.template()):
 
 
 @ti.func
-def _hermite(p0, v0, p1, v1, span, back):
+def hermite(p0, v0, p1, v1, span, back):
     """The place `back` seconds before p0, on the path from p1, v1 to p0, v0, which takes `span` seconds."""
     s = back / span
     r = 1.0 - s
@@ -84,27 +84,18 @@ def _older(k, i, p0, v0, start, lapse, changed, birth, H: ti.template(), known: 
     v1 = v0 - changed * (end - start)
     p1 = p0 - (v0 + v1) * (0.5 * (end - start))
     if remembered:
-        p1 = _seen_place(H[last, 0, i], H[last, 1, i], H[last, 2, i], Q)
-        v1 = _seen(H[last, 3, i], H[last, 4, i], H[last, 5, i], Q)
+        p1 = seen_place(H[last, 0, i], H[last, 1, i], H[last, 2, i], Q)
+        v1 = seen(H[last, 3, i], H[last, 4, i], H[last, 5, i], Q)
     return p1, v1, end
-
-
-@ti.func
-def _from_chord(p, a, d):
-    """The distance of a point from the segment from a to d."""
-    chord = d - a
-    s = ti.min(ti.max((p - a).dot(chord) / ti.max(chord.norm_sqr(), 1e-30), 0.0), 1.0)
-    return (p - a - chord * s).norm()
 
 
 @ti.kernel
 def _count(
-    S: REAL2, birth: F64, lifetime: REAL2, H: REAL3, known: B2, times: F64, n: ti.i32, Q: F64, chords: ti.i32, counts: I1
+    S: REAL2, birth: F64, lifetime: REAL2, H: REAL3, known: B2, times: F64, n: ti.i32, Q: F64, counts: I1
 ):  # fmt: skip
     """The number of pieces of each streak; 0 where a straight one will do, -1 where none of the path is in the picture.
 
     H : (moments, 6, n) positions and velocities at `times`, newest first
-    chords : 1 where a straight streak ends at the older place, and not where the velocity points
     """
     ti.loop_config(block_dim=1)
     for block in range((n + BLOCK - 1) // BLOCK):
@@ -115,26 +106,23 @@ def _count(
             lapse = ti.cast(ti.min(Q[SHUTTER], age), ti.f32)
             counts[i] = 0
             if age > 0.0 and age < ti.cast(lifetime[0, i], ti.f64) and lapse > 0.0:
-                p0, v0 = _seen_place(S[PX, i], S[PY, i], S[PZ, i], Q), _seen(S[VX, i], S[VY, i], S[VZ, i], Q)
+                p0, v0 = seen_place(S[PX, i], S[PY, i], S[PZ, i], Q), seen(S[VX, i], S[VY, i], S[VZ, i], Q)
                 head, head_velocity, changed = p0, v0, v0 * 0.0
-                low = _on_picture(p0, Q)
+                low = on_picture(p0, Q)
                 high = low
                 strongest, off, start = 0.0, 0.0, ti.cast(0.0, ti.f32)
                 k = 0
                 while start < lapse:
                     p1, v1, end = _older(k, i, p0, v0, start, lapse, changed, birth[i], H, known, times, Q)
                     span = ti.max(end - start, 1e-30)
-                    a, d = _on_picture(p0, Q), _on_picture(p1, Q)
-                    b, c = _on_picture(p0 - v0 * (span / 3.0), Q), _on_picture(p1 + v1 * (span / 3.0), Q)
+                    a, d = on_picture(p0, Q), on_picture(p1, Q)
+                    b, c = on_picture(p0 - v0 * (span / 3.0), Q), on_picture(p1 + v1 * (span / 3.0), Q)
                     bend = ti.max((a - 2.0 * b + c).norm(), (b - 2.0 * c + d).norm())
                     strongest = ti.max(strongest, 6.0 * bend / (span * span))
                     low, high = ti.min(low, ti.min(b, ti.min(c, d))), ti.max(high, ti.max(b, ti.max(c, d)))
                     back = ti.min(end, lapse)
-                    place = _on_picture(_hermite(p0, v0, p1, v1, span, back - start), Q)
-                    if chords == 0:
-                        off = ti.max(off, (place - _on_picture(head - head_velocity * back, Q)).norm())
-                    else:  # a cubic lies within three quarters of its control points' distances from its chord
-                        off = ti.max(off, 0.75 * ti.max(_from_chord(b, a, d), _from_chord(c, a, d)))
+                    place = on_picture(hermite(p0, v0, p1, v1, span, back - start), Q)
+                    off = ti.max(off, (place - on_picture(head - head_velocity * back, Q)).norm())
                     changed = (v0 - v1) / span
                     p0, v0, start = p1, v1, end
                     k += 1
@@ -162,11 +150,10 @@ def _share(s, tail):
 @ti.kernel
 def _cut(
     S: REAL2, birth: F64, H: REAL3, known: B2, times: F64, n: ti.i32, Q: F64, counts: I1, starts: I1,
-    tail: ti.f32, taper: ti.f32, along: ti.i32, owner: I1, pieces: F2, ends: F2,
+    tail: ti.f32, taper: ti.f32, owner: I1, pieces: F2, ends: F2,
 ):  # fmt: skip
     """Write the pieces of each streak, from the head on, into the columns from starts[i].
 
-    along : 1 where brightness along the path is given, 0 where the whole streak's light is
     owner : the particle of each piece
     ends : (2, pieces) brightness and width at the old end of each piece, divided by those at its head
     """
@@ -176,7 +163,7 @@ def _cut(
         for i in range(block * BLOCK, ti.min((block + 1) * BLOCK, n)):
             if counts[i] > 0:
                 lapse = ti.cast(ti.min(Q[SHUTTER], now - birth[i]), ti.f32)
-                p0, v0 = _seen_place(S[PX, i], S[PY, i], S[PZ, i], Q), _seen(S[VX, i], S[VY, i], S[VZ, i], Q)
+                p0, v0 = seen_place(S[PX, i], S[PY, i], S[PZ, i], Q), seen(S[VX, i], S[VY, i], S[VZ, i], Q)
                 p1, v1, changed, place = p0, v0, v0 * 0.0, p0
                 start, end, k = ti.cast(0.0, ti.f32), ti.cast(0.0, ti.f32), 0
                 for m in range(counts[i]):
@@ -188,16 +175,14 @@ def _cut(
                         p1, v1, end = _older(k, i, p0, v0, start, lapse, changed, birth[i], H, known, times, Q)
                         changed = (v0 - v1) / ti.max(end - start, 1e-30)
                         k += 1
-                    next = _hermite(p0, v0, p1, v1, ti.max(end - start, 1e-30), back - start)
+                    next = hermite(p0, v0, p1, v1, ti.max(end - start, 1e-30), back - start)
                     o = starts[i] + m
                     owner[o] = i
                     for c in ti.static(range(3)):
                         pieces[PIECE_HEAD + c, o], pieces[PIECE_OLD + c, o] = place[c], next[c]
                     bright, dark = 1.0 - (1.0 - tail) * s0, 1.0 - (1.0 - tail) * s1
                     wide, narrow = 1.0 - (1.0 - taper) * s0, 1.0 - (1.0 - taper) * s1
-                    pieces[PIECE_LIGHT, o] = ti.select(
-                        along == 1, 0.5 * (bright + dark), _share(s1, tail) - _share(s0, tail)
-                    )
+                    pieces[PIECE_LIGHT, o] = _share(s1, tail) - _share(s0, tail)
                     pieces[PIECE_WIDTH, o] = wide
                     ends[0, o], ends[1, o] = dark / ti.max(bright, 1e-9), narrow / ti.max(wide, 1e-9)
                     place = next
@@ -226,22 +211,18 @@ class Pieces:
     owner: np.ndarray
 
 
-def cut(
-    system, past: PastMotion | None, numbers: np.ndarray, tail: float, taper: float, motion=None, along: bool = False
-) -> Pieces | None:
+def cut(system, past: PastMotion | None, numbers: np.ndarray, tail: float, taper: float) -> Pieces | None:
     """The pieces of those streaks of a system that bend, or None if all are straight.
 
     past : earlier motion; where none is known, streaks are straight
     numbers : of look_tables.kernel_numbers
-    motion : (6, n) positions and velocities now; the system's own when None
-    along : whether the light is a brightness along the path, and a straight streak a chord of it, as of ribbons
     """
     n = int(system.count)
     if past is None or not n:
         return None
-    now, known = system.floats if motion is None else motion, past.known.view(np.uint8)
+    known = past.known.view(np.uint8)
     counts, lifetime = np.empty(n, np.int32), system.floats[LIFETIME : LIFETIME + 1]
-    _count_kernel(now, system.birth, lifetime, past.motion, known, past.times, n, numbers, int(along), counts)
+    _count_kernel(system.floats, system.birth, lifetime, past.motion, known, past.times, n, numbers, counts)
     replaced = counts != 0
     if not replaced.any():
         return None
@@ -252,8 +233,8 @@ def cut(
     ends = np.ones((2, max(total, 1)), np.float32)
     if total:
         _cut_kernel(
-            now, system.birth, past.motion, known, past.times, n, numbers, counts, starts.astype(np.int32), tail, taper,
-            int(along), owner, rows, ends,
+            system.floats, system.birth, past.motion, known, past.times, n, numbers, counts, starts.astype(np.int32),
+            tail, taper, owner, rows, ends,
         )  # fmt: skip
     of_pieces = np.array(numbers)
     of_pieces[PIECES] = 1.0

@@ -34,7 +34,7 @@ from gen_art.renderer.neighbour_shapes import neighbour_shapes
 from gen_art.renderer.neighbour_sums import NeighbourSums
 from gen_art.renderer.path_history import MOMENTS, PathHistory
 from gen_art.renderer.projected_particles import ProjectedParticles
-from gen_art.renderer.ribbon_sprites import add_segment
+from gen_art.renderer.ribbon_sprites import add_links
 from gen_art.renderer.ribbons import RibbonHistory
 from gen_art.renderer.shading import shade
 from gen_art.renderer.sky_background import draw_sky
@@ -568,13 +568,14 @@ class Painter:
             self._behind.forget_surfaces()
 
     def _add_ribbons(self, sim, name: str, view, film_time, weight, framebuffer: FrameBuffer, shaded: _Shaded) -> None:
-        """Add every segment of a system's ribbons to the sprites; without earlier positions there are none."""
+        """Add every link of a system's ribbons to the sprites; without earlier positions there are none."""
         tables, projected = self._tables[name], self._projected[name]
-        for segment in self.histories[name].segments(self.particles(sim, name), sim.time):
-            q = kernel_numbers(
-                tables, view, self.size, segment.time, film_time, segment.duration, False, weight * segment.light, segment.width
-            )  # fmt: skip
-            add_segment(self._sprites, segment, projected, tables, q, framebuffer, shaded.mirror, shaded.bent)
+
+        def numbers(seconds: float, light: float, width: float) -> np.ndarray:
+            return kernel_numbers(tables, view, self.size, sim.time, film_time, seconds, False, weight * light, width)
+
+        for links in self.histories[name].links(self.particles(sim, name), sim.time):
+            add_links(self._sprites, links, projected, tables, numbers, framebuffer, shaded.mirror, shaded.bent)
 
     def _add_sprites(
         self, look: Look, projected: ProjectedParticles, view: CameraView, framebuffer: FrameBuffer

@@ -6,37 +6,37 @@ two segments on one line add up to the long one. In a periodic box a segment is 
 where its ends are more than half of the box apart.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
-from gen_art.particles.rows import LIFETIME, POSITION, RADIUS, VELOCITY
+from gen_art.particles.rows import POSITION
 from gen_art.preset.look import Ribbon
-from gen_art.renderer.path_history import MOTION, PastMotion, PathHistory
+from gen_art.renderer.path_history import MOTION, PathHistory
 
-__all__ = ["RibbonHistory", "Segment", "cut_by_plane"]
+__all__ = ["Links", "RibbonHistory"]
+
+
+LINKS = 1 << 18  # particles times moments that are drawn together
 
 
 @dataclass(frozen=True)
-class Segment:
-    """What the shading kernel reads as a system of streaks: from each particle's position at `time` back over `duration` seconds.
+class Links:
+    """Some of a ribbon's links, between one moment and the next older.
 
-    motion : (6, n) positions and velocities at `time`
-    past : the same at the older end
-    width, light : factors of the look's own, at the newer end
-    taper, tail : width and light at the older end, divided by those at the newer
+    system : the particles, as they are at the newest moment of the ribbon
+    times : (moments,) s, newest first; motion : (moments, 6, n) positions and velocities
+    drawn : (links, n) bool
+    factors : (4, links) float32: light and width of the look's own at the newer end; both at the older end divided by those
     """
 
-    system: SimpleNamespace
-    time: float
-    duration: float
+    system: Any
+    times: np.ndarray
     motion: np.ndarray
-    past: PastMotion
-    width: float
-    light: float
-    taper: float
-    tail: float
+    drawn: np.ndarray
+    factors: np.ndarray
 
 
 class RibbonHistory(PathHistory):
@@ -46,55 +46,30 @@ class RibbonHistory(PathHistory):
         super().__init__(ribbon.points)
         self.ribbon = ribbon
 
-    def segments(self, system, time: float):
-        """The ribbons at `time` as segments, newest first."""
-        n, length = int(system.count), self.ribbon.length
-        newer, newer_time = np.array(system.floats[MOTION, :n]), time
+    def links(self, system, time: float) -> Iterator[Links]:
+        """The ribbons at `time`, newest first, at most LINKS links at a time or those of one moment."""
+        n = int(system.count)
+        times, motions = [time], [np.array(system.floats[MOTION, :n])]
+        drawn: list[np.ndarray] = []
         for older_time, older, known in self.before(system, time, unwrap=False):
-            if time - newer_time >= length:
-                return
+            if time - times[-1] >= self.ribbon.length:
+                break
+            if drawn and (len(drawn) + 1) * n > LINKS:
+                yield self._links(system, time, times, motions, drawn)
+                times, motions, drawn = times[-1:], motions[-1:], []
+            newer = motions[-1]
             older = np.where(known, older, newer)
-            drawn = known if system.box is None else known & ~system.box.jumps((newer - older)[POSITION])
-            yield self._segment(system, newer, older, drawn, newer_time, older_time, time)
-            newer, newer_time = older, older_time
+            drawn.append(known if system.box is None else known & ~system.box.jumps((newer - older)[POSITION]))
+            times.append(older_time)
+            motions.append(older)
+        if drawn:
+            yield self._links(system, time, times, motions, drawn)
 
-    def _segment(self, system, newer, older, drawn, newer_time: float, older_time: float, time: float) -> Segment:
-        floats, n = np.array(system.floats), newer.shape[1]
-        floats[POSITION, :n] = newer[POSITION]
-        floats[VELOCITY, :n] = (newer - older)[POSITION] / (newer_time - older_time)
-        floats[LIFETIME, :n][~drawn] = 0.0  # nothing is drawn without an earlier position, or across a periodic box
-        birth = np.array(system.birth)
-        birth[:n] = np.where(drawn, np.minimum(birth[:n], older_time), birth[:n])
-        ribbon = self.ribbon
-        head, end = (min((time - t) / ribbon.length, 1.0) for t in (newer_time, older_time))
-        width, end_width = (1.0 - (1.0 - ribbon.taper) * fraction for fraction in (head, end))
-        light, end_light = (1.0 - (1.0 - ribbon.tail) * fraction for fraction in (head, end))
-        floats[RADIUS, :n] *= width
-        system_copy = SimpleNamespace(
-            floats=floats, birth=birth, key=system.key, id=system.id, source=system.source, sources=system.sources,
-            count=n, channels=system.channels, entries=system.entries, booked=system.booked,
-        )  # fmt: skip
-        taper, tail = end_width / max(width, 1e-9), end_light / max(light, 1e-9)
-        past = PastMotion(np.array([older_time]), older[None], drawn[None])
-        return Segment(system_copy, newer_time, newer_time - older_time, newer, past, width, light, taper, tail)
-
-
-def cut_by_plane(segment: Segment, point, normal) -> None:
-    """Leave of a segment, of all particles, the part before a plane.
-
-    point, normal : (3,) of the plane, the normal of length 1
-    The light goes by the length that is drawn, so what is left keeps its own.
-    """
-    system, n = segment.system, segment.system.count
-    new, velocity = system.floats[POSITION, :n], system.floats[VELOCITY, :n]
-    old = new - velocity * segment.duration
-    normal = np.asarray(normal, np.float64)
-    above, old_above = (normal @ place - float(np.dot(normal, point)) for place in (new, old))
-    # where the segment crosses the plane, as a part of the way from its new end to its old one
-    span = above - old_above
-    part = np.clip(above / np.where(span != 0.0, span, 1.0), 0.0, 1.0)
-    first = np.where(above < 0.0, part, 0.0)
-    last = np.where(old_above < 0.0, part, 1.0)
-    system.floats[POSITION, :n] = new - velocity * (segment.duration * first)
-    system.floats[VELOCITY, :n] = velocity * np.maximum(last - first, 0.0)
-    system.floats[LIFETIME, :n][(above < 0.0) & (old_above < 0.0)] = 0.0
+    def _links(self, system, time: float, times: list, motions: list, drawn: list) -> Links:
+        ribbon, moments = self.ribbon, np.array(times)
+        fraction = np.minimum((time - moments) / ribbon.length, 1.0)
+        light, width = 1.0 - (1.0 - ribbon.tail) * fraction, 1.0 - (1.0 - ribbon.taper) * fraction
+        factors = np.stack([
+            light[:-1], width[:-1], light[1:] / np.maximum(light[:-1], 1e-9), width[1:] / np.maximum(width[:-1], 1e-9)
+        ])  # fmt: skip
+        return Links(system, moments, np.stack(motions), np.stack(drawn), factors.astype(np.float32))
