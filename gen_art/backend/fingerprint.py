@@ -14,7 +14,7 @@ from collections import OrderedDict, defaultdict, namedtuple
 from collections.abc import Iterator
 from enum import Enum
 from fractions import Fraction
-from functools import partial
+from functools import cache, partial
 from operator import attrgetter, itemgetter
 from pathlib import Path
 
@@ -138,7 +138,8 @@ class _Walk:
         root = _root(function.__module__)
         if root == OWN:
             self._say("function", function.__qualname__)
-            names = self._code(function.__code__)
+            code, names = _of_code(function.__code__)
+            self._say("code", code)
             self._look_up(function.__globals__, names)
             self.reach(function.__defaults__)
             self.reach(function.__kwdefaults__)
@@ -156,20 +157,6 @@ class _Walk:
             except ValueError:  # it is set later
                 raise Unknown(f"{name} of {function.__qualname__}, which is not set yet") from None
             self.reach(value)
-
-    def _code(self, code) -> tuple[str, ...]:
-        """Add bytecode to the hash. Returns the names that it looks up, with those of functions within it."""
-        self._say(
-            "code", code.co_code, code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars, code.co_flags
-        )
-        self._say(code.co_argcount, code.co_kwonlyargcount, code.co_posonlyargcount)
-        names = dict.fromkeys(code.co_names)
-        for constant in code.co_consts:
-            if isinstance(constant, types.CodeType):
-                names.update(dict.fromkeys(self._code(constant)))
-            else:
-                self.reach(constant)
-        return tuple(names)
 
     def _look_up(self, space: dict, names: tuple[str, ...]) -> None:
         """Reach what the names mean in a module, and in the modules of this package that they mean there."""
@@ -253,6 +240,22 @@ class _Walk:
             for name, value in _attributes(thing):
                 self._say("attribute", name)
                 self.reach(value)
+
+
+@cache
+def _of_code(code: types.CodeType) -> tuple[str, tuple[str, ...]]:
+    """The digest of bytecode, and the names that it looks up, with those of functions within it."""
+    words: list = [code.co_code, code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars, code.co_flags]
+    words += [code.co_argcount, code.co_kwonlyargcount, code.co_posonlyargcount]
+    names = dict.fromkeys(code.co_names)
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            digest, within = _of_code(constant)
+            words.append(digest)
+            names.update(dict.fromkeys(within))
+        else:
+            words.append(sorted(map(repr, constant)) if isinstance(constant, frozenset) else constant)
+    return hashlib.blake2b(repr(words).encode(), digest_size=32).hexdigest(), tuple(names)
 
 
 def _functions(member) -> Iterator[types.FunctionType]:
