@@ -103,5 +103,5 @@ with tempfile.TemporaryDirectory() as folder:
     bench.table([*rows, ("together", "", "", f"{total:.1f}")])
 
 bench.figures = {"bare_taichi": start, "beyond": over, "whole": whole, "cold": cold, "compiling_together": total}
-bench.require("start-up as a multiple of Taichi's own", over / start, at_most=4.0)
+bench.require("start-up as a multiple of Taichi's own", over / start, at_most=3.0)
 bench.finish()
