@@ -12,6 +12,7 @@ import sys
 import types
 from collections import OrderedDict, defaultdict, namedtuple
 from collections.abc import Iterator
+from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 from functools import cache, partial
@@ -46,11 +47,12 @@ class Unknown(Exception):
     """The kernel reaches something that has no digest."""
 
 
+@dataclass(frozen=True)
 class Fingerprint:
     """digest : of all that was reached; files : the source files of the functions among it that Taichi reads."""
 
-    def __init__(self, digest: str, files: frozenset[str]):
-        self.digest, self.files = digest, files
+    digest: str
+    files: frozenset[str]
 
 
 def fingerprint(function) -> Fingerprint:

@@ -11,7 +11,7 @@ from gen_art.backend.machine_code import MachineCode
 
 __all__ = ["LIMIT", "KernelStore"]
 
-LIMIT = 1 << 28  # bytes; all shipped presets together take a tenth of it
+LIMIT = 1 << 28  # bytes; all that the tests run, with most shipped presets, takes a tenth of it
 
 
 class KernelStore:
