@@ -39,8 +39,8 @@ def command(
         "frames": frames, "codec": codec, "profile": profile, "bits": int(bits) if bits else None,
     }  # fmt: skip
     if dry_run:
-        _, pixel_size, expected = job.plan_film(preset, out, precision=precision, **output)
-        echo(f"{out}: {len(frames)} frames of {pixel_size[0]}x{pixel_size[1]}, {expected}")
+        plan = job.plan_film(preset, out, precision=precision, **output)
+        echo(f"{out}: {len(frames)} frames of {plan.size[0]}x{plan.size[1]}, {plan.expected}")
         return
     with reporter(progress) as report:
         paths = job.render(

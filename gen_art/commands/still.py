@@ -33,8 +33,8 @@ def command(
         "bits": int(bits) if bits else None,
     }  # fmt: skip
     if dry_run:
-        _, pixel_size, expected = job.plan_still(preset, out, time, precision=precision, **output)
-        echo(f"{out}: {pixel_size[0]}x{pixel_size[1]} at {time:g} s, {expected}")
+        plan = job.plan_still(preset, out, time, precision=precision, **output)
+        echo(f"{out}: {plan.size[0]}x{plan.size[1]} at {time:g} s, {plan.expected}")
         return
     with reporter(progress) as report:
         paths = job.still(

@@ -1,7 +1,7 @@
 """The render jobs: a film or an image sequence, and one still."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,7 @@ from gen_art.output.stills import write_still
 from gen_art.output.target import Target, check_size_of, check_writable, find_target
 from gen_art.plugins import load_plugins
 from gen_art.preset.clock import MOST_FRAMES
+from gen_art.preset.drafting import drafted
 from gen_art.preset.estimate import Estimate, refuse_if_too_large
 from gen_art.renderer.fitting import fit_of
 from gen_art.renderer.painter import check_size
@@ -29,11 +30,12 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from typing import TypeAlias
 
+    from gen_art.preset.camera import Fit
     from gen_art.preset.schema import Preset
 
     AnyPreset: TypeAlias = Preset | str | Path | Mapping[str, Any]
 
-__all__ = ["QUALITIES", "check_target", "loaded", "picture_size", "plan_film", "plan_still", "render", "still"]
+__all__ = ["QUALITIES", "Plan", "check_target", "loaded", "picture_size", "plan_film", "plan_still", "render", "still"]
 
 # quality -> factor on the width and height; all but "final" also choose the codec profile "preview"
 QUALITIES = {"draft": 0.5, "preview": 1.0, "final": 1.0}
@@ -89,21 +91,39 @@ def check_target(
     return target, size
 
 
-def plan_film(preset, out, *, precision: str, frames, **output) -> tuple[Target, tuple[int, int], Estimate]:
-    """(target, size, estimate) of a film or sequence: everything that can be refused before it is made."""
+@dataclass(frozen=True)
+class Plan:
+    """A job that can be done: what it writes, the size of its pictures, and the preset that they are drawn of."""
+
+    target: Target
+    size: tuple[int, int]
+    expected: Estimate
+    drawn: "Preset"
+
+    def with_fit(self, preset: "Preset", precision: str, threads: int | None) -> "Fit | None":
+        """The fit of the camera of the job's preset, which is then the camera of a draft too."""
+        fit = fit_of(preset, self.size, precision, threads)
+        self.drawn.fits.update(preset.fits)
+        return fit
+
+
+def plan_film(preset, out, *, precision: str, frames, quality: str = "final", **output) -> Plan:
+    """The plan of a film or sequence: everything that can be refused before it is made."""
     check_preset(preset)
-    target, size = check_target(preset, out, frames=frames, **output)
+    target, size = check_target(preset, out, frames=frames, quality=quality, **output)
     until = preset.clock.preroll + frames[-1] * preset.clock.speed / preset.clock.fps
     coded = target.film.codec.memory if target.film else 0.0
-    return target, size, refuse_if_too_large(preset, precision, size, until, coded)
+    drawn = drafted(preset) if quality == "draft" else preset
+    return Plan(target, size, refuse_if_too_large(drawn, precision, size, until, coded), drawn)
 
 
-def plan_still(preset, out, time: float, *, precision: str, **output) -> tuple[Target, tuple[int, int], Estimate]:
-    """(target, size, estimate) of a still at film time `time`, s: everything that can be refused before it is made."""
+def plan_still(preset, out, time: float, *, precision: str, quality: str = "final", **output) -> Plan:
+    """The plan of a still at film time `time`, s: everything that can be refused before it is made."""
     check_preset(preset)
-    target, size = check_target(preset, out, moving=False, **output)
+    target, size = check_target(preset, out, moving=False, quality=quality, **output)
     steps = preset.clock.step_at(time)
-    return target, size, refuse_if_too_large(preset, precision, size, steps * preset.clock.step)
+    drawn = drafted(preset) if quality == "draft" else preset
+    return Plan(target, size, refuse_if_too_large(drawn, precision, size, steps * preset.clock.step), drawn)
 
 
 def _step_of_frame(playback: Playback, k: int) -> int:
@@ -138,7 +158,7 @@ def _write_picture(
 
 
 def loaded(preset, fps=None, quality: str = "final") -> "Preset":
-    """The preset that a job of this quality makes its pictures of: a draft has no supersample."""
+    """The preset of a job of this quality, as its recipe holds it: a draft has no supersample."""
     from gen_art.preset.load import load_preset
     from gen_art.preset.schema import Preset
 
@@ -181,8 +201,8 @@ def render(
     size : (width, height), pixels; the preset's when None
     scale : a factor on the size
     fps : frames a second, in place of the preset's clock.fps
-    quality : `draft` halves the width and height and draws without `supersample`; `draft` and `preview` use the codec profile
-        `preview`
+    quality : `draft` halves the width and height, draws without `supersample`, and simulates a quarter of the particles of large
+        systems of light and smoke (gen_art/preset/drafting.py); `draft` and `preview` use the codec profile `preview`
     codec : h264 h265 prores ffv1 vp9 av1; the default of the file extension when None
     profile : preview, web or master: from fast and small to slow and good
     bits : bits a channel; 8 or 10 where the codec has both, 16 for FFV1, .png and .exr, 32 for .exr
@@ -201,14 +221,15 @@ def render(
     loaded_plugins = load_plugins(plugins)
     spec = loaded(preset, fps, quality)
     numbers = _frame_numbers(frames, spec)
-    target, size, _ = plan_film(
+    plan = plan_film(
         spec, out, precision=precision, size=size, scale=scale, quality=quality, overwrite=overwrite,
         transparent=transparent, frames=numbers, codec=codec, profile=profile, bits=bits,
     )  # fmt: skip
+    target, size, fit = plan.target, plan.size, plan.with_fit(spec, precision, threads)
     report = Report(progress, len(numbers))
     job = {
         "bits": target.bits, "size": list(size), "fps": spec.clock.fps, "quality": quality, "precision": precision,
-        "transparent": transparent, "fit": fit_of(spec, size, precision, threads),
+        "transparent": transparent, "fit": fit,
     }  # fmt: skip
     if target.film is not None:
         film = target.film
@@ -216,9 +237,9 @@ def render(
             spec, plugins=loaded_plugins, kind="film", frames=_first_last_step(numbers), ending=target.extension,
             codec=film.codec.name, profile=film.profile, max_rate=max_rate, **job,
         )  # fmt: skip
-        _render_film(target, size, spec, recipe, precision, threads, numbers, report, overwrite, times)
+        _render_film(target, size, plan.drawn, recipe, precision, threads, numbers, report, overwrite, times)
         return [target.path]
-    playback = Playback(spec, size, precision, threads, transparent, progress)
+    playback = Playback(plan.drawn, size, precision, threads, transparent, progress)
     paths = [target.frame(k) if target.pattern else target.path for k in numbers]
     recipes = [make_recipe(spec, plugins=loaded_plugins, kind="still", time=k / spec.clock.fps, **job) for k in numbers]
     with background() as submit:
@@ -277,17 +298,18 @@ def still(
     loaded_plugins = load_plugins(plugins)
     spec = loaded(preset, fps, quality)
     time = spec.poster_time if time is None else number("time", time, "s", low=0.0)
-    target, size, _ = plan_still(
+    plan = plan_still(
         spec, out, time, precision=precision, size=size, scale=scale, quality=quality, overwrite=overwrite,
         transparent=transparent, bits=bits,
     )  # fmt: skip
-    playback = Playback(spec, size, precision, threads, transparent, progress)
+    target, size, fit = plan.target, plan.size, plan.with_fit(spec, precision, threads)
+    playback = Playback(plan.drawn, size, precision, threads, transparent, progress)
     linear, exposure = next(playback.pictures([playback.step_of(float(time))]))
     frame = round(float(time) * spec.clock.fps)
     recipe = make_recipe(
         spec, plugins=loaded_plugins, kind="still", time=float(time), bits=target.bits, size=list(size),
         fps=spec.clock.fps, quality=quality, precision=precision, transparent=transparent,
-        fit=fit_of(spec, size, precision, threads),
+        fit=fit,
     )  # fmt: skip
     _write_picture(_call, playback, linear, exposure, frame, target, target.path, recipe, overwrite)
     Report(progress, 1)(0, playback.particles)

@@ -12,7 +12,7 @@ from gen_art.backend.memory import available_memory
 from gen_art.errors import MemoryRefused
 from gen_art.preset.picture_memory import fixed_bytes, particle_bytes, pixel_bytes
 from gen_art.preset.schema import Preset, SystemSpec
-from gen_art.preset.values import Curve, Range
+from gen_art.preset.values import Curve
 
 __all__ = ["Estimate", "estimate", "megabytes", "refuse_if_too_large"]
 
@@ -104,94 +104,125 @@ def estimate(preset: Preset, precision: str = "f32", until: float | None = None)
     return Estimate(born, peak, size, state + max(births, drawing), pixel_bytes(preset))
 
 
+@dataclass(frozen=True)
+class _Emitter:
+    """An emitter in the census: how often it emits in each slice, and what comes of that.
+
+    events : (SLICES,) how often it emits; of an emitter that follows events, how often for each of them
+    source : kind of the events that it follows (None if it follows none) and the indices of the groups that have them
+    births : (index of the group, births an event, first and last slice of their deaths after their own) of each choice
+    """
+
+    system: str
+    by_rate: bool
+    events: list[float]
+    source: tuple[str, list[int]] | None
+    births: list[tuple[int, float, int | None, int]]
+
+
 class _Census:
-    """Counts births and deaths in slices of simulated time."""
+    """Counts births and deaths in slices of simulated time, by groups: system, emitter and tag."""
 
     def __init__(self, preset: Preset, until: float):
-        self.preset = preset
         self.width = max(until, 1e-300) / SLICES
-        self.groups = {
-            (name, source, tag): np.zeros(SLICES + 1)
-            for name, system in preset.systems.items()
-            for source, emitter in system.emitters.items()
+        systems = preset.systems
+        groups = dict.fromkeys(
+            (name, label, tag)
+            for name, system in systems.items()
+            for label, emitter in system.emitters.items()
             for tag in (emitter.tag, *(c.tag for c in emitter.choose.values()))
-        }  # deaths in each slice, by system, emitter and tag
-        self.alive = dict.fromkeys(self.groups, 0.0)
-        self.most = dict.fromkeys(self.groups, 0.0)  # alive at once
-        self.born = dict.fromkeys(preset.systems, 0.0)
-        self.peak = dict.fromkeys(preset.systems, 0.0)
-        self.steady = dict.fromkeys(preset.systems, 0.0)  # the most births of one launch, by rates
-        self.sudden = dict.fromkeys(preset.systems, 0.0)  # and by counts
-        stepwise = any(s.interactions or any(e.source for e in s.emitters.values()) for s in preset.systems.values())
+        )
+        self.groups = {group: k for k, group in enumerate(groups)}
+        self.of_system = {name: [k for group, k in self.groups.items() if group[0] == name] for name in systems}
+        self.emitters = [self._emitter(systems, n, e) for n, system in systems.items() for e in system.emitters]
+        self.deaths = np.zeros((len(groups), SLICES + 1))
+        self.most = [0.0] * len(groups)  # alive at once
+        self.born = dict.fromkeys(systems, 0.0)
+        self.peak = dict.fromkeys(systems, 0.0)
+        self.steady = dict.fromkeys(systems, 0.0)  # the most births of one launch, by rates
+        self.sudden = dict.fromkeys(systems, 0.0)  # and by counts
+        stepwise = any(s.interactions or any(e.source for e in s.emitters.values()) for s in systems.values())
         self.batch = (1 if stepwise else BATCH) * preset.clock.step  # simulated time of a launch, s
 
     def tagged(self, name: str, tags: tuple[str, ...]) -> float:
         """At most so many particles of a system with one of these tags are alive at once."""
-        most = sum(n for (system, _, tag), n in self.most.items() if system == name and tag in tags)
+        most = sum(self.most[k] for (system, _, tag), k in self.groups.items() if system == name and tag in tags)
         return float(np.nan_to_num(most, nan=np.inf))
 
     def run(self) -> None:
-        births = dict.fromkeys(self.groups, 0.0)
+        number = range(len(self.groups))
+        alive, births = [0.0] * len(number), [0.0] * len(number)
         for k in range(SLICES):
-            start, stop = k * self.width, (k + 1) * self.width
-            died = {group: min(deaths[k], self.alive[group]) for group, deaths in self.groups.items()}
-            born: dict = dict.fromkeys(self.groups, 0.0)
-            for name, system in self.preset.systems.items():
-                for label, emitter in system.emitters.items():
-                    for tag, number, lifetime in self._births(name, emitter, start, stop, died, births):
-                        born[name, label, tag] += number
-                        self._schedule((name, label, tag), k, number, lifetime or system.particle.lifetime)
-            for name, system in self.preset.systems.items():
-                by_rate = sum(n for (s, e, _), n in born.items() if s == name and system.emitters[e].rate is not None)
-                by_count = sum(n for (s, e, _), n in born.items() if s == name and system.emitters[e].rate is None)
-                self.steady[name] = max(self.steady[name], by_rate * self.batch / self.width)
-                self.sudden[name] = max(self.sudden[name], by_count)
-                groups = [group for group in self.groups if group[0] == name]
-                number = sum(born[group] for group in groups)
-                self.born[name] += number
-                self.peak[name] = max(self.peak[name], sum(self.alive[group] for group in groups) + number)
-            for group in self.groups:
-                self.most[group] = max(self.most[group], self.alive[group] + born[group])
-                self.alive[group] += born[group] - died[group]
+            died = [min(deaths, living) for deaths, living in zip(self.deaths[:, k].tolist(), alive)]
+            # the number of a particle's impacts is not known beforehand: one is assumed, at its birth
+            table = {"death": died, "birth": births, "impact": births, "path": alive}
+            born = [0.0] * len(number)
+            by_rate, by_count = dict.fromkeys(self.born, 0.0), dict.fromkeys(self.born, 0.0)
+            for emitter in self.emitters:
+                events = emitter.events[k]
+                if emitter.source is not None:
+                    kind, parents = emitter.source
+                    events *= sum(table[kind][parent] for parent in parents)
+                if events:
+                    total = by_rate if emitter.by_rate else by_count
+                    total[emitter.system] += self._give_birth(emitter, events, k, born)
+            for name, groups in self.of_system.items():
+                self.steady[name] = max(self.steady[name], by_rate[name] * self.batch / self.width)
+                self.sudden[name] = max(self.sudden[name], by_count[name])
+                together = sum(born[group] for group in groups)
+                self.born[name] += together
+                self.peak[name] = max(self.peak[name], sum(alive[group] for group in groups) + together)
+            for group in number:
+                self.most[group] = max(self.most[group], alive[group] + born[group])
+                alive[group] += born[group] - died[group]
             births = born
 
-    def _schedule(self, group, k: int, number: float, lifetime: Range | None) -> None:
-        """Add the deaths of `number` births in slice k, spread evenly over the range of lifetimes."""
-        if lifetime is None or not number:
-            return
-        first = k + max(1, int(min(lifetime.lo / self.width, 2 * SLICES)))
-        last = k + max(1, int(min(lifetime.hi / self.width, 1e9)))
-        if first <= SLICES:
-            self.groups[group][first : last + 1] += number / (last - first + 1)
+    def _give_birth(self, emitter: _Emitter, events: float, k: int, born: list[float]) -> float:
+        """The number of births of `events` in slice k, which are added to `born`; their deaths are spread over the lifetimes."""
+        together = 0.0
+        for group, number, first, last in emitter.births:
+            births = events * number
+            born[group] += births
+            together += births
+            if first is not None and k + first <= SLICES:
+                self.deaths[group, k + first : k + last + 1] += births / (last - first + 1)
+        return together
 
-    def _births(self, name, emitter, start, stop, died, births):
-        """(tag, number, lifetime) of the births from one emitter in a slice."""
-        events = self._events(emitter, start, stop, died, births)
+    def _emitter(self, systems, name: str, label: str) -> _Emitter:
+        emitter = systems[name].emitters[label]
         weights = sum(choice.weight for choice in emitter.choose.values())
+        births = []
         for choice in emitter.choose.values() or [None]:
             count = (choice and choice.count) or emitter.count
-            number = events * (count.mean if count else 1.0) * (choice.weight / weights if choice else 1.0)
-            yield (choice or emitter).tag, number, (choice and choice.lifetime) or emitter.lifetime
+            number = (count.mean if count else 1.0) * (choice.weight / weights if choice else 1.0)
+            lifetime = (choice and choice.lifetime) or emitter.lifetime or systems[name].particle.lifetime
+            span: tuple[int | None, int] = (None, 0)
+            if lifetime is not None:
+                last = max(1, int(min(lifetime.hi / self.width, 1e9)))
+                span = max(1, int(min(lifetime.lo / self.width, 2 * SLICES))), last
+            births.append((self.groups[name, label, (choice or emitter).tag], number, *span))
+        source = None
+        if emitter.source is not None:
+            parent, tags = emitter.source.system, emitter.source.tag
+            parents = [
+                k for (system, _, tag), k in self.groups.items() if system == parent and (not tags or tag in tags)
+            ]
+            source = emitter.source.kind, parents
+        edges = [k * self.width for k in range(SLICES + 1)]
+        events = [_events(emitter, start, stop) for start, stop in zip(edges, edges[1:])]
+        return _Emitter(name, emitter.rate is not None, events, source, births)
 
-    def _events(self, emitter, start, stop, died, births) -> float:
-        """How often an emitter emits in a slice: births by rate, times of `at`, or events of another system."""
-        if emitter.source is None:
-            first = emitter.start or 0.0
-            if emitter.at is not None:
-                return sum(start <= time < stop for time in emitter.at)
-            if emitter.rate is None:
-                return float(start <= first < stop)
-            return _integral(
-                emitter.rate, max(start, first), min(stop, _FOREVER if emitter.stop is None else emitter.stop)
-            )
-        # the number of a particle's impacts is not known beforehand: one is assumed, at its birth
-        table = {"death": died, "birth": births, "impact": births, "path": self.alive}[emitter.source.kind]
-        total = sum(
-            number
-            for (system, _, tag), number in table.items()
-            if system == emitter.source.system and (not emitter.source.tag or tag in emitter.source.tag)
-        )
-        return total * (_integral(emitter.rate, start, stop) if emitter.source.kind == "path" else 1.0)
+
+def _events(emitter, start: float, stop: float) -> float:
+    """How often an emitter emits from `start` to `stop`: births by rate or times of `at`; else for each event that it follows."""
+    if emitter.source is not None:
+        return _integral(emitter.rate, start, stop) if emitter.source.kind == "path" else 1.0
+    first = emitter.start or 0.0
+    if emitter.at is not None:
+        return float(sum(start <= time < stop for time in emitter.at))
+    if emitter.rate is None:
+        return float(start <= first < stop)
+    return _integral(emitter.rate, max(start, first), min(stop, _FOREVER if emitter.stop is None else emitter.stop))
 
 
 def _integral(rate: float | Curve, start: float, stop: float) -> float:

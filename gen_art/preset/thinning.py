@@ -1,12 +1,12 @@
 """Thins a preset: the same forces and looks, with births scaled down system by system."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 from gen_art.preset.estimate import estimate
 from gen_art.preset.load import load_preset
 from gen_art.preset.values import Curve, Range
 
-__all__ = ["galaxies", "independent_systems", "thinned"]
+__all__ = ["galaxies", "independent_systems", "thinned", "thinned_to"]
 
 MUTUAL = 4  # factor on the limit for systems that attract themselves
 
@@ -22,19 +22,24 @@ def thinned(preset, until: float, limit: int, systems: Collection[str] | None = 
 
     systems : the names of those that may be thinned; all when None
     """
+    most = {}
+    for name in preset.systems if systems is None else systems:
+        mutual = any(interaction.source_system is None for interaction in preset.systems[name].interactions)
+        most[name] = limit * (MUTUAL if mutual else 1)
+    return thinned_to(preset, until, most)
+
+
+def thinned_to(preset, until: float, most: Mapping[str, float]) -> tuple:
+    """(thinned Preset, changes) as of `thinned`: of the systems that `most` names, at most so many particles at once."""
     changes: dict[str, tuple] = {}
     full = estimate(preset, "f64", until).peak
     few, peaks = preset, full
     for name in _parents_first(preset):
-        if systems is not None and name not in systems:
-            continue
         peak = peaks[name]
-        mutual = any(interaction.source_system is None for interaction in few.systems[name].interactions)
-        allowed = limit * (MUTUAL if mutual else 1)
-        if not peak > allowed:
+        if name not in most or not peak > most[name]:
             continue
         for label, emitter in few.systems[name].emitters.items():
-            changes |= _scaled(f"systems.{name}.emitters.{label}", emitter, allowed / peak)
+            changes |= _scaled(f"systems.{name}.emitters.{label}", emitter, most[name] / peak)
         few = load_preset(preset, overrides={path: after for path, (_, after) in changes.items()})
         peaks = estimate(few, "f64", until).peak
     heavier = _heavier(few, {name: full[name] / max(peaks[name], 1) for name in peaks})

@@ -6,24 +6,30 @@ import numpy as np
 
 from gen_art.errors import UsageError
 from gen_art.interactions.base import ForceRequest, ImplicitStage
-from gen_art.particles.rows import VELOCITY
+from gen_art.particles.fixed import fixed_lifetimes
+from gen_art.particles.rows import LIFETIME, VELOCITY
 from gen_art.registry import suggest
 from gen_art.simulation.block_steps import BlockSteps, check_blocks, parts_of
 from gen_art.simulation.stepper import Stepper
 
 if TYPE_CHECKING:
     from gen_art.simulation.ledger import LedgerKeeper
+    from gen_art.simulation.system import ParticleSystem
 
 __all__ = ["CoupledSystems"]
 
 
 class CoupledSystems:
-    """The systems on which forces between particles act, and the systems that exert them."""
+    """The systems on which forces between particles act, and the systems that exert them.
+
+    resting : the names of those in which nothing ever moves, such as static bodies, so that they take no steps
+    """
 
     def __init__(self, steppers: dict[str, Stepper], names: set[str], dt: float, precision: str):
         self.steppers, self.dt, self.precision = {name: steppers[name] for name in sorted(names)}, dt, precision
         self.ledger: LedgerKeeper | None = None
         self._blocks = BlockSteps(self.steppers, dt, precision)
+        self.resting: frozenset[str] = frozenset()
         self._accelerations_at = -1  # the step for whose start the stored pair accelerations are valid; -1: for none
 
     @staticmethod
@@ -49,13 +55,23 @@ class CoupledSystems:
                 check_blocks(name, members[name])
         return coupled
 
+    @property
+    def moving(self) -> dict[str, Stepper]:
+        return {name: stepper for name, stepper in self.steppers.items() if name not in self.resting}
+
+    def find_resting(self) -> None:
+        """Find the systems that rest, from the particles that there are now."""
+        sources = {one.source_system for stepper in self.steppers.values() for one in stepper.system.interactions}
+        rest = {name for name, stepper in self.steppers.items() if name not in sources and _rests(stepper.system)}
+        self.resting = frozenset(rest) if self._blocks.parts == 1 else frozenset()
+
     def forget(self) -> None:
         """Discard the stored pair accelerations, because particles were added, removed or moved."""
         self._accelerations_at = -1
 
     def step(self, first: int) -> None:
         """One step, stage by stage: pair accelerations at each stage's positions, then the fused kernel's stage."""
-        coupled = self.steppers
+        coupled = self.moving
         for stepper in coupled.values():
             stepper.begin()
         if self._blocks.parts > 1:
@@ -139,3 +155,10 @@ class CoupledSystems:
                 )  # fmt: skip
                 row = 3 * stepper.part_offsets[k]
                 interaction.accelerate(request, out[row : row + 3 * len(interaction.parts)])
+
+
+def _rests(system: "ParticleSystem") -> bool:
+    """Whether all particles of a system are fixed, and the forces between them leave them as they are."""
+    lifetimes = system.state.floats[LIFETIME, : system.state.count]
+    still = bool(system.interactions) and all(one.at_rest for one in system.interactions)
+    return still and bool(fixed_lifetimes(lifetimes).all())

@@ -193,7 +193,13 @@ class LedgerKeeper:
         # by system, (3, capacity): what the ledger kernel of a system with colliders stores between the stages of a step
         self._impact_states: dict[str, np.ndarray] = {}
         self._born, self._died, self._outside = _Transfers(), _Transfers(), _Transfers()
-        self._implicit_rows: dict[str, np.ndarray] = {}  # ledger rows of implicit interactions and broken bonds
+        # ledger rows of implicit interactions, also of those that rest, and of broken bonds
+        self._implicit_rows = {
+            f"{name}.{one.name}": np.zeros(LEDGER_COLUMNS)
+            for name, system in sim.members.items()
+            for one in system.interactions
+            if one.implicit
+        }
         self._collider_work: dict[str, float] = {}  # J, of colliders that an interaction handles
         self._start = diagnose(sim)
 
@@ -345,7 +351,7 @@ class LedgerKeeper:
     def restore(self, saved: dict) -> None:
         """Continue from what `saved` gave."""
         self._rows_of = {name: np.array(saved["rows"][name]).reshape(r.shape) for name, r in self._rows_of.items()}
-        self._implicit_rows = {key: np.array(row) for key, row in saved["implicit"].items()}
+        self._implicit_rows |= {key: np.array(row) for key, row in saved["implicit"].items()}
         self._collider_work = dict(saved["colliders"])
         self._start = Diagnostics(**_with_arrays(saved["start"]))
         self._born, self._died, self._outside = (

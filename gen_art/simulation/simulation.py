@@ -176,6 +176,7 @@ class Simulation:
         coupled = CoupledSystems.names(members)
         self._steppers = {n: Stepper(s, precision, n in coupled) for n, s in members.items()}
         self._coupled = CoupledSystems(self._steppers, coupled, self.dt, precision)
+        self._unknown_rest = True  # whether it is to be found out which systems rest, because particles have come
         self._event_emitters = [(n, e, e.event) for n, s in members.items() for e in s.emitters if e.event is not None]
         for system in members.values():
             give_birth(system.state, [b for e in system.emitters for b in scheduled_births(e, 0.0)], precision)
@@ -301,13 +302,17 @@ class Simulation:
         if self._ledger and before is not None:
             self._ledger.record_outside(name, before)
         self._coupled.forget()
+        self._unknown_rest = True
         first, _ = self._unprocessed_ids[name]
         self._unprocessed_ids[name] = (first, self.members[name].state.next_id)  # births of particles that were added
         self._watch.restart()
 
     def _advance(self, most: int, move: Callable[[int], None] | None = None) -> int:
         """Take up to `most` steps in one launch; returns their number."""
-        coupled = bool(self._coupled.steppers)
+        if self._unknown_rest:
+            self._coupled.find_resting()
+            self._unknown_rest = False
+        coupled = bool(self._coupled.moving)
         steps = 1 if (move or self._event_emitters or coupled or self._ledger) else self._batch(most)
         first, t0, t1 = self.steps_done, self.time, (self.steps_done + steps) * self.dt
         for system in self.members.values():
@@ -474,6 +479,7 @@ class Simulation:
         self.steps_done = snapshot.steps_done
         snapshot.restore_systems(self.members, self.time)
         self._unprocessed_ids = snapshot.unprocessed_ids
+        self._unknown_rest = True
 
     def copy(self) -> "Simulation":
         """An independent simulation in the same state, the ledger's too. From then on both take the same steps to the same bits.

@@ -5,6 +5,8 @@ import pytest
 
 import gen_art as ga
 from gen_art.interactions.rigid.quaternions import matrices, product, rotation
+from gen_art.particles.fixed import FIXED
+from gen_art.particles.rows import LIFETIME
 from tests.physics.bodies import inside, tower, world
 
 # -- blades
@@ -227,3 +229,78 @@ def test_an_audit_leaves_bodies_whole():
     piece = ga.load_preset(PRESET)
     few, changes = thinned(piece, 0.1, 10)
     assert not changes and few == piece
+
+
+def test_static_bodies_take_no_steps():
+    """They change no bit of what moves beside them, which is then moved by several steps a launch.
+
+    Mutants: systems that rest are stepped; a system rests although one of its bodies is free, or a particle is not fixed.
+    """
+    cloud = {
+        "integrator": "leapfrog",
+        "particle": {"radius": 0.01, "mass": 1, "lifetime": 0.5},
+        "emitters": {"source": {"rate": 500, "velocity": {"sphere": 3}}},
+    }
+    post = {"body": {"shape": {"box": [1, 1, 1]}, "static": True, "position": [5, 0, 0], "points": 60}}
+    ball = {"body": {"shape": {"sphere": 0.5}, "position": [9, 0, 0], "points": 60}}
+    scenery = {"integrator": "leapfrog", "interactions": {"rigid": {}}, "emitters": {"post": post}}
+    digests, launches = [], []
+    for systems in (
+        {"cloud": cloud},
+        {"cloud": cloud, "scenery": scenery},
+        {"cloud": cloud, "scenery": {**scenery, "emitters": {"post": post, "ball": ball}}},
+    ):
+        preset = ga.load_preset(
+            {
+                "version": 1,
+                "seed": 2,
+                "clock": {"duration": 1, "fps": 25, "step": "1/100"},
+                "forces": {"gravity": [0, -9.81, 0]},
+                "systems": systems,
+            }
+        )
+        sim = ga.Simulation(preset, advice="none")
+        stepper, counts = sim.stepper("cloud"), []
+
+        def counted(first, steps, *rest, run=stepper.run, counts=counts):
+            counts.append(steps)
+            run(first, steps, *rest)
+
+        stepper.run = counted
+        start = sim.systems["scenery"].floats[:6].copy() if "scenery" in systems else None
+        sim.step(60)
+        digests.append(sim.digest("cloud"))
+        launches.append(max(counts))
+        if len(systems) == 2:
+            moved = bool((sim.systems["scenery"].floats[:6] != start).any())
+            assert moved == ("ball" in systems["scenery"]["emitters"])
+    assert digests[0] == digests[1] == digests[2]
+    assert launches[0] == launches[1] > 1 and launches[2] == 1
+
+
+def test_bodies_that_a_user_does_not_fix_are_stepped_as_before():
+    """Particles of static bodies that are not fixed gain the speed of their forces, since the bodies do not reset it."""
+    group = ga.bodies([ga.body({"box": [1, 1, 1]}, static=True, points=60)])
+    system = ga.ParticleSystem(
+        position=group.position, velocity=group.velocity, mass=group.mass, radius=group.radius,
+        attributes=group.attributes, forces=[ga.forces.Gravity((0, -9.81, 0))], interactions=[group.rigid()],
+        integrator="leapfrog",
+    )  # fmt: skip
+    sim = ga.Simulation({"box": system}, dt=0.01)
+    sim.step(2)
+    assert sim.systems["box"].floats[4, 0] != 0
+
+
+def test_a_free_body_moves_although_its_particles_are_fixed():
+    """Mutants: a system of fixed particles rests whatever acts in it; it rests if one of its bodies is static."""
+    bodies = [
+        ga.body({"box": [1, 1, 1]}, static=True, points=60),
+        ga.body({"sphere": 0.5}, position=(9, 0, 0), velocity=(1, 0, 0)),
+    ]
+    sim = ga.Simulation({"box": ga.bodies(bodies).system()}, dt=0.01)
+    state = sim.systems["box"]
+    state.floats[LIFETIME, : state.count] = FIXED
+    state.has_fixed = True
+    before = state.floats[:3, : state.count].copy()
+    sim.step(2)
+    assert (state.floats[0, : state.count] != before[0]).any()

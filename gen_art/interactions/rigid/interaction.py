@@ -100,6 +100,10 @@ class Rigid(Interaction):
         self._colliders: list = []
         self._world = None
 
+    @property
+    def at_rest(self) -> bool:
+        return self._world is not None and self._world.at_rest
+
     def shapes(self, state: Particles) -> Shapes | None:
         return self._world.shapes() if self._world is not None else None
 

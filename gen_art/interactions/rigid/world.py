@@ -27,6 +27,7 @@ class World:
     v, L : (b, 3) m/s and (b, 3) kg m^2/s, velocities of the origins and angular momenta about them
     R, w, inverse_inertia : rotation matrices, spins (b, 3) rad/s and inverse inertia (b, 3, 3) in the world, derived from q and L
     displacement : (b, 6) m and rad, by which the coming drift moves the bodies beside their motion, or None
+    at_rest : whether all bodies are static
     collider_impulses : each collider's impulse, N s, and work, J, in the last solve, by name
     """
 
@@ -42,7 +43,7 @@ class World:
         R = matrices(self.q)
         body_spin = apply_transposed(R, stack(lambda b: b.spin))
         self.L = apply(R, self.inertia * body_spin)
-        self._all_static = bool((self.constraint == STATIC).all())
+        self.at_rest = bool((self.constraint == STATIC).all())
         self._splitting = splitting_table(self.inertia, self.constraint, self.axle)
         counts = [len(b.local) for b in members]
         self._first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
@@ -129,7 +130,7 @@ class World:
 
     def solve(self, state, stage) -> None:
         """Collect what forces gave the particles since their velocities were stage.old, and add the impulses of contacts."""
-        if self._all_static:
+        if self.at_rest:
             return
         gained = np.zeros((len(self.members), 6))
         gather, _ = particle_kernels(self.precision)
@@ -200,7 +201,7 @@ class World:
 
     def drift(self, state, stage) -> None:
         """Move the bodies with their present velocities, and find the contacts at their new positions."""
-        if self._all_static:
+        if self.at_rest:
             return
         self.x, self.q = self._moved(stage.drift)
         self._update_derived()
