@@ -79,6 +79,7 @@ class Playback:
         )
         self._first_step = 0 if sim is None else sim.steps_done
         self._last_shown = -1 if sim is None else sim.steps_done
+        self._is_new = sim is None  # and nothing has been shown
         self._tell = tell
         self._levels: dict[int, float] = {}  # by step: what the pictures were metered at, for automatic exposure
         self.stopwatch = Stopwatch()
@@ -157,6 +158,8 @@ class Playback:
         Each picture is a view that the next one overwrites. The stops are added to the preset's exposure; for automatic
         exposure, earlier pictures are rendered and metered too.
         """
+        if self._is_new and len(steps):
+            self._leave_out_births(steps[0])
         auto = self.preset.develop.auto_exposure
         if auto is None:
             yield from ((self._picture(step), 0.0) for step in steps)
@@ -169,6 +172,16 @@ class Playback:
             if step in wanted:
                 values, ages = zip(*((levels[earlier], age) for earlier, age in self._metered_steps(step)))
                 yield picture, smoothed_exposure(values, ages, auto)
+
+    def _leave_out_births(self, step: int) -> None:
+        """Leave out particles that are dead before anything of the first picture, after `step` steps, is shown."""
+        from gen_art.simulation.unneeded_births import leave_out_births
+
+        begins = self.begins_at(step)
+        if self.painter.trails:
+            begins = min(begins, max(0, self._trail_steps.start - self._trail_interval))
+        leave_out_births(self.sim, begins)
+        self._is_new = False
 
     def _metered_steps(self, step: int) -> list[tuple[int, float]]:
         """The pictures that set a picture's automatic exposure: (steps from the start, s before the picture)."""

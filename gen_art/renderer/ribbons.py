@@ -1,9 +1,10 @@
 """Ribbons: each particle's path through its last positions, as a chain of streaks that become narrower and fainter.
 
 Between two positions the path is curved as path_history.py says, and cut into pieces where the picture shows it. Positions are
-kept at fixed steps of the simulation. The joints of a chain are not visible, because a streak is a disc swept along a segment:
-two segments on one line add up to the long one. In a periodic box a segment is left out where its particle was wrapped, which is
-where its ends are more than half of the box apart.
+kept at fixed steps of the simulation. A ribbon ends with its particle's life, also where the storage still holds it.
+The joints of a chain are not visible, because a streak is a disc swept along a segment: two segments on one line add up to the
+long one. In a periodic box a segment is left out where its particle was wrapped, which is where its ends are more than half of
+the box apart.
 """
 
 from collections.abc import Iterator
@@ -12,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from gen_art.particles.rows import POSITION
+from gen_art.particles.rows import LIFETIME, POSITION
 from gen_art.preset.look import Ribbon
 from gen_art.renderer.path_history import MOTION, PathHistory
 
@@ -49,6 +50,8 @@ class RibbonHistory(PathHistory):
     def links(self, system, time: float) -> Iterator[Links]:
         """The ribbons at `time`, newest first, at most LINKS links at a time or those of one moment."""
         n = int(system.count)
+        birth, lifetime = system.birth[:n], system.floats[LIFETIME, :n].astype(np.float64)
+        alive = (birth <= time) & (birth + lifetime > time)
         times, motions = [time], [np.array(system.floats[MOTION, :n])]
         drawn: list[np.ndarray] = []
         for older_time, older, known in self.before(system, time, unwrap=False):
@@ -59,6 +62,7 @@ class RibbonHistory(PathHistory):
                 times, motions, drawn = times[-1:], motions[-1:], []
             newer = motions[-1]
             older = np.where(known, older, newer)
+            known = known & alive
             drawn.append(known if system.box is None else known & ~system.box.jumps((newer - older)[POSITION]))
             times.append(older_time)
             motions.append(older)

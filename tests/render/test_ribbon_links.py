@@ -76,3 +76,16 @@ def test_links_drawn_together_are_those_drawn_one_by_one(tmp_path, monkeypatch, 
     assert (pictures[0].sum(1) > 0.01 * pictures[0].sum(1).max()).sum() > 60, "nine ribbons, each of ten rows"
     for other in pictures[1:]:
         assert np.abs(other - pictures[0]).max() < 1e-4 * pictures[0].max()
+
+
+def test_a_ribbon_ends_with_its_particle_s_life(tmp_path):
+    """Also while the storage still holds the particle. Mutant: links are drawn of all particles that it holds."""
+    file = tmp_path / "short.yaml"
+    text = SCENE % ("", 1, ABOUT_THE_MIDDLE, 1.25, 40, 1.0, 1.0, "")
+    lights = []
+    for lifetime in (2.2, 2.05):
+        file.write_text(text.replace("lifetime: 4", f"lifetime: {lifetime}"))
+        playback = Playback(load_preset(str(file)), SIZE, "f32", None)
+        lights.append(float(playback.picture(420).max()))
+        assert playback.sim.systems["bodies"].count == 1
+    assert lights[0] > 0.1 and lights[1] == 0
