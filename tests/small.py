@@ -17,7 +17,8 @@ SMALL: dict[str, dict] = {
     },
     "charged": {
         "systems.ions.emitters.many.rate": 2e6,
-        "systems.cloud.emitters.many.rate": 1e8,
+        "systems.cloud.emitters.many.rate": 5e7,
+        "systems.cloud.emitters.back.rate": 5e7,
         "clock.preroll": 2e-5,
     },
 }
