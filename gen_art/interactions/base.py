@@ -107,7 +107,7 @@ class Interaction(Parametric):
     If `periodic`, forces act across the sides of a periodic `box` too, between nearest images, and positions in a request may lie
     outside of it; other interactions are refused there.
     If `breaks`, `break_bonds(state, precision)` is called at the end of each step.
-    While `at_rest`, it neither moves nor changes particles, and none that are fixed do anything.
+    While `at_rest`, it changes nothing by itself: a system whose particles are all fixed then takes no steps.
     `saved_arrays` are the arrays by name that a snapshot stores beside the particles and the parameters;
     `restore_arrays(saved_arrays, time)` restores them.
     """

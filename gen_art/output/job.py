@@ -101,7 +101,7 @@ class Plan:
     drawn: "Preset"
 
     def with_fit(self, preset: "Preset", precision: str, threads: int | None) -> "Fit | None":
-        """The fit of the camera of the job's preset, which is then the camera of a draft too."""
+        """The fit of the camera in `preset`, the whole one, which the preset that is drawn then has too."""
         fit = fit_of(preset, self.size, precision, threads)
         self.drawn.fits.update(preset.fits)
         return fit

@@ -61,5 +61,6 @@ def _compensated(path: str, look: "Look", ratio: float) -> dict[str, Any]:
 
 
 def _times(ramp: "Ramp", factor: float) -> dict[str, Any]:
+    """A ramp as in YAML, with the values of its curve multiplied."""
     curve = [[float(x), float(y) * factor] for x, y in ramp.curve.points]
     return {**plain(ramp.model_dump(include={"by", "range"}, exclude_none=True)), "curve": curve}
