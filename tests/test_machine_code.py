@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gen_art.backend import kernel_store, launch_patch, machine_code, runtime
+from gen_art.backend import launch_patch, machine_code, runtime
 from gen_art.backend.fingerprint import Unknown, fingerprint
 from gen_art.backend.kernel_store import KernelStore
-from gen_art.backend.machine_code import MachineCode
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = '''
@@ -376,20 +375,6 @@ def test_an_array_of_the_wrong_kind_is_refused(small):
         launch(np.float64(3.0), *ARGUMENTS)
     with pytest.raises((TypeError, RuntimeError)):
         launch(np.arange(3.0), 0.5, *ARGUMENTS[1:])
-
-
-def test_the_store_keeps_what_was_used_last(tmp_path, monkeypatch):
-    monkeypatch.setattr(kernel_store, "LIMIT", 4000)
-    store = KernelStore(tmp_path / "kept")
-    code = MachineCode(("task_0",), b"x" * 900)
-    for n in range(6):
-        store.keep(f"key{n}", code)
-        os.utime(tmp_path / "kept" / f"key{n}.kernel", (n, n))
-    assert store.find("key0") == code  # used now
-    store.tidy()
-    left = {file.stem for file in (tmp_path / "kept").iterdir()}
-    assert "key0" in left and "key1" not in left and 1 <= len(left) <= 2
-    assert store.find("key1") is None
 
 
 SCRIPT = """

@@ -8,6 +8,7 @@ open files, locks) raises `Unknown`.
 """
 
 import hashlib
+import re
 import sys
 import types
 from collections import OrderedDict, defaultdict, namedtuple
@@ -224,6 +225,8 @@ class _Walk:
             self.reach(thing.value)
         elif isinstance(thing, Fraction | range | slice | np.dtype):
             self._say(repr(thing))
+        elif isinstance(thing, re.Pattern):
+            self._say(thing.pattern, thing.flags)
         elif isinstance(thing, types.UnionType):
             self.reach(thing.__args__)
         elif isinstance(thing, partial | itemgetter | attrgetter):

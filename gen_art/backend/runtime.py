@@ -30,6 +30,7 @@ from taichi.lang.matrix import make_matrix
 from gen_art.arguments import shown, whole
 from gen_art.backend import processor
 from gen_art.backend.compile_errors import as_sentences
+from gen_art.backend.kept_files import KeptFiles
 from gen_art.errors import OutputError, UsageError
 
 if not STOCK_TAICHI:
@@ -53,6 +54,7 @@ __all__ = [
     "impl",
     "init",
     "is_f64",
+    "kept_files",
     "keeps_machine_code",
     "kernel",
     "make_matrix",
@@ -66,7 +68,7 @@ _ALIGNMENT = 128  # bytes: a vector of sixteen float64
 CACHE_LIMIT = (
     1 << 30
 )  # bytes; the shipped presets take a tenth of it, and Taichi's own limit of 100 MiB forgot some of theirs
-_state: dict = {"config": None, "kernels": [], "lock": None}
+_state: dict = {"config": None, "kernels": [], "lock": None, "kept": None}
 
 
 def cache_folder(arch: str) -> Path | None:
@@ -173,6 +175,7 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
             unrolling_limit=0,  # no warning of long static loops: the expansions of the tree are such
         )
     _state["config"] = (arch, count)
+    _state["kept"] = KeptFiles(folder / "arrays")
     if not STOCK_TAICHI:
         _state["store"] = KernelStore(folder / "machine-code")
 
@@ -183,12 +186,18 @@ def finish() -> None:
     Raises OutputError when they cannot be stored; Taichi then crashes when the process ends, unless by os._exit.
     """
     if _state["config"]:
+        _state["kept"].tidy()
         if not STOCK_TAICHI:
             _state["store"].tidy()
         try:
             ti.reset()
         except RuntimeError as error:
             raise OutputError(f"the compiled kernels were not stored: {error}") from None
+
+
+def kept_files() -> KeptFiles | None:
+    """The folder of arrays that are kept from one process to the next; None before `init`."""
+    return _state["kept"]
 
 
 def threads() -> int:

@@ -5,6 +5,7 @@ H(H(parent's key, event), ordinal). Every attribute comes from the particle's ke
 the order of births.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -127,6 +128,7 @@ class ActiveEmitter:
     key : of its random numbers
     first_source : index of its first kind among the system's sources
     done : how many scheduled births have been made
+    begins : s, the births of earlier events are left out
     """
 
     def __init__(
@@ -143,6 +145,7 @@ class ActiveEmitter:
         self.key = np.uint64(0)
         self.first_source = 0
         self.done = 0
+        self.begins = -math.inf
 
     def fresh(self) -> "ActiveEmitter":
         """The same emitter for another simulation, before any birth."""

@@ -4,6 +4,7 @@ The children of a step are made at its end, one generation a step, ordered by ti
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -16,9 +17,9 @@ __all__ = ["EventWindow", "event_births"]
 _PAIR = np.uint64(1 << 40)  # keys of balanced pairs are beyond those of all ordinals
 
 
-@dataclass
+@dataclass(frozen=True)
 class EventWindow:
-    """What a step did to a system of parents.
+    """What a step did to a system of parents; all emitters that its events feed share what is found out of it.
 
     t0, t1 : the step's time span, s
     before : (6, count) positions and velocities before the step, where paths need them
@@ -26,56 +27,82 @@ class EventWindow:
         since then have not been seen yet
     """
 
+    parents: Particles
     t0: float
     t1: float
     before: np.ndarray | None
     new_ids: tuple[int, int]
 
-    def is_new(self, ids: np.ndarray) -> np.ndarray:
-        """Which of the ids belong to particles that were made at the end of the previous step."""
+    @cached_property
+    def birth(self) -> np.ndarray:
+        return self.parents.birth[: self.parents.count]
+
+    @cached_property
+    def death(self) -> np.ndarray:
+        return self.parents.death()
+
+    @cached_property
+    def is_new(self) -> np.ndarray:
+        """Which parents were made at the end of the previous step."""
+        ids = self.parents.id[: self.parents.count]
         return (ids >= self.new_ids[0]) & (ids < self.new_ids[1])
 
+    @cached_property
+    def impact(self) -> np.ndarray:
+        """The times of the parents' last impacts, s; inf without any."""
+        age = self.parents.floats[self.parents.channels["impact"], : self.parents.count].astype(np.float64)
+        return np.where(age > 0, self.birth + age, np.inf)
 
-def event_births(emitter: ActiveEmitter, system: str, parents: Particles, window: EventWindow) -> list[BirthBatch]:
+    def moments(self, kind: str) -> np.ndarray:
+        """The times of the parents' births, deaths or impacts, s."""
+        return {"birth": lambda: self.birth, "death": lambda: self.death, "impact": lambda: self.impact}[kind]()
+
+    @cached_property
+    def _slots(self) -> dict[str, np.ndarray]:
+        return {}
+
+    def slots(self, kind: str) -> np.ndarray:
+        """The slots of parents with an event of this kind in the step; those with a path lived for some of it."""
+        if kind not in self._slots:
+            if kind == "path":
+                happened = ((self.death > self.t0) | self.is_new) & (self.birth <= self.t1)
+            else:
+                moment = self.moments(kind)
+                happened = (moment <= self.t1) & ((moment > self.t0) | self.is_new) & (moment < np.inf)
+            self._slots[kind] = np.flatnonzero(happened)
+        return self._slots[kind]
+
+
+def event_births(emitter: ActiveEmitter, system: str, window: EventWindow) -> list[BirthBatch]:
     """The births that the parents' events in this window cause.
 
     emitter : fed by an event
     system : name of the system it belongs to
     """
-    event = emitter.event
+    event, parents = emitter.event, window.parents
     assert event is not None, "scheduled births have no parents"
-    has_tag = np.ones(len(parents.sources), bool)
-    if event.tags:
+    causes = window.slots(event.kind)
+    if event.tags and len(causes):
         has_tag = np.array([source.tag in event.tags for source in parents.sources], bool)
-    n = parents.count
-    birth, death = parents.birth[:n], parents.death()
-    is_new = window.is_new(parents.id[:n])
-    eligible = has_tag[parents.source[:n]]
+        causes = causes[has_tag[parents.source[causes]]]
+    if not len(causes):
+        return []
     if event.kind == "path":
-        causes = np.flatnonzero(eligible & ((death > window.t0) | is_new) & (birth <= window.t1))
-        start = np.where(is_new[causes], birth[causes], np.maximum(birth[causes], window.t0))
-        end = np.minimum(death[causes], window.t1)
-        first = np.floor((start - birth[causes]) * event.rate + 0.5).astype(np.int64)
-        last = np.floor((end - birth[causes]) * event.rate + 0.5).astype(np.int64)
+        birth = window.birth[causes]
+        start = np.where(window.is_new[causes], birth, np.maximum(birth, window.t0))
+        end = np.minimum(window.death[causes], window.t1)
+        first = np.floor((start - birth) * event.rate + 0.5).astype(np.int64)
+        last = np.floor((end - birth) * event.rate + 0.5).astype(np.int64)
         counts = np.maximum(last - first, 0)
         if not counts.any():
             return []
         parent = np.repeat(causes, counts)
         ordinal = _count_up(counts) + np.repeat(first, counts)
-        when = birth[parent] + (ordinal + 0.5) / event.rate
-        assert window.before is not None, "paths need the state before the step"
-        origin = _path_state(parents, parent, when, window, window.before)
+        when = window.birth[parent] + (ordinal + 0.5) / event.rate
+        origin = _path_state(parent, when, window)
         keys = _event_keys(emitter, system, parents, parent)
         choice = emitter.choose(keys)
     else:
-        moment = death if event.kind == "death" else birth
-        if event.kind == "impact":  # the last impact of a step; a particle without one has age 0
-            age = parents.floats[parents.channels["impact"], :n].astype(np.float64)
-            moment = np.where(age > 0, birth + age, np.inf)
-        happened = (moment <= window.t1) & ((moment > window.t0) | is_new)
-        causes = np.flatnonzero(eligible & happened & np.isfinite(moment))
-        if not len(causes):
-            return []
         keys = _event_keys(emitter, system, parents, causes)
         kind_index = emitter.choose(keys)
         low = np.array([k.count[0] for k in emitter.kinds])[kind_index]
@@ -85,10 +112,10 @@ def event_births(emitter: ActiveEmitter, system: str, parents: Particles, window
             counts = low + np.floor(uniform(keys, channel_of("count")) * (high - low + 1)).astype(np.int64)
         parent, keys, choice = np.repeat(causes, counts), np.repeat(keys, counts), np.repeat(kind_index, counts)
         ordinal = _count_up(counts)
-        when = moment[parent]
+        when = window.moments(event.kind)[parent]
         origin = parents.floats[:6, parent].astype(np.float64)
         if event.kind == "impact":  # the parent has moved on since the impact: back along its velocity
-            origin[:3] -= origin[3:] * (np.minimum(window.t1, death[parent]) - when)
+            origin[:3] -= origin[3:] * (np.minimum(window.t1, window.death[parent]) - when)
     if not len(parent):
         return []
     if not event.inherit:
@@ -126,16 +153,16 @@ def _count_up(counts: np.ndarray) -> np.ndarray:
     return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - counts, counts)
 
 
-def _path_state(
-    parents: Particles, parent: np.ndarray, when: np.ndarray, window: EventWindow, before: np.ndarray
-) -> np.ndarray:
+def _path_state(parent: np.ndarray, when: np.ndarray, window: EventWindow) -> np.ndarray:
     """Position and velocity (6, m) at times `when`, on the cubic through both ends of each parent's step.
 
     In a periodic box the end is the image nearest to the place that the mean velocity leads to.
     """
-    t0 = np.maximum(parents.birth[parent], window.t0)
-    t0 = np.where(window.is_new(parents.id[parent]), window.t0, t0)
-    t1 = np.minimum(parents.death()[parent], window.t1)
+    parents, before = window.parents, window.before
+    assert before is not None, "paths need the state before the step"
+    t0 = np.maximum(window.birth[parent], window.t0)
+    t0 = np.where(window.is_new[parent], window.t0, t0)
+    t1 = np.minimum(window.death[parent], window.t1)
     h = np.maximum(t1 - t0, 1e-300)
     s = (when - t0) / h
     a, b = before[:, parent].astype(np.float64), parents.floats[:6, parent].astype(np.float64)

@@ -5,6 +5,7 @@ consecutive numbers. A schedule answers two questions: how many births lie at or
 """
 
 import math
+from bisect import bisect_left, bisect_right
 from typing import NamedTuple
 
 import numpy as np
@@ -88,23 +89,41 @@ class Rate(Schedule):
             t, r = np.append(start, t[later]), np.append(r_start, r[later])
         self._times, self._rates = t, r
         self._integral = np.append(0.0, np.cumsum(0.5 * (r[1:] + r[:-1]) * np.diff(t)))
+        self._is_constant = len(t) == 1 and bool(r[0] > 0)
+        self._points = t.tolist(), r.tolist(), self._integral.tolist()
         self._total = None if stop is None else self._until(np.nextafter(stop, -np.inf))
 
     def _until(self, t: float) -> int:
         time = t
         if self._pulse:
             t = self._pulse.steady(t)
-        if t < self._times[0]:
+        starts, rates, integral = self._points
+        if t < starts[0]:
             return 0
-        k = int(np.searchsorted(self._times, t, "right")) - 1
-        s = t - self._times[k]
+        k = bisect_right(starts, t) - 1
+        s = t - starts[k]
         slope = 0.0
-        if k + 1 < len(self._times):
-            slope = (self._rates[k + 1] - self._rates[k]) / (self._times[k + 1] - self._times[k])
-        guess = int(np.floor(self._integral[k] + s * (self._rates[k] + 0.5 * slope * s) + 0.5))
+        if k + 1 < len(starts):
+            slope = (rates[k + 1] - rates[k]) / (starts[k + 1] - starts[k])
+        guess = math.floor(integral[k] + s * (rates[k] + 0.5 * slope * s) + 0.5)
         first = max(guess - 2, 0)
         # the births' own times decide, so that every dt gives the same count
-        return int(first + np.count_nonzero(self.times(first, guess + 3) <= time))
+        if self._pulse:
+            return first + int(np.count_nonzero(self.times(first, guess + 3) <= time))
+        return first + sum(self._time(number) <= time for number in range(first, guess + 3))
+
+    def _time(self, number: int) -> float:
+        """The time of one birth, as `times` gives it without pulses, in plain numbers: a tenth of the work for a few births."""
+        starts, rates, integral = self._points
+        target = number + 0.5
+        if self._is_constant:
+            return starts[0] + target / rates[0]
+        k = max(0, min(bisect_left(integral, target) - 1, len(starts) - 1))
+        remainder, rate, slope = target - integral[k], rates[k], 0.0
+        if k + 1 < len(starts):
+            slope = (rates[k + 1] - rate) / (starts[k + 1] - starts[k])
+        root = math.sqrt(max(rate * rate + 2.0 * slope * remainder, 0.0))
+        return starts[k] + 2.0 * remainder / (rate + root) if rate + root > 0 else math.inf
 
     def until(self, t):
         count = self._until(t)
@@ -112,7 +131,7 @@ class Rate(Schedule):
 
     def times(self, first, last):
         target = np.arange(first, last) + 0.5
-        if len(self._times) == 1 and self._rates[0] > 0:  # what the formulas below give, at a tenth of the time
+        if self._is_constant:  # what the formulas below give, at a tenth of the time
             t = self._times[0] + target / self._rates[0]
             return t if self._pulse is None else self._pulse.shifted(t)
         k = np.minimum(np.searchsorted(self._integral, target, "left") - 1, len(self._times) - 1).clip(0)
@@ -143,9 +162,10 @@ class Burst(Schedule):
         if np.any(counts < 0):
             raise UsageError("a count must be at least 0")
         self._ends = np.cumsum(counts)
+        self._moments = self._burst_times.tolist()
 
     def until(self, t):
-        k = int(np.searchsorted(self._burst_times, t, "right"))
+        k = bisect_right(self._moments, t)
         return int(self._ends[k - 1]) if k else 0
 
     def times(self, first, last):

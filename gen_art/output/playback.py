@@ -294,7 +294,8 @@ class Playback:
             yield at, expose
         for name, history in self.painter.histories.items():
             interval = max(1, round(history.ribbon.length / history.ribbon.points / clock.step))
-            first = max(0, clock.preroll_steps // interval - history.ribbon.points) * interval
+            earliest = max(step - (self._subframes - 1) * self._subframe_interval, clock.preroll_steps)
+            first = max(0, earliest // interval - history.ribbon.points) * interval
 
             def remember(name=name, history=history):
                 history.remember(self.painter.particles(self.sim, name), self.sim.time)

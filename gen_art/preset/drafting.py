@@ -19,6 +19,7 @@ __all__ = ["drafted"]
 
 SHARE = 0.25  # of a system's particles
 FEWEST = 10_000  # particles of a system at once that a draft keeps
+FEWEST_POINTS = 16  # of a ribbon; paths between them are curved, so half of many show the same path
 SOFT = ("point", "pixel", "disc", "streak")
 
 
@@ -27,7 +28,8 @@ def drafted(preset: "Preset") -> "Preset":
 
     Of 1 / k of the particles, soft discs are k^(1/3) times as wide, which is how much farther apart the particles are, and
     k^(1/3) times as bright and as dense; other sprites are k times as bright, and as dense. So the picture has the same light,
-    and as much is hidden. Numbers follow from the whole film, so that all of its frames have the same particles.
+    and as much is hidden. Ribbons of many points keep half of them. Numbers follow from the whole film, so that all of its frames
+    have the same particles.
     """
     until = preset.clock.simulated
     able = [*independent_systems(preset), *galaxies(preset)]
@@ -35,16 +37,16 @@ def drafted(preset: "Preset") -> "Preset":
     full = estimate(preset, "f64", until)
     most = {name: max(SHARE * full.peak[name], FEWEST) for name in soft}
     few, changes = thinned_to(preset, until, most)
-    if not changes:
-        return preset
-    born = estimate(few, "f64", until).born
+    born = estimate(few, "f64", until).born if changes else full.born
     overrides: dict[str, Any] = {path: after for path, (_, after) in changes.items()}
     for name, system in few.systems.items():
         ratio = full.born[name] / max(born[name], 1.0)
-        if ratio > 1.0:
-            for key, look in system.all_looks.items():
+        for key, look in system.all_looks.items():
+            if ratio > 1.0:
                 overrides |= _compensated(f"systems.{name}.{key}", look, ratio)
-    return load_preset(preset, overrides=overrides)
+            if look.ribbon is not None and look.ribbon.points > FEWEST_POINTS:
+                overrides[f"systems.{name}.{key}.ribbon.points"] = max(look.ribbon.points // 2, FEWEST_POINTS)
+    return load_preset(preset, overrides=overrides) if overrides else preset
 
 
 def _compensated(path: str, look: "Look", ratio: float) -> dict[str, Any]:

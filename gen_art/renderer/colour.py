@@ -11,7 +11,7 @@ from gen_art.preset.colour_names import Gradient, srgb
 
 __all__ = [
     "LUMINANCE", "TABLE", "blackbody", "colour_matching", "encode_srgb", "gradient_table", "linear", "luminance_of",
-    "planck_luminance", "rgb_to_xyz", "to_linear", "to_oklab", "from_oklab",
+    "bytes_to_linear", "planck_luminance", "rgb_to_xyz", "to_linear", "to_oklab", "from_oklab",
 ]  # fmt: skip
 
 TABLE = 256
@@ -31,6 +31,11 @@ def to_linear(encoded) -> np.ndarray:
     """Linear light of sRGB-encoded values (inverse of `encode_srgb`)."""
     e = np.asarray(encoded, dtype=np.float64)
     return np.where(e <= 0.04045, e / 12.92, ((np.maximum(e, 0.0) + 0.055) / 1.055) ** 2.4)
+
+
+def bytes_to_linear(encoded: np.ndarray) -> np.ndarray:
+    """Linear light of sRGB-encoded uint8 values, 0..255 for 0..1."""
+    return to_linear(np.arange(256) / 255.0)[encoded]
 
 
 def encode_srgb(light) -> np.ndarray:

@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from gen_art.backend.kept_arrays import kept
 from gen_art.maths.array_functions import arctan2, cos, sin
 from gen_art.preset.sky import Sky
 from gen_art.renderer.atmosphere import (
@@ -138,8 +139,14 @@ def _air_of(haze: float, ground) -> tuple[Air, np.ndarray, np.ndarray]:
 def daylight(spec: Sky) -> Daylight:
     """The light of a sky with a `sun`, of intensity 1."""
     assert spec.sun is not None
-    air, psi, white = _air_of(spec.haze, spec.ground)
-    height, turn = math.radians(spec.sun.height), math.radians(spec.sun.azimuth)
+    return Daylight(*_daylight(spec.haze, spec.ground, spec.sun.height, spec.sun.azimuth))
+
+
+@kept
+def _daylight(haze: float, ground, sun_height: float, sun_azimuth: float) -> tuple[np.ndarray, ...]:
+    """The fields of a Daylight: of haze, colour of the ground, and height and azimuth of the sun in degrees."""
+    air, psi, white = _air_of(haze, ground)
+    height, turn = math.radians(sun_height), math.radians(sun_azimuth)
     seen = float(sin(_seen(height)))
     half = np.arange(_HALF_CIRCLE) * (math.pi / (_HALF_CIRCLE - 1))
     up, down = _rows(_UP_ROWS), _rows(_DOWN_ROWS)
@@ -158,13 +165,10 @@ def daylight(spec: Sky) -> Daylight:
     irradiance = np.array([sum((across * disc[:, c]).tolist()) for c in range(3)]) / sum(across.tolist())
     clear = _rgb(air.transmittance(columns(GROUND + EYE, sin(_seen(elevations()))))) / _rgb(np.ones(BANDS))
     solid_angle = math.pi * float(sin(SUN_RADIUS)) ** 2
-    return Daylight(
-        table=np.maximum(np.concatenate([lower, upper]) * white, 0.0),
-        sun_direction=np.array([float(cos(height) * sin(turn)), float(sin(height)), -float(cos(height) * cos(turn))]),
-        sun_irradiance=np.maximum(irradiance, 0.0),
-        disc=np.maximum(disc, 0.0) / solid_angle,
-        extinction=np.clip(clear, 0.0, 1.0),
-    )
+    table = np.maximum(np.concatenate([lower, upper]) * white, 0.0)
+    sun_direction = np.array([float(cos(height) * sin(turn)), float(sin(height)), -float(cos(height) * cos(turn))])
+    disc = np.maximum(disc, 0.0) / solid_angle
+    return table, sun_direction, np.maximum(irradiance, 0.0), disc, np.clip(clear, 0.0, 1.0)
 
 
 def _finer(scattered: Scattered, elevation: np.ndarray, height: float, turn: float) -> np.ndarray:

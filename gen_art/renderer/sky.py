@@ -10,9 +10,9 @@ from gen_art.preset.sky import Sky
 from gen_art.renderer.atmosphere import SUN_RADIUS
 from gen_art.renderer.colour import gradient_table, linear
 from gen_art.renderer.daylight import DISC_ROWS, daylight
-from gen_art.renderer.sky_band import band_light
+from gen_art.renderer.sky_band import band_table
 from gen_art.renderer.sky_softboxes import with_softboxes
-from gen_art.renderer.sky_table import COLUMNS, HALF, ROWS, directions_of_table, elevations, look_up, sky_radiance
+from gen_art.renderer.sky_table import COLUMNS, HALF, ROWS, elevations, look_up, sky_radiance
 from gen_art.renderer.stars import StarField, star_field
 
 __all__ = ["SkyDome", "sky_radiance"]
@@ -58,7 +58,7 @@ def _dome(spec: Sky) -> SkyDome:
         around = COLUMNS if spec.band or spec.softboxes else 2
         rows = np.repeat(_rows(spec)[:, None], around, axis=1)
         if spec.band is not None:
-            rows = rows + band_light(spec.band, directions_of_table())
+            rows = rows + band_table(spec.band)
         rows = with_softboxes(rows, spec.softboxes) * spec.intensity
         stars = stars and StarField(stars.directions, stars.light * spec.intensity)
         return SkyDome(_frozen(rows), None, np.zeros(3), 0.0, np.zeros((DISC_ROWS, 3), np.float32), stars)
@@ -66,7 +66,7 @@ def _dome(spec: Sky) -> SkyDome:
     table = day.table
     if spec.band is not None:
         clear = np.concatenate([np.zeros((HALF, 3)), day.extinction])[:, None]
-        table = table + band_light(spec.band, directions_of_table()) * clear
+        table = table + band_table(spec.band) * clear
     if stars is not None:
         clear = np.repeat(np.concatenate([np.zeros((HALF, 3)), day.extinction])[:, None], 2, axis=1)
         stars = StarField(stars.directions, stars.light * look_up(clear, stars.directions) * spec.intensity)

@@ -11,12 +11,14 @@ import math
 
 import numpy as np
 
+from gen_art.backend.kept_arrays import kept
 from gen_art.maths.array_functions import exp
 from gen_art.maths.random import derive, uniform
 from gen_art.preset.sky import Band
 from gen_art.renderer.colour import gradient_table
+from gen_art.renderer.sky_table import directions_of_table
 
-__all__ = ["band_light"]
+__all__ = ["band_light", "band_table"]
 
 _SIDE = 32  # cells of the lattice, which repeats after them
 _CORE = 0.4  # rad
@@ -51,6 +53,16 @@ def _octaves(lattice: np.ndarray, d: np.ndarray, cells: float, octaves: int, rid
         total += size * (1.0 - np.abs(2.0 * n - 1.0) if ridges else n)
         most, size = most + size, 0.55 * size
     return total / most
+
+
+def band_table(spec: Band) -> np.ndarray:
+    """(ROWS, COLUMNS, 3) linear light of the directions of a sky's table."""
+    return _band_table(spec)[0]
+
+
+@kept
+def _band_table(spec: Band) -> tuple[np.ndarray, ...]:
+    return (band_light(spec, directions_of_table()),)
 
 
 def band_light(spec: Band, d: np.ndarray) -> np.ndarray:

@@ -16,7 +16,8 @@ from gen_art.errors import UsageError
 from gen_art.files import cached_by_file
 from gen_art.maths.elementary import cos, sin
 from gen_art.pictures import read_picture
-from gen_art.renderer.colour import to_linear
+from gen_art.renderer.colour import bytes_to_linear
+from gen_art.renderer.mipmap import mipmap_chain
 from gen_art.renderer.sprite import (
     AGE,
     ALPHA,
@@ -67,8 +68,8 @@ def texels(place) -> tuple[np.ndarray, float, tuple[float, float]]:
     picture = Image.fromarray(read_picture(place, str(place)))
     picture.thumbnail((SIDE, SIDE), Image.Resampling.BOX)
     opaque = picture.mode in ("L", "RGB")
-    pixels = np.asarray(picture.convert("RGBA"), np.float64) / 255.0
-    colour, coverage = to_linear(pixels[..., :3]), pixels[..., 3:]
+    pixels = np.asarray(picture.convert("RGBA"))
+    colour, coverage = bytes_to_linear(pixels[..., :3]), pixels[..., 3:] / 255.0
     if opaque:  # an image without alpha: its brightness is its coverage
         coverage = colour.max(axis=2, keepdims=True)
         colour = colour / np.maximum(coverage, 1e-9)
@@ -84,12 +85,8 @@ def texels(place) -> tuple[np.ndarray, float, tuple[float, float]]:
     mean_coverage = float(level[..., 3].mean())
     if mean_coverage == 0.0:
         raise UsageError(f"{place}: is transparent all over")
-    chain = [level]
-    while len(chain[-1]) > 1:
-        half_side = len(chain[-1]) // 2
-        chain.append(chain[-1].reshape(half_side, 2, half_side, 2, 4).mean(axis=(1, 3)))
     parts = width / len(square), height / len(square)
-    return np.concatenate([c.reshape(-1, 4) for c in chain]).astype(np.float32), mean_coverage, parts
+    return mipmap_chain(level), mean_coverage, parts
 
 
 @ti.func

@@ -313,7 +313,10 @@ class Simulation:
             self._coupled.find_resting()
             self._unknown_rest = False
         coupled = bool(self._coupled.moving)
-        steps = 1 if (move or self._event_emitters or coupled or self._ledger) else self._batch(most)
+        eventless = most if move is None else 0
+        if self._event_emitters and eventless:
+            eventless = self._steps_without_events(most)
+        steps = 1 if (coupled or self._ledger or not eventless) else self._batch(eventless)
         first, t0, t1 = self.steps_done, self.time, (self.steps_done + steps) * self.dt
         for system in self.members.values():
             if system.state.tidy(t0, system.name in self._coupled.steppers):
@@ -326,7 +329,8 @@ class Simulation:
                 self._coupled.forget()
                 if self._ledger:
                     self._ledger.record_births(name, new)
-        parents = {event.system for _, _, event in self._event_emitters if event.kind == "path"}
+        emitters = [] if eventless else [each for each in self._event_emitters if t1 > each[1].begins]
+        parents = {event.system for _, _, event in emitters if event.kind == "path"}
         before = {
             name: self.members[name].state.floats[:6, : self.members[name].state.count].copy() for name in parents
         }
@@ -342,8 +346,8 @@ class Simulation:
             if coupled:
                 self._coupled.step(first)
         self.steps_done += steps
-        if self._event_emitters:
-            self._give_children(first, t0, t1, before)
+        if emitters:
+            self._give_children(emitters, first, t0, t1, before)
         else:
             self._unprocessed_ids = {name: (s.state.next_id, s.state.next_id) for name, s in self.members.items()}
         if self._ledger:
@@ -362,13 +366,37 @@ class Simulation:
                 steps = (steps + 1) // 2
         return steps
 
-    def _give_children(self, first: int, t0: float, t1: float, before: dict) -> None:
+    def _steps_without_events(self, most: int) -> int:
+        """How many of the next steps, up to `most`, surely have no event that feeds an emitter; 0 if the next may have one."""
+        t0 = self.time
+        for _, emitter, event in self._event_emitters:
+            parents, (first, end) = self.members[event.system], self._unprocessed_ids[event.system]
+            if (self.steps_done + most) * self.dt <= emitter.begins:
+                continue
+            if end > first:
+                return 0
+            if event.kind != "birth":
+                death = parents.state.death()
+                death = death[death > t0]
+                if len(death) and (event.kind != "death" or parents.composition.colliders):  # which may end a life
+                    return 0
+                if len(death) and np.min(death) < np.inf:
+                    most = min(most, int((np.min(death) - t0) / self.dt) - 1)
+            while most > 0 and parents.births_until((self.steps_done + most) * self.dt) > 0:
+                most //= 2
+            if most < 1:
+                return 0
+        return most
+
+    def _give_children(self, emitters: list, first: int, t0: float, t1: float, before: dict) -> None:
         """Make the particles that are born of this step's events, and move each to the end of the step."""
         born: dict[str, list[BirthBatch]] = {}
-        for name, emitter, event in self._event_emitters:
-            parent = event.system
-            window = EventWindow(t0, t1, before.get(parent), self._unprocessed_ids[parent])
-            born.setdefault(name, []).extend(event_births(emitter, name, self.members[parent].state, window))
+        windows = {
+            parent: EventWindow(self.members[parent].state, t0, t1, before.get(parent), self._unprocessed_ids[parent])
+            for parent in {event.system for _, _, event in emitters}
+        }
+        for name, emitter, event in emitters:
+            born.setdefault(name, []).extend(event_births(emitter, name, windows[event.system]))
         self._unprocessed_ids = {name: (s.state.next_id, s.state.next_id) for name, s in self.members.items()}
         for name, batches in born.items():
             new = give_birth(self.members[name].state, batches, self.precision)

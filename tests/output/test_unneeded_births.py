@@ -67,22 +67,83 @@ def test_the_state_is_that_of_all_births():
     assert short.digest() == whole.digest()
 
 
-CHILDREN = {
-    "particle": {"radius": 0.01, "mass": 1, "lifetime": 0.3},
-    "emitters": {"of_dead": {"from": {"event": "sparks.death"}, "count": 1}},
+FAMILY = {  # the last children live 0.5 s after their parents, of which the sparks live up to 0.7 s and the shells 0.4 s
+    "systems.shells": {
+        "particle": {"radius": 0.02, "mass": 1, "lifetime": 0.4},
+        "emitters": {"jet": {"rate": 60, "velocity": {"sphere": 1}}},
+        "look": {"draw": "disc", "emission": {"color": {"by": "id", "range": "0..400", "gradient": ["red", "blue"]}}},
+    },
+    "systems.children": {
+        "particle": {"radius": 0.02, "mass": 1, "lifetime": "0.1..0.3"},
+        "emitters": {
+            "of_dead": {"from": {"event": "shells.death"}, "count": "1..6", "velocity": {"sphere": 1}},
+            "on_path": {"from": {"event": "sparks.path", "inherit": "none"}, "rate": 9},
+        },
+        "look": {"draw": "disc", "emission": {"color": {"by": "random", "gradient": ["red", "blue"]}}},
+    },
+    "systems.grandchildren": {
+        "particle": {"radius": 0.02, "mass": 1, "lifetime": 0.2},
+        "emitters": {"of_dead": {"from": {"event": "children.death"}, "count": 2, "velocity": {"sphere": 1}}},
+        "look": {"draw": "disc", "emission": {"color": "green"}},
+    },
 }
+DEEP = {"systems.grandchildren.particle.lifetime": 1.1}
+BY_ID = {"systems.children.look.emission.color": {"by": "id", "range": "0..4000", "gradient": ["red", "blue"]}}
+
+
+@pytest.mark.parametrize("changes", [{}, DEEP, BY_ID], ids=["short", "deep", "by id"])
+def test_pictures_of_families_keep_their_bits(changes, monkeypatch):
+    """Mutants: the children's time is left out of their parents' or the parents' of the children's; children whose looks go by
+    `id` lack births; the events of a step too many are left out."""
+    preset = load_preset(BASE, overrides=FAMILY | changes)
+    steps = [preset.clock.step_at(time) for time in (2.3, 2.35)]
+    few = pictures(preset, steps)
+    monkeypatch.setattr(Playback, "_leave_out_births", lambda self, step: None)
+    for a, b in zip(few, pictures(preset, steps), strict=True):
+        assert np.array_equal(a, b) and a.max() > 0
+
+
+@pytest.mark.parametrize(
+    "changes, shortened",
+    [
+        ({}, ["sparks", "shells", "children", "grandchildren"]),
+        (DEEP, ["sparks", "shells", "children", "grandchildren"]),
+        (BY_ID, ["grandchildren"]),
+        ({"systems.grandchildren.particle.lifetime": 1000}, []),
+        (
+            {"systems.children.interactions": {"contacts": {}}, "systems.children.integrator": "semi_implicit_euler"},
+            ["grandchildren"],
+        ),
+    ],
+)
+def test_families_lack_the_births_that_nothing_shows(changes, shortened):
+    sim = ga.Simulation(load_preset(BASE, overrides=FAMILY | changes), advice="none")
+    assert leave_out_births(sim, 330) == shortened
+
+
+def test_events_of_the_past_make_no_children():
+    """Most of the children's births are not even made. Mutant: the emitters' beginning is not looked at."""
+    preset = load_preset(BASE, overrides=FAMILY)
+    whole, short = (ga.Simulation(preset, advice="none") for _ in range(2))
+    leave_out_births(short, 330)
+    for sim in (whole, short):
+        sim.step(330)
+    for name in preset.systems:
+        a, b = whole[name].state, short[name].state
+        alive, kept = a.alive(whole.time), b.alive(short.time)
+        assert np.array_equal(a.floats[:, : a.count][:, alive], b.floats[:, : b.count][:, kept]) and alive.any()
+    assert short["children"].state.next_id < whole["children"].state.next_id / 3
 
 
 @pytest.mark.parametrize(
     "changes",
     [
-        {"systems.children": CHILDREN},
         {"systems.sparks.interactions": {"contacts": {}}, "systems.sparks.integrator": "semi_implicit_euler"},
         {"systems.sparks.emitters.forever": {"count": 1, "lifetime": 1000}},
     ],
 )
 def test_births_that_something_depends_on_are_made(changes):
-    """Mutants: parents or systems with interactions lack births; the shortest lifetime decides."""
+    """Mutants: systems with interactions lack births; the shortest lifetime decides."""
     sim = ga.Simulation(load_preset(BASE, overrides=changes), advice="none")
     assert leave_out_births(sim, 300) == []
 

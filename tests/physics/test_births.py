@@ -235,6 +235,58 @@ def test_children_are_the_same_at_every_time_step_and_exact_in_time():
     assert np.array_equal(stars.keys, runs[2]["stars"].keys)
 
 
+QUIET = {  # now and then something happens, and between that nothing does
+    "long": {
+        "particle": {"lifetime": "0.11..0.31"},
+        "emitters": {"m": {"at": [0.05, 0.052, 0.5], "velocity": [0, 1, 0]}},
+    },
+    "hit": {
+        "particle": {"lifetime": 5},
+        "colliders": {"plane": {"point": [0, 0.303, 0], "normal": [0, -1, 0], "action": "kill"}},
+        "emitters": {"m": {"at": [0.1, 0.6], "velocity": [0, 1, 0]}},
+    },
+    "bouncing": {
+        "particle": {"lifetime": 0.4},
+        "colliders": {"plane": {"point": [0, 0.2, 0], "normal": [0, -1, 0], "action": "emit"}},
+        "emitters": {"m": {"at": [0.02, 0.7], "velocity": [0, 2, 0]}},
+    },
+    "children": {
+        "particle": {"lifetime": "0.02..0.09"},
+        "emitters": {
+            "new": {"from": {"event": "long.birth"}, "count": 3, "velocity": {"sphere": 1}},
+            "dead": {"from": {"event": "long.death"}, "count": 3, "velocity": {"sphere": 1}},
+            "hit": {"from": {"event": "hit.death"}, "count": 3, "velocity": {"sphere": 1}},
+            "impact": {"from": {"event": "bouncing.impact"}, "count": 3, "velocity": {"sphere": 1}},
+        },
+    },
+    "grandchildren": {
+        "particle": {"lifetime": 3},
+        "emitters": {"dead": {"from": {"event": "children.death"}, "count": 2, "velocity": {"sphere": 1}}},
+    },
+}
+
+
+@pytest.mark.parametrize("left_out", [(), ("hit", "bouncing"), ("hit", "bouncing", "long")])
+def test_steps_without_events_are_taken_together_and_keep_their_bits(left_out, monkeypatch):
+    """Mutants: a death, a birth, an end by a collider, an impact, or an event of particles born in the step before is overlooked."""
+    systems = {name: system for name, system in QUIET.items() if name not in left_out}
+    emitters = {k: e for k, e in QUIET["children"]["emitters"].items() if e["from"]["event"].split(".")[0] in systems}
+    systems["children"] = {**QUIET["children"], "emitters": emitters}
+    if not emitters:
+        systems["children"] = {"emitters": {"m": {"at": [0.21, 0.5]}}, "particle": {"lifetime": 0.15}}
+    together = ga.Simulation(preset(systems, 0.01))
+    launches = []
+    advance = ga.Simulation._advance
+    monkeypatch.setattr(ga.Simulation, "_advance", lambda *args: launches.append(advance(*args)) or launches[-1])
+    together.step(150)
+    assert max(launches) >= 8 and sum(launches) == 150
+    monkeypatch.setattr(ga.Simulation, "_steps_without_events", lambda self, most: 0)
+    one_by_one = ga.Simulation(preset(systems, 0.01))
+    one_by_one.step(150)
+    assert len(one_by_one["grandchildren"].ids) > 1
+    assert together.digest() == one_by_one.digest()
+
+
 def test_glitter_lies_on_its_parents_path():
     """Without forces a star's path is a straight line from the burst, and its glitter stays where it was dropped."""
     sim = simulate(BURST, 0.3)

@@ -351,6 +351,21 @@ def test_bodies_say_where_they_are():
     assert repr(ball).startswith("<BodyState 'ball': 4 kg at (9, -3, 3) m, velocity (0, -10, 0) m/s, spin (")
 
 
+def test_the_same_body_is_made_once_and_nobody_can_change_it():
+    """Mutants: bodies of other arguments are the same one; its arrays can be written."""
+    one, same = (ga.body({"sphere": 0.5}, velocity=(1, 0, 0)) for _ in range(2))
+    for name in ("local", "velocity", "masses", "normals"):
+        assert np.array_equal(getattr(one, name), getattr(same, name))
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(one, name)[...] = 0.0
+    for other in (
+        ga.body({"sphere": np.nextafter(0.5, 1)}, velocity=(1, 0, 0)),
+        ga.body({"sphere": 0.5}, velocity=(1, 0, 1e-300)),
+        ga.body({"sphere": 0.5}, velocity=(1, 0, 0), hollow=True),
+    ):
+        assert other.spec != one.spec and other is not one
+
+
 def test_a_long_body_keeps_the_axes_of_its_shape():
     """A rod that lies askew has principal axes that are not those of the shape."""
     askew = ga.body([{"box": [4.0, 0.2, 0.2], "turn": [0, 0, 30]}, {"sphere": 0.3}], turn=(0, 0, 0.2), spin=(0, 0, 1.0))

@@ -82,6 +82,30 @@ def test_a_draft_keeps_what_is_small_solid_or_moves_others():
     assert sparse.systems["cloud"].emitters["box"].count.lo == FEWEST
 
 
+@pytest.mark.parametrize("points, kept", [(8, 8), (20, 16), (80, 40)])
+def test_ribbons_of_a_draft_show_the_same_paths_through_fewer_points(points, kept):
+    """Circles in a magnetic field, of which ribbons show three quarters: the paths between points are curved.
+    Mutants: all points are kept; a quarter of them."""
+    ions = {
+        "particle": {"radius": 0.01, "mass": 1, "charge": 1, "lifetime": 100},
+        "integrator": "boris",
+        "emitters": {"m": {"count": 3, "shape": {"line": [[-1, 0, 0], [1, 0, 0]]}, "velocity": [0, 1, 0]}},
+        "look": {"draw": "streak", "width": 0.02, "ribbon": {"length": 1.6, "points": points}},
+    }
+    changes = {
+        "systems.cloud.emitters.box.count": 0,
+        "systems.ions": ions,
+        "clock.preroll": 2,
+        "forces": {"magnetic_field": {"field": [0, 0, 3]}},
+    }
+    full = cloud({"draw": "point"}, **changes)
+    few = drafted(full)
+    assert few.systems["ions"].look.ribbon.points == kept
+    pictures = [next(Playback(each, (160, 90), "f32", None).pictures([200]))[0][..., 0].copy() for each in (full, few)]
+    ends = 1 / points + 1 / kept  # the old ends differ by up to an interval
+    assert np.abs(pictures[0] - pictures[1]).sum() < ends * (pictures[0] - pictures[0].min()).sum()
+
+
 def test_particles_of_a_draft_move_as_those_of_the_film():
     full = load_preset("wormhole", overrides={"clock.preroll": 1, "clock.duration": "1/10"})
     few = drafted(full)

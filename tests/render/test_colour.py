@@ -8,6 +8,7 @@ from gen_art.preset.colour_names import COLOURS, PALETTES, Gradient, srgb
 from gen_art.renderer.colour import (
     LUMINANCE,
     blackbody,
+    bytes_to_linear,
     encode_srgb,
     from_oklab,
     gradient_table,
@@ -22,6 +23,8 @@ from gen_art.renderer.colour import (
 def test_srgb_transfer_goes_both_ways_and_has_its_known_points():
     x = np.linspace(0, 1, 1001)
     assert np.abs(to_linear(encode_srgb(x)) - x).max() < 1e-12
+    pixels = np.arange(256, dtype=np.uint8).reshape(8, 32)
+    assert np.array_equal(bytes_to_linear(pixels), to_linear(pixels / 255.0))
     assert encode_srgb(0.18) == pytest.approx(0.46135612950044164, abs=1e-12)
     assert encode_srgb([0.0, 1.0]) == pytest.approx([0.0, 1.0], abs=1e-12)
 

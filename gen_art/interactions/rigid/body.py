@@ -9,6 +9,7 @@ show them.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ FREE, PIVOTED, AXLED, STATIC = range(4)
 MOST_POINTS = 1_000_000
 _CARRIERS = 6
 _GRAIN = 3 / 4  # default radius of the particles, relative to their spacing
+_KEPT_POINTS = 10_000  # of the largest bodies that are kept for whoever asks for the same one again
 # of the arguments of `body`; the density of a hollow one is in kg/m^2
 _UNITS = {
     "mass": "kg", "density": "kg/m^3", "position": "m", "turn": "rad", "velocity": "m/s", "spin": "rad/s", "pivot": "m",
@@ -118,14 +120,30 @@ def body(
     Raises UsageError.
     """
     spec = _checked_spec(dict(locals()))
+    make = _made if spec["points"] <= _KEPT_POINTS else _made.__wrapped__
+    return make(_Spec(repr(spec), spec))
+
+
+@dataclass(frozen=True)
+class _Spec:
+    """The checked arguments of `body`, as plain values; `text` tells them apart."""
+
+    text: str
+    values: dict = field(compare=False)
+
+
+@lru_cache(128)
+def _made(of: _Spec) -> Body:
+    """The body of these arguments; a preset's emitter, its check and its interaction share one, so its arrays are read-only."""
+    spec = of.values
     name, mass, density, tint, grain = (spec[key] for key in ("name", "mass", "density", "tint", "grain"))
     parts = parts_of(spec["shape"])
-    weights = np.array([p.share * (p.area if hollow else p.volume) for p in parts])
+    weights = np.array([p.share * (p.area if spec["hollow"] else p.volume) for p in parts])
     total = float(mass) if mass is not None else density * float(weights.sum())
     if not (math.isfinite(total) and total > 0):
         raise UsageError(f"{name}: a body's mass must be above 0 kg, not {total:g}")
-    centre, second = _moments(parts, weights / weights.sum(), hollow)
-    x, n, area, spacing = _samples(parts, draw, int(points))
+    centre, second = _moments(parts, weights / weights.sum(), spec["hollow"])
+    x, n, area, spacing = _samples(parts, spec["draw"], int(spec["points"]))
     x, masses = _with_carriers(x - centre, total, second)
     zeros = np.zeros(_CARRIERS)
     radii = np.concatenate([np.full(len(n), spacing * _GRAIN if grain is None else float(grain)), zeros])
@@ -134,7 +152,7 @@ def body(
     R = matrices(shape_attitude)
     offset = apply(R, centre)
     at = np.asarray(spec["position"], float) + offset
-    origin = at if pivot is None or static else np.asarray(spec["pivot"], float)
+    origin = at if spec["pivot"] is None or spec["static"] else np.asarray(spec["pivot"], float)
     lever = apply_transposed(
         R, at - origin
     )  # from the origin of the body's frame to the centre, along the shape's axes
@@ -151,13 +169,24 @@ def body(
     ]
     attitude = product(shape_attitude, quaternion(axes))
     v, w = np.asarray(spec["velocity"], float), np.asarray(spec["spin"], float)
-    constraint = STATIC if static else AXLED if axle is not None else PIVOTED if pivot is not None else FREE
+    constraint = _constraint(spec)
     direction = _axle_direction(name, constraint, spec["axle"], v, w)
     body_axle = apply_transposed(matrices(attitude), direction)
-    return Body(
+    one = Body(
         spec, body_parts, constraint, total, inertia, body_axle, origin, attitude, v, w, to_body_frame(x), masses, radii,
         apply_transposed(axes, n), area, float(tint), name, offset,
     )  # fmt: skip
+    for array in (each for each in vars(one).values() if isinstance(each, np.ndarray)):
+        array.flags.writeable = False
+    return one
+
+
+def _constraint(spec: dict) -> int:
+    if spec["static"]:
+        return STATIC
+    if spec["axle"] is not None:
+        return AXLED
+    return FREE if spec["pivot"] is None else PIVOTED
 
 
 def moved(one: Body, position: np.ndarray, tint: float) -> Body:

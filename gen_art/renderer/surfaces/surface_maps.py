@@ -17,7 +17,8 @@ from gen_art.files import cached_by_file
 from gen_art.maths.random import derive, uniform
 from gen_art.pictures import read_picture
 from gen_art.preset.surface import Puddles, SurfaceLook
-from gen_art.renderer.colour import to_linear
+from gen_art.renderer.colour import bytes_to_linear
+from gen_art.renderer.mipmap import mipmap_chain
 from gen_art.renderer.surfaces.water_waves import patch_rows, wave_rows
 
 __all__ = ["NO_MAPS", "SurfaceMaps", "map_at", "puddle_texels"]
@@ -107,15 +108,6 @@ def _note(row: np.ndarray, column: int, chains: list, chain: np.ndarray, width: 
     chains.append(chain)
 
 
-def _chain(level: np.ndarray) -> np.ndarray:
-    """A square of texels with a side that is a power of two, and all its halves, (n, 4) float32."""
-    levels = [level]
-    while len(levels[-1]) > 1:
-        half = len(levels[-1]) // 2
-        levels.append(levels[-1].reshape(half, 2, half, 2, 4).mean(axis=(1, 3)))
-    return np.concatenate([each.reshape(-1, 4) for each in levels]).astype(np.float32)
-
-
 @cached_by_file(8)
 def image_texels(place) -> tuple[np.ndarray, float]:
     """The chain of an image file, (n, 4), and its height over its width."""
@@ -124,13 +116,13 @@ def image_texels(place) -> tuple[np.ndarray, float]:
     pixels = read_picture(place, str(place), "RGBA")
     height, width = pixels.shape[:2]
     side = min(1 << max(round(math.log2(max(width, height))), 0), SIDE)
-    light = np.concatenate([to_linear(pixels[..., :3] / 255.0), pixels[..., 3:] / 255.0], axis=2)
+    light = np.concatenate([bytes_to_linear(pixels[..., :3]), pixels[..., 3:] / 255.0], axis=2)
     light[..., :3] *= light[..., 3:]
     resized = [
         np.asarray(Image.fromarray(light[..., c].astype(np.float32)).resize((side, side), Image.Resampling.BOX))
         for c in range(4)
     ]
-    return _chain(np.stack(resized, axis=2).astype(np.float64)), height / width
+    return mipmap_chain(np.stack(resized, axis=2).astype(np.float64)), height / width
 
 
 @cached_by_file(8)
@@ -153,7 +145,7 @@ def relief_texels(place, size: float, depth: float) -> tuple[np.ndarray, float]:
         step = metres / side
         texels[..., 1 - axis] = (np.roll(out, -1, axis) - np.roll(out, 1, axis)) / (2.0 * step)
     texels[..., 2] = texels[..., 0] ** 2 + texels[..., 1] ** 2
-    return _chain(texels), size * height / width
+    return mipmap_chain(texels), size * height / width
 
 
 @lru_cache(8)
@@ -176,7 +168,7 @@ def puddle_texels(puddles: Puddles) -> np.ndarray:
         low, high = (level, high) if wet.mean() < puddles.share else (low, level)
     texels = np.zeros((_PUDDLE_SIDE, _PUDDLE_SIDE, 4))
     texels[..., 3] = wet
-    return _chain(texels)
+    return mipmap_chain(texels)
 
 
 def _smooth_bumps(values: np.ndarray) -> np.ndarray:
