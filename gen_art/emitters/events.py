@@ -163,7 +163,7 @@ def _path_state(parent: np.ndarray, when: np.ndarray, window: EventWindow) -> np
     t0 = np.maximum(window.birth[parent], window.t0)
     t0 = np.where(window.is_new[parent], window.t0, t0)
     t1 = np.minimum(window.death[parent], window.t1)
-    h = np.maximum(t1 - t0, 1e-300)
+    h = np.where(t1 > t0, t1 - t0, 1.0)
     s = (when - t0) / h
     a, b = before[:, parent].astype(np.float64), parents.floats[:6, parent].astype(np.float64)
     x0, v0, x1, v1 = a[:3], a[3:] * h, b[:3], b[3:] * h
@@ -173,4 +173,7 @@ def _path_state(parent: np.ndarray, when: np.ndarray, window: EventWindow) -> np
     s2, s3 = s * s, s * s * s
     x = (2 * s3 - 3 * s2 + 1) * x0 + (s3 - 2 * s2 + s) * v0 + (3 * s2 - 2 * s3) * x1 + (s3 - s2) * v1
     v = ((6 * s2 - 6 * s) * (x0 - x1) + (3 * s2 - 4 * s + 1) * v0 + (3 * s2 - 2 * s) * v1) / h
+    over = t1 <= t0  # of parents that have died in the step in which they were born: they are where they died
+    x[:, over] = b[:3, over] + b[3:, over] * (when - t1)[over]
+    v[:, over] = b[3:, over]
     return np.concatenate([x, v])

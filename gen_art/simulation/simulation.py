@@ -318,6 +318,7 @@ class Simulation:
             eventless = self._steps_without_events(most)
         steps = 1 if (coupled or self._ledger or not eventless) else self._batch(eventless)
         first, t0, t1 = self.steps_done, self.time, (self.steps_done + steps) * self.dt
+        short_lived = {} if eventless else self._take_short_lived(t0)
         for system in self.members.values():
             if system.state.tidy(t0, system.name in self._coupled.steppers):
                 self._coupled.forget()
@@ -347,7 +348,7 @@ class Simulation:
                 self._coupled.step(first)
         self.steps_done += steps
         if emitters:
-            self._give_children(emitters, first, t0, t1, before)
+            self._give_children(emitters, first, t0, t1, before, short_lived)
         else:
             self._unprocessed_ids = {name: (s.state.next_id, s.state.next_id) for name, s in self.members.items()}
         if self._ledger:
@@ -388,15 +389,37 @@ class Simulation:
                 return 0
         return most
 
-    def _give_children(self, emitters: list, first: int, t0: float, t1: float, before: dict) -> None:
+    def _take_short_lived(self, t0: float) -> dict[str, Particles]:
+        """Remove, and return by system, the parents that were born of events in the last step and have died in it.
+
+        Their events have not been seen yet, and `tidy` may remove whatever is dead.
+        """
+        taken = {}
+        for name in {event.system for _, _, event in self._event_emitters}:
+            state, (first, end) = self.members[name].state, self._unprocessed_ids[name]
+            dead = (state.id[: state.count] >= first) & (state.death() <= t0) if end > first else np.zeros(0, bool)
+            if dead.any():
+                slots = np.flatnonzero(dead)
+                taken[name] = state.some(slots)
+                state.remove(slots)
+                self._coupled.forget()
+        return taken
+
+    def _give_children(
+        self, emitters: list, first: int, t0: float, t1: float, before: dict, short_lived: dict[str, Particles]
+    ) -> None:
         """Make the particles that are born of this step's events, and move each to the end of the step."""
+        windows: dict[str, list[EventWindow]] = {}
+        for parent in {event.system for _, _, event in emitters}:
+            new_ids = self._unprocessed_ids[parent]
+            windows[parent] = [EventWindow(self.members[parent].state, t0, t1, before.get(parent), new_ids)]
+            if parent in short_lived:
+                gone = short_lived[parent]
+                windows[parent].append(EventWindow(gone, t0, t1, gone.floats[:6, : gone.count], new_ids))
         born: dict[str, list[BirthBatch]] = {}
-        windows = {
-            parent: EventWindow(self.members[parent].state, t0, t1, before.get(parent), self._unprocessed_ids[parent])
-            for parent in {event.system for _, _, event in emitters}
-        }
         for name, emitter, event in emitters:
-            born.setdefault(name, []).extend(event_births(emitter, name, windows[event.system]))
+            for window in windows[event.system]:
+                born.setdefault(name, []).extend(event_births(emitter, name, window))
         self._unprocessed_ids = {name: (s.state.next_id, s.state.next_id) for name, s in self.members.items()}
         for name, batches in born.items():
             new = give_birth(self.members[name].state, batches, self.precision)

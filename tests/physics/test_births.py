@@ -235,6 +235,37 @@ def test_children_are_the_same_at_every_time_step_and_exact_in_time():
     assert np.array_equal(stars.keys, runs[2]["stars"].keys)
 
 
+@pytest.mark.parametrize("interactions", [{}, {"self_gravity": {"softening": 0.1, "G": 1e-9}}])
+def test_particles_that_live_for_less_than_a_step_have_children_too(interactions):
+    """A spark of 4 ms, born of a death at 53 ms: on its way a birth every half millisecond, and two at its end, where it ended.
+    Mutants: the dead are removed before their events are seen; their path goes on to the end of the step."""
+    systems = {
+        "shell": {"particle": {"lifetime": 0.05}, "emitters": {"m": {"at": 0.003, "velocity": [1, 0, 0]}}},
+        "spark": {
+            "particle": {"lifetime": 0.004, "mass": 1},
+            "interactions": interactions,
+            "emitters": {
+                "m": {"from": {"event": "shell.death", "inherit": "velocity"}, "count": 1, "velocity": [0, 1, 0]}
+            },
+        },
+        "glitter": {
+            "particle": {"lifetime": 3},
+            "emitters": {
+                "way": {"from": {"event": "spark.path", "inherit": "none"}, "rate": 2000},
+                "end": {"from": {"event": "spark.death", "inherit": "none"}, "count": 2},
+            },
+        },
+    }
+    sim = ga.Simulation(preset(systems), precision="f64", advice="none")
+    sim.advance(0.2)
+    glitter = sim["glitter"]
+    after = np.append((np.arange(8) + 0.5) / 2000, [0.004, 0.004])  # the spark's birth
+    place = np.stack([0.05 + after, after, 0 * after], axis=1)
+    assert glitter.count == 10
+    assert np.allclose(0.2 - glitter.age, 0.053 + after, rtol=0, atol=1e-12)
+    assert np.allclose(glitter.position, place, rtol=0, atol=1e-9)
+
+
 QUIET = {  # now and then something happens, and between that nothing does
     "long": {
         "particle": {"lifetime": "0.11..0.31"},
@@ -251,7 +282,7 @@ QUIET = {  # now and then something happens, and between that nothing does
         "emitters": {"m": {"at": [0.02, 0.7], "velocity": [0, 2, 0]}},
     },
     "children": {
-        "particle": {"lifetime": "0.02..0.09"},
+        "particle": {"lifetime": "0.002..0.09"},
         "emitters": {
             "new": {"from": {"event": "long.birth"}, "count": 3, "velocity": {"sphere": 1}},
             "dead": {"from": {"event": "long.death"}, "count": 3, "velocity": {"sphere": 1}},
@@ -261,12 +292,15 @@ QUIET = {  # now and then something happens, and between that nothing does
     },
     "grandchildren": {
         "particle": {"lifetime": 3},
-        "emitters": {"dead": {"from": {"event": "children.death"}, "count": 2, "velocity": {"sphere": 1}}},
+        "emitters": {
+            "new": {"from": {"event": "children.birth"}, "count": 1, "velocity": {"sphere": 1}},
+            "dead": {"from": {"event": "children.death"}, "count": 2, "velocity": {"sphere": 1}},
+        },
     },
 }
 
 
-@pytest.mark.parametrize("left_out", [(), ("hit", "bouncing"), ("hit", "bouncing", "long")])
+@pytest.mark.parametrize("left_out", [(), ("bouncing",), ("hit",), ("hit", "bouncing"), ("hit", "bouncing", "long")])
 def test_steps_without_events_are_taken_together_and_keep_their_bits(left_out, monkeypatch):
     """Mutants: a death, a birth, an end by a collider, an impact, or an event of particles born in the step before is overlooked."""
     systems = {name: system for name, system in QUIET.items() if name not in left_out}

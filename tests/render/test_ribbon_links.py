@@ -89,3 +89,25 @@ def test_a_ribbon_ends_with_its_particle_s_life(tmp_path):
         lights.append(float(playback.picture(420).max()))
         assert playback.sim.systems["bodies"].count == 1
     assert lights[0] > 0.1 and lights[1] == 0
+
+
+def test_a_picture_alone_has_the_ribbons_that_it_has_in_a_film():
+    """With a long shutter, whose first moments need older positions than its last.
+    Mutants: positions are remembered from a moment too late; those of the shutter's first moments are forgotten."""
+    preset = load_preset({
+        "version": 1, "seed": 2, "clock": {"duration": 3, "fps": 10, "step": "1/100"},
+        "forces": {"magnetic_field": {"field": [0, 0, 5]}},
+        "systems": {"ions": {
+            "particle": {"radius": 0.01, "mass": 1, "charge": 1, "lifetime": 100},
+            "integrator": "boris",
+            "emitters": {"m": {"count": 4, "shape": {"line": [[-1, 0, 0], [1, 0, 0]]}, "velocity": [0, 2, 0]}},
+            "look": {"draw": "streak", "width": 0.02, "ribbon": {"length": 0.4, "points": 10}},
+        }},
+        "camera": {"position": [0, 0, 4], "target": [0, 0.3, 0], "shutter": 360, "subframes": 10},
+    })  # fmt: skip
+    pictures = []
+    for steps in ([200], [150, 200], list(range(0, 210, 10))):
+        playback = Playback(preset, (96, 54), "f32", None)
+        pictures.append([picture.copy() for picture, _ in playback.pictures(steps)][-1])
+    assert np.array_equal(pictures[0], pictures[1]) and np.array_equal(pictures[0], pictures[2])
+    assert pictures[0].max() > 0
