@@ -11,14 +11,14 @@ import numpy as np
 
 from gen_art import arguments
 from gen_art.backend import runtime
-from gen_art.emitters.births import BirthBatch, give_birth, scheduled_births
-from gen_art.emitters.events import EventWindow, event_births
+from gen_art.emitters.births import give_birth, scheduled_births
 from gen_art.errors import GenArtError, UsageError
 from gen_art.html_table import html_table
 from gen_art.maths.random import channel_of, derive
 from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.storage import Particles
 from gen_art.registry import suggest
+from gen_art.simulation.children import Children
 from gen_art.simulation.coupled_systems import CoupledSystems
 from gen_art.simulation.potential_check import check_potentials
 from gen_art.simulation.stepper import Stepper
@@ -177,11 +177,9 @@ class Simulation:
         self._steppers = {n: Stepper(s, precision, n in coupled) for n, s in members.items()}
         self._coupled = CoupledSystems(self._steppers, coupled, self.dt, precision)
         self._unknown_rest = True  # whether it is to be found out which systems rest, because particles have come
-        self._event_emitters = [(n, e, e.event) for n, s in members.items() for e in s.emitters if e.event is not None]
         for system in members.values():
             give_birth(system.state, [b for e in system.emitters for b in scheduled_births(e, 0.0)], precision)
-        # by system, the ids from..to of particles born at the end of the last step: no emitter has handled their births yet
-        self._unprocessed_ids = {name: (0, system.state.next_id) for name, system in members.items()}
+        self._children = Children(members, precision)
         for name, system in members.items():
             for interaction in system.interactions:
                 interaction.check(system)
@@ -303,8 +301,7 @@ class Simulation:
             self._ledger.record_outside(name, before)
         self._coupled.forget()
         self._unknown_rest = True
-        first, _ = self._unprocessed_ids[name]
-        self._unprocessed_ids[name] = (first, self.members[name].state.next_id)  # births of particles that were added
+        self._children.add_unseen(name)
         self._watch.restart()
 
     def _advance(self, most: int, move: Callable[[int], None] | None = None) -> int:
@@ -313,12 +310,11 @@ class Simulation:
             self._coupled.find_resting()
             self._unknown_rest = False
         coupled = bool(self._coupled.moving)
-        eventless = most if move is None else 0
-        if self._event_emitters and eventless:
-            eventless = self._steps_without_events(most)
+        eventless = self._children.steps_without_events(self.steps_done, most, self.dt) if move is None else 0
         steps = 1 if (coupled or self._ledger or not eventless) else self._batch(eventless)
         first, t0, t1 = self.steps_done, self.time, (self.steps_done + steps) * self.dt
-        short_lived = {} if eventless else self._take_short_lived(t0)
+        if self._children.begin(t0, t1, has_events=not eventless):
+            self._coupled.forget()
         for system in self.members.values():
             if system.state.tidy(t0, system.name in self._coupled.steppers):
                 self._coupled.forget()
@@ -330,11 +326,7 @@ class Simulation:
                 self._coupled.forget()
                 if self._ledger:
                     self._ledger.record_births(name, new)
-        emitters = [] if eventless else [each for each in self._event_emitters if t1 > each[1].begins]
-        parents = {event.system for _, _, event in emitters if event.kind == "path"}
-        before = {
-            name: self.members[name].state.floats[:6, : self.members[name].state.count].copy() for name in parents
-        }
+        self._children.remember_motion()
         if move:
             move(first)
             for system in self.members.values():
@@ -347,10 +339,11 @@ class Simulation:
             if coupled:
                 self._coupled.step(first)
         self.steps_done += steps
-        if emitters:
-            self._give_children(emitters, first, t0, t1, before, short_lived)
-        else:
-            self._unprocessed_ids = {name: (s.state.next_id, s.state.next_id) for name, s in self.members.items()}
+        for name, new in self._children.give_birth(t0, t1):
+            if self._ledger:
+                self._ledger.record_births(name, new)
+            self._coupled.forget()
+            self._steppers[name].run(first, 1, self.dt, new.start, -math.inf)
         if self._ledger:
             self._ledger.record_deaths(t0, t1)
         self._watch.look()
@@ -366,69 +359,6 @@ class Simulation:
             while steps > 1 and system.births_until((self.steps_done + steps) * self.dt) > allowed:
                 steps = (steps + 1) // 2
         return steps
-
-    def _steps_without_events(self, most: int) -> int:
-        """How many of the next steps, up to `most`, surely have no event that feeds an emitter; 0 if the next may have one."""
-        t0 = self.time
-        for _, emitter, event in self._event_emitters:
-            parents, (first, end) = self.members[event.system], self._unprocessed_ids[event.system]
-            if (self.steps_done + most) * self.dt <= emitter.begins:
-                continue
-            if end > first:
-                return 0
-            if event.kind != "birth":
-                death = parents.state.death()
-                death = death[death > t0]
-                if len(death) and (event.kind != "death" or parents.composition.colliders):  # which may end a life
-                    return 0
-                if len(death) and np.min(death) < np.inf:
-                    most = min(most, int((np.min(death) - t0) / self.dt) - 1)
-            while most > 0 and parents.births_until((self.steps_done + most) * self.dt) > 0:
-                most //= 2
-            if most < 1:
-                return 0
-        return most
-
-    def _take_short_lived(self, t0: float) -> dict[str, Particles]:
-        """Remove, and return by system, the parents that were born of events in the last step and have died in it.
-
-        Their events have not been seen yet, and `tidy` may remove whatever is dead.
-        """
-        taken = {}
-        for name in {event.system for _, _, event in self._event_emitters}:
-            state, (first, end) = self.members[name].state, self._unprocessed_ids[name]
-            dead = (state.id[: state.count] >= first) & (state.death() <= t0) if end > first else np.zeros(0, bool)
-            if dead.any():
-                slots = np.flatnonzero(dead)
-                taken[name] = state.some(slots)
-                state.remove(slots)
-                self._coupled.forget()
-        return taken
-
-    def _give_children(
-        self, emitters: list, first: int, t0: float, t1: float, before: dict, short_lived: dict[str, Particles]
-    ) -> None:
-        """Make the particles that are born of this step's events, and move each to the end of the step."""
-        windows: dict[str, list[EventWindow]] = {}
-        for parent in {event.system for _, _, event in emitters}:
-            new_ids = self._unprocessed_ids[parent]
-            windows[parent] = [EventWindow(self.members[parent].state, t0, t1, before.get(parent), new_ids)]
-            if parent in short_lived:
-                gone = short_lived[parent]
-                windows[parent].append(EventWindow(gone, t0, t1, gone.floats[:6, : gone.count], new_ids))
-        born: dict[str, list[BirthBatch]] = {}
-        for name, emitter, event in emitters:
-            for window in windows[event.system]:
-                born.setdefault(name, []).extend(event_births(emitter, name, window))
-        self._unprocessed_ids = {name: (s.state.next_id, s.state.next_id) for name, s in self.members.items()}
-        for name, batches in born.items():
-            new = give_birth(self.members[name].state, batches, self.precision)
-            self._unprocessed_ids[name] = (self._unprocessed_ids[name][0], self.members[name].state.next_id)
-            if new.stop > new.start:
-                if self._ledger:
-                    self._ledger.record_births(name, new)
-                self._coupled.forget()
-                self._steppers[name].run(first, 1, self.dt, new.start, -math.inf)
 
     def check_finite(self) -> None:
         """Raise DivergedError if a living particle's position or velocity is not finite."""
@@ -521,7 +451,7 @@ class Simulation:
         self._watch.check()
         from gen_art.simulation.snapshot import capture
 
-        return capture(self, self._unprocessed_ids, None if self._ledger is None else self._ledger.saved())
+        return capture(self, self._children.unseen, None if self._ledger is None else self._ledger.saved())
 
     def go_on_from(self, snapshot: "Snapshot") -> None:
         """Take over the state of a snapshot, whose simulation was made of the same systems as this one."""
@@ -529,7 +459,7 @@ class Simulation:
             self.keep_ledger(snapshot.ledger)
         self.steps_done = snapshot.steps_done
         snapshot.restore_systems(self.members, self.time)
-        self._unprocessed_ids = snapshot.unprocessed_ids
+        self._children.unseen = snapshot.unprocessed_ids
         self._unknown_rest = True
 
     def copy(self) -> "Simulation":

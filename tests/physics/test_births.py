@@ -5,6 +5,7 @@ import pytest
 
 import gen_art as ga
 from gen_art.emitters.schedule import Burst, Pulse, Rate
+from gen_art.simulation.children import Children
 
 
 def preset(systems, step=0.01, **more):
@@ -314,7 +315,7 @@ def test_steps_without_events_are_taken_together_and_keep_their_bits(left_out, m
     monkeypatch.setattr(ga.Simulation, "_advance", lambda *args: launches.append(advance(*args)) or launches[-1])
     together.step(150)
     assert max(launches) >= 8 and sum(launches) == 150
-    monkeypatch.setattr(ga.Simulation, "_steps_without_events", lambda self, most: 0)
+    monkeypatch.setattr(Children, "steps_without_events", lambda self, first, most, dt: 0)
     one_by_one = ga.Simulation(preset(systems, 0.01))
     one_by_one.step(150)
     assert len(one_by_one["grandchildren"].ids) > 1

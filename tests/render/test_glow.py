@@ -303,6 +303,21 @@ def test_the_tree_keeps_the_power_and_each_light_once():
     assert LightTree.of(np.zeros((3, 3)), np.zeros((3, 3)), np.ones(3)) is None
 
 
+@pytest.mark.parametrize(
+    "ground, is_lit",
+    [
+        ({"albedo": "black", "roughness": 0.9, "ior": 1.5}, False),
+        ({"albedo": "#020000", "roughness": 0.9, "ior": 1.5}, True),
+        ({"albedo": "black", "roughness": 0.3, "ior": 1.5}, True),
+        ({"albedo": "black", "roughness": 0.9, "metal": 1}, True),
+    ],
+)
+def test_only_what_is_black_and_dull_shows_no_light(ground, is_lit, monkeypatch):
+    """The light on it is not even looked for. Mutants: nor is that on smooth black, on black metal, or on a colour of one channel."""
+    picture, *_ = surfaces(preset(ground=ground), monkeypatch)
+    assert (picture[..., :3].max() > 0) == is_lit
+
+
 def test_without_light_nothing_changes():
     """Bytes of a picture whose glowing system emits nothing, or has no particles, are those without `glow`."""
     for systems in (flame({"point": [0, 1, 0]}, intensity=0.0), flame({"point": [0, 1, 0]}, count=0)):

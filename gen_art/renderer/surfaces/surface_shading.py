@@ -140,7 +140,8 @@ def surface_light(
         gathered = photon_light(scene, x)
     if ti.static(scene.glowing):
         dull = ti.select(N[MIRROR] == ti.cast(m, ti.f32), 1.0, rough)  # a mirror shows the particles themselves
-        glow = glow_at(scene, x, n, view, dull, ior, pixel)
+        if dull < DULL or metal > 0.0 or albedo.max() > 0.0:  # what is black and shows no highlights shows no light
+            glow = glow_at(scene, x, n, view, dull, ior, pixel)
     own, of_lamp, mirrored, around = emission, emission * 0.0, emission * 0.0, emission * 0.0
     scattered = 1.0 - M[m, TRANSMISSION]
     for k in ti.static(range(3)):
