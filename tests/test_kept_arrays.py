@@ -72,6 +72,14 @@ def test_a_damaged_file_is_made_anew(files, folder, damage):
     assert files.made == 2 and file.read_bytes() == whole
 
 
+def test_a_file_of_another_kind_is_made_anew(files, folder):
+    first = kept(waves)(7, 1.0)
+    (file,) = folder.iterdir()
+    whole = file.read_bytes()
+    files.write(file.stem, b"whole, but no arrays")
+    assert alike(kept(waves)(7, 1.0), first) and file.read_bytes() == whole
+
+
 def test_what_cannot_be_kept_is_made_each_time(files, folder, tmp_path, monkeypatch):
     """A folder that cannot be written, code that has no digest, and a process in which Taichi has not started."""
 

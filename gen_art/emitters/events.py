@@ -3,7 +3,7 @@
 The children of a step are made at its end, one generation a step, ordered by time and then by their parents' keys.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +21,7 @@ _PAIR = np.uint64(1 << 40)  # keys of balanced pairs are beyond those of all ord
 class EventWindow:
     """What a step did to a system of parents; all emitters that its events feed share what is found out of it.
 
+    parents : as they are after the step
     t0, t1 : the step's time span, s
     before : (6, count) positions and velocities before the step, where paths need them
     new_ids : (first, end); the particles with these ids were made at the end of the previous step, and their births and deaths
@@ -32,6 +33,9 @@ class EventWindow:
     t1: float
     before: np.ndarray | None
     new_ids: tuple[int, int]
+    _slots: dict[str, np.ndarray] = field(
+        default_factory=dict, init=False
+    )  # by kind of event, once they were asked for
 
     @cached_property
     def birth(self) -> np.ndarray:
@@ -55,11 +59,7 @@ class EventWindow:
 
     def moments(self, kind: str) -> np.ndarray:
         """The times of the parents' births, deaths or impacts, s."""
-        return {"birth": lambda: self.birth, "death": lambda: self.death, "impact": lambda: self.impact}[kind]()
-
-    @cached_property
-    def _slots(self) -> dict[str, np.ndarray]:
-        return {}
+        return self.impact if kind == "impact" else self.death if kind == "death" else self.birth
 
     def slots(self, kind: str) -> np.ndarray:
         """The slots of parents with an event of this kind in the step; those with a path lived for some of it."""
