@@ -11,21 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from gen_art.backend.runtime import aligned, kernel, ti
+from gen_art.renderer.lanes import LANES, all_lanes
 from gen_art.renderer.neighbour_cells import NeighbourCells
 
 __all__ = ["CHANCE", "DIAGONAL", "OTHERS", "SQUARES", "TOTAL", "NeighbourSums"]
 
-SAMPLES = 16  # of a cell, the lanes of a vector
+SAMPLES = LANES  # of a cell, a vector of them
 
 TOTAL, SQUARES, CHANCE, DIAGONAL, OTHERS, SUMS = 0, 1, 2, 3, 6, 9  # columns of the sums, and their number
 
 F2, I1, I2 = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i32, 1), ti.types.ndarray(ti.i32, 2)
 VECTORS = ti.types.ndarray(ti.types.vector(SAMPLES, ti.f32), 2)
-
-
-@ti.func
-def _all(x):
-    return ti.Vector([ti.cast(x, ti.f32) for _ in ti.static(range(SAMPLES))])
 
 
 @ti.func
@@ -42,7 +38,7 @@ def _sum(v):
 def _neighbours(S: ti.template(), cell, x, y, z, per_reach):
     """Where the samples of a cell lie from (x, y, z), in reaches, and their weights."""
     a, b, c = (S[cell, 0] - x) * per_reach, (S[cell, 1] - y) * per_reach, (S[cell, 2] - z) * per_reach
-    s = ti.max(_all(1.0) - (a * a + b * b + c * c), _all(0.0))
+    s = ti.max(all_lanes(1.0) - (a * a + b * b + c * c), all_lanes(0.0))
     return a, b, c, s * s * s * S[cell, 3]
 
 
@@ -58,18 +54,18 @@ def _sums(X: F2, S: VECTORS, first: I1, runs: I2, per_reach: ti.f32, moments: ti
     for block in range((runs.shape[0] + 63) // 64):
         for cell in range(block * 64, ti.min((block + 1) * 64, runs.shape[0])):
             for i in range(first[cell], first[cell + 1]):
-                x, y, z, per = _all(X[i, 0]), _all(X[i, 1]), _all(X[i, 2]), _all(per_reach)
-                total, squares, mean = _all(0.0), _all(0.0), [_all(0.0) for _ in ti.static(range(3))]
+                x, y, z, per = all_lanes(X[i, 0]), all_lanes(X[i, 1]), all_lanes(X[i, 2]), all_lanes(per_reach)
+                total, squares, mean = all_lanes(0.0), all_lanes(0.0), [all_lanes(0.0) for _ in ti.static(range(3))]
                 for r in range(9):
                     for other in range(runs[cell, 2 * r], runs[cell, 2 * r + 1]):
                         a, b, c, w = _neighbours(S, other, x, y, z, per)
                         total, squares = total + w, squares + w * w
                         mean[0], mean[1], mean[2] = mean[0] + a * w, mean[1] + b * w, mean[2] + c * w
                 result[i, TOTAL], result[i, SQUARES] = _sum(total), _sum(squares)
-                parts = [_all(0.0) for _ in ti.static(range(7))]
+                parts = [all_lanes(0.0) for _ in ti.static(range(7))]
                 if moments == 1 and result[i, TOTAL] > 0.0:
                     per_total = 1.0 / result[i, TOTAL]
-                    middle = [_all(_sum(mean[k]) * per_total) for k in ti.static(range(3))]
+                    middle = [all_lanes(_sum(mean[k]) * per_total) for k in ti.static(range(3))]
                     for r in range(9):
                         for other in range(runs[cell, 2 * r], runs[cell, 2 * r + 1]):
                             a, b, c, w = _neighbours(S, other, x, y, z, per)

@@ -267,6 +267,82 @@ def test_a_glowing_ball_lights_the_floor_and_does_not_shadow_itself(monkeypatch)
     assert got[..., 0][floor] == pytest.approx(expected[floor], rel=1e-5)
 
 
+def three_lamps_over_balls(count, radius, box, monkeypatch, size=(384, 256)):
+    """(what 4000 of the floor's pixels show, their places, each lamp's place and unshadowed light there, the balls' centres)"""
+    lamps = np.array([[-4.0, 7.0, 1.0], [3.0, 8.0, -2.0], [0.5, 6.0, 4.0]])
+    systems = flame({"point": lamps[0].tolist()}, radius=0.004)
+    for k in (1, 2):
+        systems["flame"]["emitters"][f"lamp{k}"] = {"count": 1, "shape": {"point": lamps[k].tolist()}}
+    systems["balls"] = {
+        "emitters": {"all": {"count": count, "shape": {"box": box}}},
+        "look": {"draw": "sphere", "blend": "opaque", "radius": radius, "albedo": "black"},
+    }
+    given = preset(systems)
+    got, lights, view = surfaces(given, monkeypatch, size)
+    some = np.random.default_rng(1).choice(size[0] * size[1], 4000, replace=False)
+    x = on_plane(view, 1, 0.0, size).reshape(-1, 3)[some]
+    each = []
+    for lamp in lamps:
+        own = [int(np.argmin(np.linalg.norm(lights.positions - lamp, axis=1)))]
+        part = type(lights)(lights.positions[own], lights.power[own], lights.areas[own])
+        each.append((lights.positions[own[0]], direct_sum(x, [0, 1, 0], part)))
+    return got[..., :3].reshape(-1, 3)[some], x, each, ga.Simulation(given)["balls"].position
+
+
+def test_balls_shadow_each_lamp_by_itself(monkeypatch):
+    """The floor has the light of those lamps to which the way is free. Mutants that fail: solids of a tile listed for the first lamp
+    alone; only the first of the cells that a tile reaches into; a cone that starts as a point."""
+    radius, pixel = 0.04, 4.0 / 256
+    got, x, lamps, centers = three_lamps_over_balls(40, radius, [[-2.5, 0.25, -1.8], [2.5, 0.6, 1.8]], monkeypatch)
+    expected = 0.0 * x
+    sure = (
+        np.linalg.norm((x[:, None] - centers)[..., ::2], axis=-1).min(axis=1) > radius + pixel
+    )  # else the camera sees a ball
+    for place, light in lamps:
+        way = place - x
+        for center in centers:
+            along = np.clip(((center - x) * way).sum(-1) / (way**2).sum(-1), 0.0, 1.0)
+            apart = np.linalg.norm(x + along[:, None] * way - center, axis=-1)
+            light[apart < radius] = 0.0
+            # half a pixel, the lamp's radius, and the way from 0.6 pixels above the floor
+            sure &= abs(apart - radius) > 0.5 * pixel + 0.008 + 0.6 * pixel * (1.0 - along)
+        expected += light
+    assert sure.sum() > 1000 and expected[sure].min() < 0.8 * expected[sure].max()
+    assert got[sure] == pytest.approx(expected[sure], rel=1e-4, abs=1e-6 * expected.max())
+
+
+def test_more_balls_than_a_tile_can_list_hide_the_lamps(monkeypatch):
+    """A slab of 3000 balls, 24 deep, lets nothing through. Mutant that fails: solids beyond the list's end left out."""
+    half = np.array([0.7, 0.5])
+    box = [[-half[0], 2.0, -half[1]], [half[0], 2.05, half[1]]]
+    got, x, lamps, _ = three_lamps_over_balls(3000, 0.05, box, monkeypatch)
+    expected, sure = 0.0 * x, (abs(x[:, ::2]) - half).max(axis=1) > 0.1
+    for place, light in lamps:
+        at = x + np.linspace(1.93, 2.12, 21)[:, None, None] / place[1] * (
+            place - x
+        )  # where the ways cross the slab's heights
+        beside = (abs(at[..., ::2]) - half).max(axis=-1)
+        light[beside[10] < 0.0] = 0.0
+        sure &= (beside.min(axis=0) > 0.08) | (beside[10] < -0.12)
+        expected += light
+    assert sure.sum() > 500 and (expected[sure].max(axis=1) < 0.75 * expected.max()).sum() > 100
+    assert got[sure] == pytest.approx(expected[sure], rel=1e-4, abs=1e-6 * expected.max())
+
+
+def test_lights_that_look_small_from_all_that_may_shadow_them_are_one_lamp():
+    """Mutants that fail: the middle of a node for its box; the lamp cut as long as it can be; no limit without casters."""
+    rng = np.random.default_rng(3)
+    x, bulb = rng.normal(0, 10, (300, 3)), np.array([[0.0, -400, 0]])
+
+    def lamps(caster, lights=x):
+        balls = None if caster is None else (np.array(caster, float).reshape(-1, 3), np.full(len(caster), 2.0))
+        return len(LightTree.of(lights, np.ones((len(lights), 3)), np.full(len(lights), 0.01), casters=balls).lamps)
+
+    assert lamps([[0, -400, 0]]) == 1 and lamps([]) == 1
+    assert lamps([[0, -40, 0]]) > 1 and lamps([[0, -400, 0], [0, 0, 0]]) > 1 and lamps(None) > 1
+    assert lamps([[0, -398, 5]], np.concatenate([x, bulb])) == 2
+
+
 def test_solids_are_found_in_the_cells_towards_them():
     """Every direction from a lamp that meets a ball lies in a cell that lists it."""
     rng = np.random.default_rng(4)

@@ -40,8 +40,8 @@ __all__ = ["draw_kernel"]
 
 _RAYS = TILE * TILE * SUBPIXELS
 
-F1, F2, F3, I1, I2 = (
-    ti.types.ndarray(d, n) for d, n in ((ti.f32, 1), (ti.f32, 2), (ti.f32, 3), (ti.i32, 1), (ti.i32, 2))
+F1, F2, F3, F4, I1, I2 = (
+    ti.types.ndarray(d, n) for d, n in ((ti.f32, 1), (ti.f32, 2), (ti.f32, 3), (ti.f32, 4), (ti.i32, 1), (ti.i32, 2))
 )
 
 
@@ -61,6 +61,7 @@ def draw_kernel(
     """
     kinds, surfaces = terms.kinds, len(terms.owners)
     has_occluders = surfaces > 1
+    listed_solids = (2 if glowing else 1) * SOLIDS_OF_TILE
     near_casters = tuple(kind for kind in kinds if not isinstance(kind.collider, Plane))
 
     @ti.kernel
@@ -71,8 +72,8 @@ def draw_kernel(
         grid_starts: I1, grid_solids: I1, photons: F2, photon_starts: I1, V: F2, faces: I2, sheet_looks: F2, sheet_grid: F1,
         sheet_starts: I1, sheet_faces: I1, face_rectangles: I2, face_starts: I1, bin_faces: I1, glow_nodes: F2,
         glow_links: I2, glow_lights: F2, glow_parts: I2, glow_lamps: F2, near_starts: I1, near_solids: I1, near_disc: F2,
-        occluders: F2, images: F2, waves: F2, film_depths: F2, layers: F3, P: F1, solid_moves: F2, corner_moves: F2,
-        own_light: F3, mirrored: F3,
+        occluders: F2, images: F2, waves: F2, wave_field: F4, film_depths: F2, layers: F3, P: F1, solid_moves: F2,
+        corner_moves: F2, own_light: F3, mirrored: F3,
     ):  # fmt: skip
         """Draw surfaces into a clear framebuffer, and their distances along the line of sight into `depths`.
 
@@ -89,7 +90,7 @@ def draw_kernel(
         V, faces, sheet_looks, sheet_grid, sheet_starts, sheet_faces : of Sheets
         face_rectangles, face_starts, bin_faces : of its faces, as for solids
         glow_... : of a LightTree; near_starts, near_solids : of NearBins; near_disc : of lamp_disc
-        occluders : of sky_occluders; images, waves : of SurfaceMaps; film_depths : of the MirrorFilm
+        occluders : of sky_occluders; images, waves : of SurfaceMaps; wave_field : of wave_field; film_depths : of the MirrorFilm
         layers, P, solid_moves, corner_moves : of SurfaceLayers
         own_light, mirrored : of LightParts
         """
@@ -104,7 +105,7 @@ def draw_kernel(
                 glowing=glowing, near_casters=near_casters, glow_nodes=glow_nodes, glow_links=glow_links,
                 glow_lights=glow_lights, glow_parts=glow_parts, glow_lamps=glow_lamps, near_starts=near_starts,
                 near_solids=near_solids, near_disc=near_disc, occluded=has_occluders, occluders=occluders,
-                mapped=mapped, images=images, waves=waves, film_depths=film_depths,
+                mapped=mapped, images=images, waves=waves, wave_field=wave_field, film_depths=film_depths,
             )  # fmt: skip
             moves = arrays(P=P, solids=solid_moves, corners=corner_moves)
             bin, part = tile // (TILES * TILES), tile % (TILES * TILES)
@@ -125,7 +126,7 @@ def draw_kernel(
                         box = box_in_tile(face_rectangles, j, ox, oy, width, rows)
                         if not_empty(box):
                             trace_face(scene, j, first_face + j, box, ox, oy, distance, owner)
-                casters, nearby, even, first_pixel = every_caster(), ti.Vector([0] * SOLIDS_OF_TILE), 0, 0
+                casters, nearby, even, first_pixel = every_caster(), ti.Vector([0] * listed_solids), 0, 0
                 nearest, farthest = NEVER, -NEVER
                 middle, radius = ball_of_tile(N, ox, oy, distance, owner)
                 if radius < 0.0 and ti.static(not layered):  # the tile is empty, as the framebuffer is already
@@ -135,7 +136,7 @@ def draw_kernel(
                             depths[row, column, s] = NEVER
                 if ti.static(shaded):
                     if radius >= 0.0:
-                        casters = tile_casters(kinds, scene, middle, radius, nearby)
+                        casters = tile_casters(kinds, surfaces, scene, middle, radius, covering // FACETS, nearby)
                         if ti.static(not with_sheets and not glowing):
                             if covering >= 0 and width == TILE and rows == TILE:
                                 even = may_be_even(kinds, surfaces, follows, scene, covering // FACETS, casters)

@@ -9,9 +9,10 @@ A place of a smooth surface also reflects each node and each light, as a highlig
 The one-letter names in kernels are in docs/glossary.md.
 """
 
+# ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from gen_art.backend.runtime import ti
-from gen_art.renderer.surfaces.collider_sets import ALL_COLLIDERS
-from gen_art.renderer.surfaces.lamp_shadows import collider_shadow, set_bits, solid_shadow
+from gen_art.renderer.surfaces.collider_sets import ALL_COLLIDERS, NO_LAMPS_KNOWN
+from gen_art.renderer.surfaces.lamp_shadows import SOLIDS_OF_TILE, collider_shadow, is_given, set_bits, solid_shadow
 from gen_art.renderer.surfaces.light_tree import (
     FIRST,
     HIGH,
@@ -24,7 +25,7 @@ from gen_art.renderer.surfaces.light_tree import (
     USED_FROM,
     W,
 )
-from gen_art.renderer.surfaces.near_bins import COLUMNS, ROWS
+from gen_art.renderer.surfaces.near_bins import COLUMNS, ROWS, near_cell
 from gen_art.renderer.surfaces.reflection import fresnel_of, microfacets
 from gen_art.renderer.surfaces.scene_numbers import CAMERA, SHADOWS, TIME, vector_at
 
@@ -147,8 +148,8 @@ def _light_of_part(scene: ti.template(), first, end, softening2, x, n, view, alp
 
 
 @ti.func
-def _share_of_lamp(scene: ti.template(), lamp, x, pixel):
-    """The share of a lamp's disc that a place sees."""
+def _share_of_lamp(scene: ti.template(), lamp, x, n, pixel, own, listed, nearby: ti.template()):
+    """The share of a lamp's disc that a place sees; the rest as in glow_at."""
     N, H = ti.static(scene.N, scene.glow_lamps)
     offset = _row3(H, lamp, 0) - x
     distance = ti.max(offset.norm(), 1e-20)
@@ -175,30 +176,57 @@ def _share_of_lamp(scene: ti.template(), lamp, x, pixel):
         GLOW_POINTS,
         ti.i64(ALL_COLLIDERS),
     )
-    reach = ti.max(abs(to_lamp[0]) + abs(to_lamp[2]), 1e-30)
-    ratio = -to_lamp[0] / reach  # the direction from the lamp to the place
-    angle = ti.select(-to_lamp[2] >= 0.0, 1.0 - ratio, 3.0 + ratio)
-    row = ti.min(ti.max(ti.cast((1.0 - to_lamp[1]) * (0.5 * ROWS), ti.i32), 0), ROWS - 1)
-    column = ti.min(ti.max(ti.cast(angle * (COLUMNS / 4.0), ti.i32), 0), COLUMNS - 1)
-    cell = (lamp * ROWS + row) * COLUMNS + column
-    k, end = scene.near_starts[cell], scene.near_starts[cell + 1]
+    k, end, known, spared = 0, 0, 0, -1
+    if n.dot(to_lamp) > tangent:  # a convex solid does not hide what shines on its outside
+        spared = own
+    if ti.static(is_given(nearby)):
+        if (listed >> (8 + lamp)) & 1 == 0:
+            known, end = 1, listed & 255
+    if known == 0:
+        at = near_cell(-to_lamp)
+        row = ti.min(ti.max(ti.cast(at[0], ti.i32), 0), ROWS - 1)
+        column = ti.min(ti.max(ti.cast(at[1], ti.i32), 0), COLUMNS - 1)
+        cell = (lamp * ROWS + row) * COLUMNS + column
+        k, end = scene.near_starts[cell], scene.near_starts[cell + 1]
     while k < end:
-        solid = scene.near_solids[k]
-        hidden = solid_shadow(
-            hidden, scene.B, solid, x, to_lamp, side, up, tangent, half_pixel, distance, scene.near_disc, GLOW_POINTS
-        )
+        solid, hides = 0, 1
+        if ti.static(is_given(nearby)):
+            if known == 1:
+                entry = nearby[SOLIDS_OF_TILE + k]
+                solid, hides = entry >> 8, (entry >> lamp) & 1
+        if known == 0:
+            solid = scene.near_solids[k]
+        if hides == 1 and solid != spared:
+            hidden = solid_shadow(
+                hidden,
+                scene.B,
+                solid,
+                x,
+                to_lamp,
+                side,
+                up,
+                tangent,
+                half_pixel,
+                distance,
+                scene.near_disc,
+                GLOW_POINTS,
+            )
         k = ti.select(hidden == ti.i64(-1), end, k + 1)
     return ti.max(1.0 - ti.cast(set_bits(hidden), ti.f32) * (1.0 / GLOW_POINTS), 0.0)
 
 
 @ti.func
-def glow_at(scene: ti.template(), x, n, view, rough, ior, pixel):
+def glow_at(
+    scene: ti.template(), x, n, view, rough, ior, pixel, own=-1, listed=NO_LAMPS_KNOWN, nearby: ti.template() = None
+):  # fmt: skip
     """(12,) what reaches x (relative to the camera) from emitting particles, in three colours each: the irradiance over pi, then
     the irradiance times the facets' lobe, the same times Fresnel's reflectance, and times (1 - vh)^5.
 
     scene : view of the kernel's arrays
     n, view : unit normal, and unit vector to the camera
     pixel : side of a pixel at x, in world units
+    own : the solid on which x lies, or -1
+    listed, nearby : what list_glow_solids returns, and its list, or None
     """
     N, H = ti.static(scene.N, scene.glow_lamps)
     total = ti.Vector([0.0] * 12)
@@ -208,6 +236,6 @@ def glow_at(scene: ti.template(), x, n, view, rough, ior, pixel):
             scene, scene.glow_parts[lamp, 0], scene.glow_parts[lamp, 1], H[lamp, SOFTENING2], x, n, view, alpha, ior
         )
         if part.max() > 0.0 and N[SHADOWS] > 0.5:
-            part *= _share_of_lamp(scene, lamp, x + n * (0.6 * pixel), pixel)
+            part *= _share_of_lamp(scene, lamp, x + n * (0.6 * pixel), n, pixel, own, listed, nearby)
         total += part
     return total

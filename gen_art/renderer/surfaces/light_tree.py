@@ -9,17 +9,18 @@ which is that of a ball of even radiance, and inside the ball that at its surfac
 lights by their sum, their first moment in each colour, their second moments, and w's mean and standard deviation.
 
 Nodes lie in preorder: a node's descendants follow it up to its `next` node. A few nodes at the top, the `lamps`, cut the tree
-into parts whose shadows are found one by one.
+into parts whose shadows are found one by one. A part that looks small from all that may shadow it is not cut further.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["LAMPS", "LEAF", "LIGHT_FLOATS", "NODE_FLOATS", "LightTree"]
+__all__ = ["LAMPS", "LEAF", "LIGHT_FLOATS", "NODE_FLOATS", "LightTree", "lamp_radii"]
 
 LEAF = 8  # most lights of a leaf, where there are more lights than LAMPS
 LAMPS = 8  # most parts of the tree with shadows of their own
+_SMALL = 0.25  # tangent of half the angle from which on a lamp is cut: its shadows then differ from place to place
 # shifts and masks that move the bits of a number three places apart
 _SPREAD = (
     (32, 0x1F00000000FFFF), (16, 0x1F0000FF0000FF), (8, 0x100F00F00F00F00F), (4, 0x10C30C30C30C30C3), (2, 0x1249249249249249),
@@ -51,7 +52,9 @@ class LightTree:
     lamps: np.ndarray
 
     @classmethod
-    def of(cls, positions, power, cross_sections, softness: float = 0.0, origin=(0.0, 0.0, 0.0)) -> "LightTree | None":
+    def of(
+        cls, positions, power, cross_sections, softness: float = 0.0, origin=(0.0, 0.0, 0.0), casters=None
+    ) -> "LightTree | None":
         """The tree of lights; None if none of them has any light.
 
         positions : (n, 3)
@@ -59,6 +62,7 @@ class LightTree:
         cross_sections : (n,) areas
         softness : s
         origin : what is taken off the positions
+        casters : (centres less origin, radii) of balls around all that may cast shadows; None where they are not known
         """
         power = np.asarray(power, np.float64)
         lit = np.flatnonzero(power.sum(axis=1) > 0.0)
@@ -68,7 +72,7 @@ class LightTree:
         w = 1.0 / np.maximum(np.asarray(cross_sections, np.float64)[lit] / np.pi + softness * softness, 1e-30)
         x, power, w, keys = _merged(x, power, w, _keys(x))
         levels = _levels(keys)
-        return cls(*_rows(levels, x, power, w))
+        return cls(*_rows(levels, x, power, w, casters))
 
 
 def _keys(x: np.ndarray) -> np.ndarray:
@@ -117,7 +121,7 @@ def _levels(keys: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]
     return levels
 
 
-def _rows(levels, x, power, w) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _rows(levels, x, power, w, casters) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Nodes, links, lights and lamps of a LightTree."""
     weight = power.sum(axis=1)
     middle = (weight[:, None] * x).sum(axis=0) / weight.sum()
@@ -173,7 +177,7 @@ def _rows(levels, x, power, w) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.n
     links[:, 2] = np.arange(len(order)) + size
     nodes = _node_rows(total, low[:, :3], high, low[:, 3], size == 1, middle)
     lights = np.column_stack([x, power, w])
-    lamps = _lamps(nodes, links)
+    lamps = _lamps(nodes, links, casters)
     return nodes.astype(np.float32), links.astype(np.int32), lights.astype(np.float32), lamps
 
 
@@ -197,11 +201,35 @@ def _node_rows(total, low, high, widest, leaf, origin) -> np.ndarray:
     return rows
 
 
-def _lamps(nodes, links) -> np.ndarray:
+def lamp_radii(nodes: np.ndarray) -> np.ndarray:
+    """(n,) of the discs of even radiance that are as wide as nodes' lights: b^2 / 4 is a disc's variance along each axis."""
+    variance = nodes[:, SECOND : SECOND + 3].sum(axis=1) / 3.0
+    return np.sqrt(4.0 * np.maximum(variance, 0.0) + 1.0 / np.maximum(nodes[:, W + 1], 1e-30))
+
+
+def _distances(nodes, casters) -> np.ndarray:
+    """(n,) from the boxes of nodes' lights to the nearest of some balls; 0 where they touch."""
+    if casters is None:
+        return np.zeros(len(nodes))
+    nearest = np.full(len(nodes), np.inf)
+    for k, node in enumerate(nodes):
+        offset = casters[0] - node[MIDDLE : MIDDLE + 3]
+        outside = offset - np.clip(offset, node[LOW : LOW + 3], node[HIGH : HIGH + 3])
+        nearest[k] = max((np.sqrt((outside**2).sum(axis=1)) - casters[1]).min(initial=np.inf), 0.0)
+    return nearest
+
+
+def _lamps(nodes, links, casters) -> np.ndarray:
     """(k, 2) int32: the tree cut into at most LAMPS parts, the widest and brightest cut first."""
     parts = [0]
     while True:
-        worth = nodes[parts, POWER : POWER + 3].sum(axis=1) * nodes[parts, RADIUS] ** 2 * (links[parts, 1] == 0)
+        looks_wide = lamp_radii(nodes[parts]) > _SMALL * _distances(nodes[parts], casters)
+        worth = (
+            nodes[parts, POWER : POWER + 3].sum(axis=1)
+            * nodes[parts, RADIUS] ** 2
+            * (links[parts, 1] == 0)
+            * looks_wide
+        )
         widest = int(np.argmax(worth))
         children, child = [], parts[widest] + 1
         while child < links[parts[widest], 2]:

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen_art.backend.runtime import ti
 from gen_art.maths.array_functions import arctan2, cos, sin
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 
-__all__ = ["COLUMNS", "ROWS", "NearBins", "quarter_angle"]
+__all__ = ["COLUMNS", "ROWS", "NearBins", "near_cell", "quarter_angle"]
 
 ROWS, COLUMNS = 16, 32
 _MARGIN = 1e-3  # of an angle, for round-off
@@ -22,6 +23,14 @@ def quarter_angle(x, z) -> np.ndarray:
     """0..4, rising with the angle of (x, z): x / (|x| + |z|) bent around the four quarters."""
     reach = np.maximum(np.abs(x) + np.abs(z), 1e-30)
     return np.where(z >= 0.0, 1.0 - x / reach, 3.0 + x / reach)
+
+
+@ti.func
+def near_cell(d):
+    """(2,) row and column of a unit direction from a lamp, with the place in the cell as a fraction."""
+    ratio = d[0] / ti.max(abs(d[0]) + abs(d[2]), 1e-30)
+    angle = ti.select(d[2] >= 0.0, 1.0 - ratio, 3.0 + ratio)
+    return ti.Vector([(d[1] + 1.0) * (0.5 * ROWS), angle * (COLUMNS / 4.0)])
 
 
 @dataclass(frozen=True)

@@ -54,11 +54,14 @@ _NUMBERS = 11  # of a waiting ray: origin, direction, share of the light, length
 
 
 @ti.func
-def surface_point(kinds: ti.template(), surfaces: ti.template(), scene: ti.template(), who, x, d, pixel):
+def surface_point(
+    kinds: ti.template(), surfaces: ti.template(), scene: ti.template(), who, x, d, pixel, column=-1, row=-1
+):  # fmt: skip
     """(unit normal, place, material, albedo, through, emission, clear, flat, detail) of what a ray along d meets at x.
 
     who : a surface, from `surfaces` on a solid, and after them a face of cloth, which is smooth: its place is not quite x
     through, clear : see surface_light
+    column, row : see surface_detail
     flat : the normal without waves and relief; detail : of surface_detail
     """
     N, B = ti.static(scene.N, scene.B)
@@ -82,7 +85,7 @@ def surface_point(kinds: ti.template(), surfaces: ti.template(), scene: ti.templ
     flat, detail = n, ti.Vector([0.0, scene.M[m, ROUGHNESS], 0.0])
     if who < surfaces:
         if ti.static(surfaces > 0):
-            albedo, n, emission, detail = surface_detail(kinds, scene, who, m, x, flat, d, pixel)
+            albedo, n, emission, detail = surface_detail(kinds, scene, who, m, x, flat, d, pixel, column, row)
     return n, place, m, albedo, through, emission, clear, flat, detail
 
 
@@ -223,7 +226,7 @@ def light_along(
             pixel = ti.select(same_everywhere > 0.5, 1.0, length) * per_length
             room = followed < MOST_RAYS and count < _WAITING - _FACETS
             n, x, m, albedo, through, emission, clear, flat, detail = surface_point(
-                kinds, surfaces, scene, who, o + d * t, d, pixel
+                kinds, surfaces, scene, who, o + d * t, d, pixel, ti.select(followed == 1, column, -1), row
             )
             if inside >= 0:
                 if ti.static(follows):

@@ -9,17 +9,18 @@ from gen_art.renderer.surfaces.scene_numbers import CAMERA, TIME, vector_at
 from gen_art.renderer.surfaces.solids import row_vector
 from gen_art.renderer.surfaces.surface_axes import on_axes, pixel_steps
 from gen_art.renderer.surfaces.surface_maps import MAP_FLOATS, map_at
-from gen_art.renderer.surfaces.water_waves import wave_slope
+from gen_art.renderer.surfaces.water_waves import one_number, wave_slope
 
 __all__ = ["LIGHT_FACTOR", "MATERIAL_FLOATS", "surface_detail"]
 
 # a material's row: albedo, second albedo, side of the checker's squares or 0, roughness, refractive index, metal, emission,
 # transmission, 1 / attenuation_distance, the numbers of the maps of its image, puddles, light and relief, first row and number
-# of its waves and the number of rows that make them uneven, how damp it is between puddles, and the factor on its light map
+# of its waves and the number of rows that make them uneven, how damp it is between puddles, the factor on its light map, and
+# which of the arrays of wave_field is its own, or -1
 SECOND_ALBEDO, CHECKER, ROUGHNESS, IOR, METAL, EMISSION, TRANSMISSION, PER_LENGTH = 3, 6, 7, 8, 9, 10, 13, 14
 IMAGE, PUDDLES, LIGHT, RELIEF, WAVES = (15 + k * MAP_FLOATS for k in range(5))
-DAMP, LIGHT_FACTOR = WAVES + 3, WAVES + 4
-MATERIAL_FLOATS = LIGHT_FACTOR + 1
+DAMP, LIGHT_FACTOR, WAVE_FIELD = WAVES + 3, WAVES + 4, WAVES + 5
+MATERIAL_FLOATS = WAVE_FIELD + 1
 _FADES, _GONE = 0.6, 1.1  # squares of a checker in a pixel
 _MAPS = 4  # of a material, in the order of their columns
 _WET_ROUGHNESS = 0.02  # of a puddle
@@ -54,11 +55,12 @@ def _tangent(east, south, a, b):
 
 
 @ti.func
-def surface_detail(kinds: ti.template(), scene: ti.template(), who, m, x, n, d, pixel):
+def surface_detail(kinds: ti.template(), scene: ti.template(), who, m, x, n, d, pixel, column, row):
     """What varies over a collider, as means over a pixel: (albedo, normal, emission, detail).
 
     who : the surface; x : position relative to the camera; n : unit normal
     d : direction of the ray that meets x; pixel : side of a pixel at x, in world units
+    column, row : of the picture's pixel that sees x, or -1 where x is seen otherwise
     normal : unit normal of the waves and of the relief
     detail : (3,) the wet part, the roughness, and the mean square slope of waves that are shorter than a pixel
     """
@@ -107,7 +109,17 @@ def surface_detail(kinds: ti.template(), scene: ti.template(), who, m, x, n, d, 
                 hidden = ti.max(dry * dry * relief[2] - a * a - b * b, 0.0)
                 detail[1] = ti.min(ti.sqrt(ti.sqrt(detail[1] ** 4 + hidden)), 1.0)
             if M[m, WAVES + 1] > 0.0:
-                waves = wave_slope(scene.waves, M, m, WAVES, at, right, down)
+                waves = ti.Vector([0.0, 0.0, 0.0])
+                field = ti.cast(M[m, WAVE_FIELD], ti.i32)
+                if field >= 0 and column >= 0:
+                    for k in ti.static(range(3)):
+                        waves[k] = scene.wave_field[field, row, k, column]
+                else:
+                    first, number, uneven = [ti.cast(M[m, WAVES + k], ti.i32) for k in ti.static(range(3))]
+                    to_right, to_down, shorter = wave_slope(
+                        scene.waves, first, number, uneven, one_number, at, right, down
+                    )
+                    waves = ti.Vector([to_right, to_down, shorter])
                 # `right` is x and `down` is z on a level surface; waves are for those
                 normal = (normal - ti.Vector([waves[0], 0.0, waves[1]])).normalized()
                 detail[1] = ti.sqrt(ti.sqrt(detail[1] ** 4 + waves[2]))

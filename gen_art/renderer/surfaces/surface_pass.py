@@ -52,11 +52,13 @@ from gen_art.renderer.surfaces.surface_detail import (
     ROUGHNESS,
     SECOND_ALBEDO,
     TRANSMISSION,
+    WAVE_FIELD,
     WAVES,
 )
 from gen_art.renderer.surfaces.surface_layers import NO_LAYERS, SurfaceLayers
 from gen_art.renderer.surfaces.surface_maps import NO_MAPS, SurfaceMaps
 from gen_art.renderer.surfaces.view_problems import check_camera, check_distances
+from gen_art.renderer.surfaces.wave_field import NO_FIELD, wave_field
 
 __all__ = ["SurfacePass"]
 
@@ -146,6 +148,8 @@ class SurfacePass:
         grid, depths = smoke if smoke is not None and scene.shadows else (None, np.zeros(1, np.float32))
         mirror = scene.mirror if film is not NO_MIRROR else -1
         smooth = table[:, ROUGHNESS] <= TRACED_ROUGHNESS
+        if scene.mirror >= 0 and (mirror >= 0 or clip is not None):
+            smooth[scene.mirror] = False  # it is read from its film, and not seen from behind
         follows = table[:, TRANSMISSION].any() or (smooth.any() and _more_than_one(scene, len(rows)))
         follows = shaded and bool(follows)
         places = SolidGrid.of(rows) if follows else SolidGrid.none()
@@ -191,6 +195,7 @@ class SurfacePass:
         if parts is None:
             self.forget()
         if parts is None or not resting:
+            field = self._wave_field(scene, table, maps, numbers, clip) if shaded else NO_FIELD
             own_light, mirrored = (parts.own, parts.mirrored) if parts is not None else _NO_PARTS
             options = follows, cloth.any, glow is not None, maps.any, layers is not None, shaded, parts is not None
             draw_kernel(casters.terms, *options)(
@@ -200,11 +205,22 @@ class SurfacePass:
                 a.liquid_first, a.liquid_depths, places.starts, filled(places.solids), photons.rows, photons.starts,
                 filled(cloth.corners), filled(cloth.faces), filled(cloth.looks), cloth.grid, cloth.starts,
                 filled(cloth.listed), filled(of_faces), face_starts, filled(bin_faces),
-                *of_glow, occluders, maps.texels, maps.waves, film.depths, wanted.values,
+                *of_glow, occluders, maps.texels, maps.waves, field, film.depths, wanted.values,
                 wanted.earlier, wanted.solids, wanted.corners, own_light, mirrored,
             )  # fmt: skip
         if parts is not None:
             parts.put_together(numbers, a.smoke, film, a.blur, maps.any, self.depths, self.bounds, framebuffer)
+
+    def _wave_field(self, scene: Scene, table: np.ndarray, maps: SurfaceMaps, numbers: np.ndarray, clip) -> np.ndarray:
+        """The wave_field of the surfaces that have waves; `table` gets which array is whose."""
+        waved = [k for k, (_, look) in enumerate(scene.surfaces) if look.waves is not None]
+        if clip is not None:
+            waved = [k for k in waved if k != scene.mirror]  # which is not drawn
+        if not waved:
+            return NO_FIELD
+        table[waved, WAVE_FIELD] = np.arange(len(waved))
+        heights = [scene.surfaces[k][0].values["point"][1] for k in waved]
+        return wave_field(numbers, maps.waves, heights, table[waved, WAVES : WAVES + 3], self.size)
 
     def forget(self) -> None:
         """Draw the next picture anew, even if nothing has moved: for who changes the depths."""
@@ -273,7 +289,7 @@ def _material(look: Finish) -> np.ndarray:
     """The row of the kernel's materials."""
     row = np.zeros(MATERIAL_FLOATS, np.float32)
     row[ROUGHNESS], row[IOR], row[METAL] = look.roughness, look.ior, look.metal
-    row[TRANSMISSION] = look.transmission
+    row[TRANSMISSION], row[WAVE_FIELD] = look.transmission, -1.0
     row[PER_LENGTH] = 0.0 if look.attenuation_distance is None else 1.0 / look.attenuation_distance
     if isinstance(look, SurfaceLook):
         row[:3] = linear(look.albedo)

@@ -21,7 +21,7 @@ from gen_art.maths.elementary import exp, log
 from gen_art.maths.random import derive, uniform
 from gen_art.preset.surface import Waves
 
-__all__ = ["mean_reflected", "patch_rows", "wave_rows", "wave_slope"]
+__all__ = ["mean_reflected", "one_number", "patch_rows", "wave_rows", "wave_slope"]
 
 _PATCH_SINES = 24  # that make the water uneven
 _WORD = 2**64 - 1
@@ -81,60 +81,68 @@ def _rows(k: np.ndarray, heading: np.ndarray, amplitude: float, phase: np.ndarra
 
 
 @ti.func
-def _fading(x):
+def one_number(x):
+    """The number itself: `of` where functions are used with numbers; with whole vectors it is `all_lanes`."""
+    return x
+
+
+@ti.func
+def _fading(x, of: ti.template()):
     """e^-x for 0 <= x < NOTHING_LEFT, to 2e-4: the sixteenth power of the series of a sixteenth."""
-    y = x * (1.0 / 16.0)
-    y = 1.0 - y * (1.0 - y * (0.5 - y * (1.0 / 6.0)))
-    y *= y
-    y *= y
-    y *= y
-    return y * y
+    y = x * of(1.0 / 16.0)
+    series = of(1.0) - y * (of(1.0) - y * (of(0.5) - y * of(1.0 / 6.0)))
+    second = series * series
+    fourth = second * second
+    eighth = fourth * fourth
+    return eighth * eighth
 
 
 @ti.func
-def _cosine(x):
+def _cosine(x, of: ti.template()):
     """cos(x), to 5e-6 where x is exact: by the series of cos(x / 2), which its square leaves exact at its zeros."""
-    turns = x * (0.5 / math.pi)
-    half = math.pi * (turns - ti.floor(turns + 0.5))
+    turns = x * of(0.5 / math.pi)
+    half = of(math.pi) * (turns - ti.floor(turns + of(0.5)))
     u = half * half
-    c = 1.0 - u * (1.0 / 2.0 - u * (1.0 / 24.0 - u * (1.0 / 720.0 - u * (1.0 / 40320.0))))
-    return 2.0 * c * c - 1.0
+    c = of(1.0) - u * (of(1.0 / 2.0) - u * (of(1.0 / 24.0) - u * (of(1.0 / 720.0) - u * of(1.0 / 40320.0))))
+    return of(2.0) * c * c - of(1.0)
 
 
 @ti.func
-def _sine_over_pixel(W: ti.template(), k, place, east, south):
+def _sine_over_pixel(
+    W: ti.template(), k, of: ti.template(), place: ti.template(), east: ti.template(), south: ti.template()
+):
     """(row k's sine, the part of its amplitude that is left) at a place, both as means over a pixel."""
-    number = ti.Vector([W[k, 0], W[k, 1]])
+    along, across = of(W[k, 0]), of(W[k, 1])
     # the pixel as a Gaussian with the variance of its square
-    a, b = number.dot(east), number.dot(south)
-    narrow, sine, left = (a * a + b * b) * (1.0 / 24.0), 0.0, 0.0
-    if narrow < NOTHING_LEFT:
-        left = _fading(narrow)
-        sine = left * _cosine(number.dot(place) + W[k, 3])
-    return sine, left
+    a, b = along * east[0] + across * east[1], along * south[0] + across * south[1]
+    narrow, gone = (a * a + b * b) * of(1.0 / 24.0), of(NOTHING_LEFT)
+    left = ti.select(narrow < gone, _fading(ti.min(narrow, gone), of), of(0.0))
+    return left * _cosine(along * place[0] + across * place[1] + of(W[k, 3]), of), left
 
 
 @ti.func
-def wave_slope(W: ti.template(), M: ti.template(), m, column, place, east, south):
-    """(3,) the slopes of waves along the two axes as the mean over a pixel, and the mean square slope of what is shorter."""
-    result = ti.Vector([0.0, 0.0, 0.0])
-    first = ti.cast(M[m, column], ti.i32)
-    last = first + ti.cast(M[m, column + 1], ti.i32)
-    for k in range(first, last):
-        sine, left = _sine_over_pixel(W, k, place, east, south)
-        result[0] += sine * W[k, 4]
-        result[1] += sine * W[k, 5]
-        result[2] += 0.5 * W[k, 2] * W[k, 2] * (1.0 - left * left)
-    factor, hidden = 1.0, 0.0  # the pixel's mean of the factor on the slope, and its variance in the pixel
-    for k in range(last, last + ti.cast(M[m, column + 2], ti.i32)):
-        sine, left = _sine_over_pixel(W, k, place, east, south)
-        factor += W[k, 2] * sine
-        hidden += 0.5 * W[k, 2] * W[k, 2] * (1.0 - left * left)
-    factor = ti.max(factor, 0.0)
-    result[2] = factor * factor * result[2] + hidden * result[2]
-    result[0] *= factor
-    result[1] *= factor
-    return result
+def wave_slope(
+    W: ti.template(), first, waves, uneven, of: ti.template(), place: ti.template(), east: ti.template(), south: ti.template()
+):  # fmt: skip
+    """The slopes of waves along the two axes as the mean over a pixel, and the mean square slope of what is shorter.
+
+    W : of SurfaceMaps.waves; first, waves, uneven : the first row, the number of waves, and of the rows that make them uneven
+    of : `one_number`, or `all_lanes` where the places of sixteen pixels are whole vectors
+    place : m, on the two axes; east, south : from one pixel to the next
+    """
+    slope_east, slope_south, shorter = of(0.0), of(0.0), of(0.0)
+    for k in range(first, first + waves):
+        sine, left = _sine_over_pixel(W, k, of, place, east, south)
+        square = of(0.5 * W[k, 2] * W[k, 2])
+        slope_east, slope_south = slope_east + sine * of(W[k, 4]), slope_south + sine * of(W[k, 5])
+        shorter = shorter + square * (of(1.0) - left * left)
+    factor, hidden = of(1.0), of(0.0)  # the pixel's mean of the factor on the slope, and its variance in the pixel
+    for k in range(first + waves, first + waves + uneven):
+        sine, left = _sine_over_pixel(W, k, of, place, east, south)
+        factor = factor + of(W[k, 2]) * sine
+        hidden = hidden + of(0.5 * W[k, 2] * W[k, 2]) * (of(1.0) - left * left)
+    factor = ti.max(factor, of(0.0))
+    return slope_east * factor, slope_south * factor, (factor * factor + hidden) * shorter
 
 
 @ti.func
