@@ -290,8 +290,8 @@ def three_lamps_over_balls(count, radius, box, monkeypatch, size=(384, 256)):
 
 
 def test_balls_shadow_each_lamp_by_itself(monkeypatch):
-    """The floor has the light of those lamps to which the way is free. Mutants that fail: solids of a tile listed for the first lamp
-    alone; only the first of the cells that a tile reaches into; a cone that starts as a point."""
+    """The floor has the light of those lamps to which the way is free. Mutants that fail: the cells of the first lamp for all; the
+    direction to the lamp for that from it."""
     radius, pixel = 0.04, 4.0 / 256
     got, x, lamps, centers = three_lamps_over_balls(40, radius, [[-2.5, 0.25, -1.8], [2.5, 0.6, 1.8]], monkeypatch)
     expected = 0.0 * x
@@ -308,24 +308,6 @@ def test_balls_shadow_each_lamp_by_itself(monkeypatch):
             sure &= abs(apart - radius) > 0.5 * pixel + 0.008 + 0.6 * pixel * (1.0 - along)
         expected += light
     assert sure.sum() > 1000 and expected[sure].min() < 0.8 * expected[sure].max()
-    assert got[sure] == pytest.approx(expected[sure], rel=1e-4, abs=1e-6 * expected.max())
-
-
-def test_more_balls_than_a_tile_can_list_hide_the_lamps(monkeypatch):
-    """A slab of 3000 balls, 24 deep, lets nothing through. Mutant that fails: solids beyond the list's end left out."""
-    half = np.array([0.7, 0.5])
-    box = [[-half[0], 2.0, -half[1]], [half[0], 2.05, half[1]]]
-    got, x, lamps, _ = three_lamps_over_balls(3000, 0.05, box, monkeypatch)
-    expected, sure = 0.0 * x, (abs(x[:, ::2]) - half).max(axis=1) > 0.1
-    for place, light in lamps:
-        at = x + np.linspace(1.93, 2.12, 21)[:, None, None] / place[1] * (
-            place - x
-        )  # where the ways cross the slab's heights
-        beside = (abs(at[..., ::2]) - half).max(axis=-1)
-        light[beside[10] < 0.0] = 0.0
-        sure &= (beside.min(axis=0) > 0.08) | (beside[10] < -0.12)
-        expected += light
-    assert sure.sum() > 500 and (expected[sure].max(axis=1) < 0.75 * expected.max()).sum() > 100
     assert got[sure] == pytest.approx(expected[sure], rel=1e-4, abs=1e-6 * expected.max())
 
 

@@ -5,16 +5,15 @@ The one-letter names in kernels are in docs/glossary.md.
 
 from gen_art.backend.runtime import ti
 
-__all__ = ["ALL_COLLIDERS", "NO_LAMPS_KNOWN", "every_caster", "holds", "with_collider"]
+__all__ = ["ALL_COLLIDERS", "every_caster", "holds", "with_collider"]
 
 ALL_COLLIDERS = -1
-NO_LAMPS_KNOWN = 255 << 8  # as list_glow_solids returns it
 
 
 @ti.func
 def every_caster():
-    """(4,) as of tile_casters where nothing is known: all colliders may hide the lamp and the sky, and no solids are listed."""
-    return ti.Vector([ti.i64(ALL_COLLIDERS), ti.i64(ALL_COLLIDERS), ti.i64(-1), ti.i64(NO_LAMPS_KNOWN)])
+    """(3,) as of tile_casters where nothing is known: all colliders may hide the lamp and the sky, and no solids are listed."""
+    return ti.Vector([ti.i64(ALL_COLLIDERS), ti.i64(ALL_COLLIDERS), ti.i64(-1)])
 
 
 @ti.func

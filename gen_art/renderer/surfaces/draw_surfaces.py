@@ -61,7 +61,6 @@ def draw_kernel(
     """
     kinds, surfaces = terms.kinds, len(terms.owners)
     has_occluders = surfaces > 1
-    listed_solids = (2 if glowing else 1) * SOLIDS_OF_TILE
     near_casters = tuple(kind for kind in kinds if not isinstance(kind.collider, Plane))
 
     @ti.kernel
@@ -126,7 +125,7 @@ def draw_kernel(
                         box = box_in_tile(face_rectangles, j, ox, oy, width, rows)
                         if not_empty(box):
                             trace_face(scene, j, first_face + j, box, ox, oy, distance, owner)
-                casters, nearby, even, first_pixel = every_caster(), ti.Vector([0] * listed_solids), 0, 0
+                casters, nearby, even, first_pixel = every_caster(), ti.Vector([0] * SOLIDS_OF_TILE), 0, 0
                 nearest, farthest = NEVER, -NEVER
                 middle, radius = ball_of_tile(N, ox, oy, distance, owner)
                 if radius < 0.0 and ti.static(not layered):  # the tile is empty, as the framebuffer is already
@@ -136,7 +135,7 @@ def draw_kernel(
                             depths[row, column, s] = NEVER
                 if ti.static(shaded):
                     if radius >= 0.0:
-                        casters = tile_casters(kinds, surfaces, scene, middle, radius, covering // FACETS, nearby)
+                        casters = tile_casters(kinds, scene, middle, radius, nearby)
                         if ti.static(not with_sheets and not glowing):
                             if covering >= 0 and width == TILE and rows == TILE:
                                 even = may_be_even(kinds, surfaces, follows, scene, covering // FACETS, casters)

@@ -9,10 +9,9 @@ A place of a smooth surface also reflects each node and each light, as a highlig
 The one-letter names in kernels are in docs/glossary.md.
 """
 
-# ruff: noqa: SIM102  (ti.static decides while tracing, so it must stand in an `if` of its own)
 from gen_art.backend.runtime import ti
-from gen_art.renderer.surfaces.collider_sets import ALL_COLLIDERS, NO_LAMPS_KNOWN
-from gen_art.renderer.surfaces.lamp_shadows import SOLIDS_OF_TILE, collider_shadow, is_given, set_bits, solid_shadow
+from gen_art.renderer.surfaces.collider_sets import ALL_COLLIDERS
+from gen_art.renderer.surfaces.lamp_shadows import collider_shadow, set_bits, solid_shadow
 from gen_art.renderer.surfaces.light_tree import (
     FIRST,
     HIGH,
@@ -148,8 +147,8 @@ def _light_of_part(scene: ti.template(), first, end, softening2, x, n, view, alp
 
 
 @ti.func
-def _share_of_lamp(scene: ti.template(), lamp, x, n, pixel, own, listed, nearby: ti.template()):
-    """The share of a lamp's disc that a place sees; the rest as in glow_at."""
+def _share_of_lamp(scene: ti.template(), lamp, x, n, pixel, own):
+    """The share of a lamp's disc that a place sees; n, own : of glow_at."""
     N, H = ti.static(scene.N, scene.glow_lamps)
     offset = _row3(H, lamp, 0) - x
     distance = ti.max(offset.norm(), 1e-20)
@@ -176,27 +175,12 @@ def _share_of_lamp(scene: ti.template(), lamp, x, n, pixel, own, listed, nearby:
         GLOW_POINTS,
         ti.i64(ALL_COLLIDERS),
     )
-    k, end, known, spared = 0, 0, 0, -1
-    if n.dot(to_lamp) > tangent:  # a convex solid does not hide what shines on its outside
-        spared = own
-    if ti.static(is_given(nearby)):
-        if (listed >> (8 + lamp)) & 1 == 0:
-            known, end = 1, listed & 255
-    if known == 0:
-        at = near_cell(-to_lamp)
-        row = ti.min(ti.max(ti.cast(at[0], ti.i32), 0), ROWS - 1)
-        column = ti.min(ti.max(ti.cast(at[1], ti.i32), 0), COLUMNS - 1)
-        cell = (lamp * ROWS + row) * COLUMNS + column
-        k, end = scene.near_starts[cell], scene.near_starts[cell + 1]
+    cell = lamp * ROWS * COLUMNS + near_cell(-to_lamp)
+    spared = ti.select(n.dot(to_lamp) > tangent, own, -1)  # a convex solid does not hide what shines on its outside
+    k, end = scene.near_starts[cell], scene.near_starts[cell + 1]
     while k < end:
-        solid, hides = 0, 1
-        if ti.static(is_given(nearby)):
-            if known == 1:
-                entry = nearby[SOLIDS_OF_TILE + k]
-                solid, hides = entry >> 8, (entry >> lamp) & 1
-        if known == 0:
-            solid = scene.near_solids[k]
-        if hides == 1 and solid != spared:
+        solid = scene.near_solids[k]
+        if solid != spared:
             hidden = solid_shadow(
                 hidden,
                 scene.B,
@@ -216,9 +200,7 @@ def _share_of_lamp(scene: ti.template(), lamp, x, n, pixel, own, listed, nearby:
 
 
 @ti.func
-def glow_at(
-    scene: ti.template(), x, n, view, rough, ior, pixel, own=-1, listed=NO_LAMPS_KNOWN, nearby: ti.template() = None
-):  # fmt: skip
+def glow_at(scene: ti.template(), x, n, view, rough, ior, pixel, own=-1):
     """(12,) what reaches x (relative to the camera) from emitting particles, in three colours each: the irradiance over pi, then
     the irradiance times the facets' lobe, the same times Fresnel's reflectance, and times (1 - vh)^5.
 
@@ -226,7 +208,6 @@ def glow_at(
     n, view : unit normal, and unit vector to the camera
     pixel : side of a pixel at x, in world units
     own : the solid on which x lies, or -1
-    listed, nearby : what list_glow_solids returns, and its list, or None
     """
     N, H = ti.static(scene.N, scene.glow_lamps)
     total = ti.Vector([0.0] * 12)
@@ -236,6 +217,6 @@ def glow_at(
             scene, scene.glow_parts[lamp, 0], scene.glow_parts[lamp, 1], H[lamp, SOFTENING2], x, n, view, alpha, ior
         )
         if part.max() > 0.0 and N[SHADOWS] > 0.5:
-            part *= _share_of_lamp(scene, lamp, x + n * (0.6 * pixel), n, pixel, own, listed, nearby)
+            part *= _share_of_lamp(scene, lamp, x + n * (0.6 * pixel), n, pixel, own)
         total += part
     return total

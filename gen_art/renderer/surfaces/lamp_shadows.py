@@ -29,7 +29,6 @@ __all__ = [
     "ShadowBins",
     "collider_shadow",
     "in_shadow_cells",
-    "is_given",
     "lamp_disc",
     "set_bits",
     "shadow_cell",
@@ -91,11 +90,6 @@ class ShadowBins:
         last = np.clip(((across + reach[:, None] - low) / cell).astype(np.int64), 0, shape - 1)
         rows, columns = int(shape[0]), int(shape[1])
         return cls(axes, low, cell, (rows, columns), *cell_lists(first, last, (rows, columns)))
-
-
-def is_given(nearby) -> bool:
-    """Whether a list of solids was passed; `is` cannot be written in a kernel."""
-    return nearby is not None
 
 
 @ti.func

@@ -27,10 +27,11 @@ def quarter_angle(x, z) -> np.ndarray:
 
 @ti.func
 def near_cell(d):
-    """(2,) row and column of a unit direction from a lamp, with the place in the cell as a fraction."""
+    """The number of the cell, among those of a lamp, of a unit direction from it."""
     ratio = d[0] / ti.max(abs(d[0]) + abs(d[2]), 1e-30)
     angle = ti.select(d[2] >= 0.0, 1.0 - ratio, 3.0 + ratio)
-    return ti.Vector([(d[1] + 1.0) * (0.5 * ROWS), angle * (COLUMNS / 4.0)])
+    row = ti.min(ti.max(ti.cast((1.0 + d[1]) * (0.5 * ROWS), ti.i32), 0), ROWS - 1)
+    return row * COLUMNS + ti.min(ti.max(ti.cast(angle * (COLUMNS / 4.0), ti.i32), 0), COLUMNS - 1)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from gen_art.renderer.surfaces.lamp_shadows import (
     LAMP_POINTS,
     collider_shadow,
     in_shadow_cells,
-    is_given,
     set_bits,
     shadow_cell,
     solid_shadow,
@@ -96,13 +95,18 @@ def smoke_depth(N: ti.template(), depth: ti.template(), place):
     return result
 
 
+def _given(nearby) -> bool:
+    """Whether a list of solids was passed; `is` cannot be written in a kernel."""
+    return nearby is not None
+
+
 @ti.func
 def lamp_share(kinds: ti.template(), scene: ti.template(), x, pixel, casters, own=-1, nearby: ti.template() = None):
     """The share of the lamp's light that reaches x (relative to the camera) past colliders, solids and smoke.
 
     scene : view of the kernel's arrays; its `with_sheets` says whether there is any cloth
     pixel : side of a pixel at x, in world units
-    casters : (4,) i64, of tile_casters: the set of the colliders that may hide the lamp; the number of solids in `nearby`
+    casters : (3,) i64, of tile_casters: the set of the colliders that may hide the lamp; the number of solids in `nearby`
     own : a solid that does not hide it, or -1
     nearby : the solids that may hide it, where that number is not negative; or None
     """
@@ -127,7 +131,7 @@ def lamp_share(kinds: ti.template(), scene: ti.template(), x, pixel, casters, ow
             casters[0],
         )
         k, end, listed = 0, 0, 0
-        if ti.static(is_given(nearby)):
+        if ti.static(_given(nearby)):
             listed, end = ti.cast(casters[2] >= 0, ti.i32), ti.cast(ti.max(casters[2], 0), ti.i32)
         if listed == 0:
             at = shadow_cell(N, place, 0.0)
@@ -136,7 +140,7 @@ def lamp_share(kinds: ti.template(), scene: ti.template(), x, pixel, casters, ow
                 k, end = scene.shadow_starts[cell], scene.shadow_starts[cell + 1]
         while k < end:
             solid = -1
-            if ti.static(is_given(nearby)):
+            if ti.static(_given(nearby)):
                 if listed == 1:
                     solid = nearby[k]
             if listed == 0:

@@ -80,7 +80,7 @@ def surface_light(
     pixel : side of a pixel at x, in world units
     detail : of surface_detail
     who : a collider's surface, and from `surfaces` on a solid
-    casters : (4,) i64, of tile_casters
+    casters : (3,) i64, of tile_casters
     nearby : of lamp_share
     """
     N, M, E = ti.static(scene.N, scene.M, scene.E)
@@ -141,7 +141,7 @@ def surface_light(
     if ti.static(scene.glowing):
         dull = ti.select(N[MIRROR] == ti.cast(m, ti.f32), 1.0, rough)  # a mirror shows the particles themselves
         if dull < DULL or metal > 0.0 or albedo.max() > 0.0:  # what is black and shows no highlights shows no light
-            glow = glow_at(scene, x, n, view, dull, ior, pixel, who - surfaces, ti.cast(casters[3], ti.i32), nearby)
+            glow = glow_at(scene, x, n, view, dull, ior, pixel, who - surfaces)
     own, of_lamp, mirrored, around = emission, emission * 0.0, emission * 0.0, emission * 0.0
     scattered = 1.0 - M[m, TRANSMISSION]
     for k in ti.static(range(3)):

@@ -8,8 +8,7 @@ from gen_art.colliders.kinds import numbers_of
 from gen_art.colliders.surface import to_start_frame
 from gen_art.renderer.picture_tiles import TILE
 from gen_art.renderer.surfaces.collider_rays import cast_by, cone_contact, ray_in_start_frame
-from gen_art.renderer.surfaces.collider_sets import NO_LAMPS_KNOWN, with_collider
-from gen_art.renderer.surfaces.glow_lists import list_glow_solids, shows_no_glow
+from gen_art.renderer.surfaces.collider_sets import with_collider
 from gen_art.renderer.surfaces.lamp_shadows import SOLIDS_OF_TILE, shadow_cell
 from gen_art.renderer.surfaces.pixel_rays import SUBPIXELS, ray_limits
 from gen_art.renderer.surfaces.scene_numbers import (
@@ -98,14 +97,10 @@ def ball_of_tile(N: ti.template(), ox, oy, distance: ti.template(), owner: ti.te
 
 
 @ti.func
-def tile_casters(
-    kinds: ti.template(), surfaces: ti.template(), scene: ti.template(), middle, radius, filling, nearby: ti.template()
-):  # fmt: skip
+def tile_casters(kinds: ti.template(), scene: ti.template(), middle, radius, nearby: ti.template()):
     """What may hide light from places in the ball of a tile.
 
-    filling : the surface or solid that fills the tile, or -1
-
-    (4,) i64: the sets of colliders that may hide the lamp, and the sky, and what _tile_solids and list_glow_solids return
+    (3,) i64: the sets of colliders that may hide the lamp, and the sky, and the number of solids in `nearby` (_tile_solids)
     """
     N = ti.static(scene.N)
     wide, to_lamp, sky = radius * (1.0 + N[LAMP_TANGENT]), vector_at(N, TO_LAMP), ti.i64(0)
@@ -118,14 +113,7 @@ def tile_casters(
                     y, _, _ = to_start_frame(kind.collider, q, middle + vector_at(N, CAMERA), N[TIME])
                     if kind.collider.distance(y, q, 0) - radius < FARTHEST_OCCLUDER * scene.occluders[k, 0]:
                         sky = with_collider(sky, k)
-    solids, glow_solids = _tile_solids(scene, middle, radius, nearby), ti.static(NO_LAMPS_KNOWN)
-    if ti.static(scene.glowing):
-        wanted = True
-        if filling >= 0 and filling < surfaces:
-            wanted = not shows_no_glow(scene, scene.owners[filling])
-        if wanted:
-            glow_solids = list_glow_solids(scene, middle, radius, nearby)
-    return ti.Vector([lamp, sky, ti.cast(solids, ti.i64), ti.cast(glow_solids, ti.i64)])
+    return ti.Vector([lamp, sky, ti.cast(_tile_solids(scene, middle, radius, nearby), ti.i64)])
 
 
 @ti.func
