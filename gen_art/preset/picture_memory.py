@@ -28,9 +28,9 @@ GLOWING = 590  # of a system whose light falls on others: its row in the tree of
 # of a cell of the density grid: eight arrays, for smoke that fills half of its cube
 CELL = 4 * 4
 # of a pixel: of the framebuffer; of the developed picture, its bloom and its file; the depths of surfaces, and their light in
-# parts; what a mirror shows and its pyramid, and how it is read; the layers of a liquid, and what is seen through it; the mean of
-# a lens's views, and what they hide
-FRAMEBUFFER, PICTURE, DEPTHS, PARTS, MIRRORED, READ, LAYERED, DEFOCUSED = 16, 10, 16, 28, 22, 56, 44, 48
+# parts; what a mirror shows and its pyramid, and how it is read; the slopes of waves; the layers of a liquid, and what is seen
+# through it; the mean of a lens's views, and what they hide
+FRAMEBUFFER, PICTURE, DEPTHS, PARTS, MIRRORED, READ, WAVED, LAYERED, DEFOCUSED = 16, 10, 16, 28, 22, 56, 12, 44, 48
 SURFACES = 45e6  # for the kernels of surfaces, and for the sky's light among them
 LIQUIDS = 30e6  # for those of liquids, and for the shadow that they cast
 PHOTONS = 10e6  # for light that glass gathers
@@ -44,7 +44,8 @@ def pixel_bytes(preset: Preset) -> float:
     surfaces = 0
     if _shows_surfaces(preset):
         mirror = any(look.mirror for look in _surfaces(preset))
-        surfaces += DEPTHS + (MIRRORED + DEPTHS) * mirror
+        waved = sum(look.waves is not None for look in _surfaces(preset))
+        surfaces += DEPTHS + (MIRRORED + DEPTHS) * mirror + WAVED * waved
         if _in_parts(preset):
             surfaces += PARTS + (READ + PARTS) * mirror
     if any(look.is_liquid for look in _looks(preset)):
