@@ -77,6 +77,12 @@ def test_a_pixel_has_the_slopes_of_its_place(name):
     want, met = expected(view, rows.astype(np.float64), waves.number)
     assert met.sum() > 800
     values = got[0, :, :, : SIZE[0]].transpose(0, 2, 1).reshape(-1, 3)
+    # a pixel just above the horizon, through which a ray may meet the water, shows it as rough as it is far off
+    calm = 0.5 * (rows[: waves.number, 2].astype(np.float64) ** 2).sum()
+    last = np.flatnonzero(met.reshape(SIZE[::-1]).any(axis=1))[[0, -1]]
+    for row in (last[0] - 1, last[1] + 1):
+        if 0 <= row < SIZE[1] and view.height is None:
+            assert got[0, row, 2, : SIZE[0]].min() > 0.9 * calm
     # a sine's part that is left is exact to 2e-4, its phase to a few units in the last place of the place's coordinates
     each = np.abs(rows[:, 2]).astype(np.float64)
     most = each[: waves.number].sum() * (1 + each[waves.number :].sum())

@@ -30,11 +30,6 @@ NO_FIELD = np.zeros((1, 1, 3, 1), np.float32)
 _LEAST_STEEPNESS = 1e-4  # of a ray: as in pixel_steps
 
 
-@ti.func
-def _dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
 @ti.kernel
 def _slopes(N: F1, W: F2, heights: F1, ranges: I2, result: VECTORS):
     """heights : of each surface; ranges : (surfaces, 3) first row, waves and uneven of wave_slope"""
@@ -44,16 +39,14 @@ def _slopes(N: F1, W: F2, heights: F1, ranges: I2, result: VECTORS):
         down = (0.5 * N[ROWS] - (ti.cast(row, ti.f32) + 0.5)) / N[SCALE]
         height = heights[surface] - N[CAMERA + 1]
         sign, least = ti.select(height < 0.0, -1.0, 1.0), ti.static(_LEAST_STEEPNESS)
-        # no ray of a row meets the surface where those of its ends do not: their steepness is linear between
-        at_ends = ti.abs(N[RIGHT + 1]) * 0.5 * N[WIDTH] / N[SCALE] + sign * (N[FORWARD + 1] + N[UP + 1] * down)
-        blocks = ti.select(at_ends > 0.0 or N[PARALLEL] > 0.5, result.shape[3], 0)
+        # no ray of a row, nor of the rows beside it, meets the surface where those of its ends do not: they steepen evenly
+        to_ends = ti.abs(N[RIGHT + 1]) * 0.5 * N[WIDTH] + ti.abs(N[UP + 1])
+        steepest = to_ends / N[SCALE] + sign * (N[FORWARD + 1] + N[UP + 1] * down)
+        blocks = ti.select(steepest > 0.0 or N[PARALLEL] > 0.5, result.shape[3], 0)
         for block in range(blocks):
             column = lane_numbers() + all_lanes(ti.cast(block * LANES, ti.f32) + 0.5 - 0.5 * N[WIDTH])
-            across, none, parallel = (
-                column * all_lanes(1.0 / N[SCALE]),
-                all_lanes(0.0),
-                all_lanes(N[PARALLEL]) > all_lanes(0.5),
-            )
+            across, none = column * all_lanes(1.0 / N[SCALE]), all_lanes(0.0)
+            parallel = all_lanes(N[PARALLEL]) > all_lanes(0.5)
             offset = [across * all_lanes(N[RIGHT + c]) + all_lanes(N[UP + c] * down) for c in ti.static(range(3))]
             ray = [all_lanes(N[FORWARD + c]) + ti.select(parallel, none, offset[c]) for c in ti.static(range(3))]
             start = [ti.select(parallel, offset[c], none) for c in ti.static(range(3))]
