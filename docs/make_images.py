@@ -136,6 +136,13 @@ def table_top(side=1024, boards=4):
     return np.stack([0.34 * light, 0.235 * light**1.08, 0.165 * light**1.14], axis=2)
 
 
+def stripe(side=64, width=0.17):
+    """A band of white paint across the middle, clear beside it."""
+    x = (np.arange(side) + 0.5) / side - 0.5
+    band = np.clip((0.5 * width - np.abs(x)) * side + 0.5, 0, 1)
+    return np.stack([np.full((side, side), 0.96)] * 3 + [np.tile(band, (side, 1))], axis=2)
+
+
 def gingham(side=768, stripes=22, threads=256):
     """A whole checked cloth: stripes of red and white threads both ways, the mixed colour where they cross, and a sewn
     hem along its edges, with a row of stitches.
@@ -273,6 +280,7 @@ if __name__ == "__main__":
     save(block_side(), "course/block_side.png")
     save(block_end(), "course/block_end.png")
     save(table_top(), "course/table_top.webp", quality=60)
+    save(stripe(), "course/stripe.png")
     save(gingham(), "course/gingham.webp", quality=70)
     save(cork(), "course/cork.webp", quality=75)
     save(ice(), "course/ice.webp", quality=75)

@@ -130,6 +130,7 @@ DOCUMENTED = {  # class: heading of its table
     disc_shape.Stretch: "stretch: of a look",
     disc_shape.Spread: "spread: of a look",
     look.Trail: "trail: of a look",
+    look.Flashes: "flashes: of a look",
     look.Ribbon: "ribbon: of a look",
     look.Legend: "legend: of a look",
     camera.CameraSpec: "camera:",

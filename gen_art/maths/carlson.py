@@ -7,23 +7,22 @@ It takes square roots and arithmetic alone, so it has the same bits with every C
 Source: Carlson, Numerical computation of real or complex elliptic integrals, Numerical Algorithms 10 (1995).
 """
 
-from gen_art.backend.runtime import is_f64, ti
+from gen_art.backend.runtime import ti
 
 __all__ = ["angle_of", "elliptic_rf", "elliptic_rf_of_pair"]
 
 _MOST_STEPS = 60
 # Distance of the arguments from their mean, relative to it, at which the series of degree 5 ends: its error is about the sixth
-# power, 1e-12 and 1e-8
-_NEAR_F64, _NEAR_F32 = 8e-3, 4e-2
+# power, 1e-12
+_NEAR = 8e-3
 
 
 @ti.func
 def elliptic_rf(x, y, z):
     """R_F(x, y, z) of numbers >= 0, of which one at most is 0."""
-    near = ti.static(_NEAR_F64 if is_f64() else _NEAR_F32)
     mean = (x + y + z) / 3.0
     steps = 0
-    while (ti.max(ti.abs(x - mean), ti.max(ti.abs(y - mean), ti.abs(z - mean))) > near * mean) & (steps < _MOST_STEPS):
+    while (ti.max(ti.abs(x - mean), ti.max(ti.abs(y - mean), ti.abs(z - mean))) > _NEAR * mean) & (steps < _MOST_STEPS):
         a, b, c = ti.sqrt(x), ti.sqrt(y), ti.sqrt(z)
         shift = a * b + a * c + b * c
         x, y, z = 0.25 * (x + shift), 0.25 * (y + shift), 0.25 * (z + shift)
@@ -45,10 +44,9 @@ def angle_of(s, c):
 @ti.func
 def elliptic_rf_of_pair(re, im, w):
     """R_F(z, conjugate of z, w) of the complex number z = re + i im, not 0 or below with im = 0, and w > 0."""
-    near = ti.static(_NEAR_F64 if is_f64() else _NEAR_F32)
     mean = (2.0 * re + w) / 3.0
     steps = 0
-    while (ti.max(ti.abs(re - mean), ti.max(ti.abs(im), ti.abs(w - mean))) > near * ti.abs(mean)) & (
+    while (ti.max(ti.abs(re - mean), ti.max(ti.abs(im), ti.abs(w - mean))) > _NEAR * ti.abs(mean)) & (
         steps < _MOST_STEPS
     ):
         size = ti.sqrt(re * re + im * im)

@@ -86,6 +86,10 @@ class Playback:
         self._trail_steps, self._trail_interval = self._plan_trails()
         self._subframe_interval, self._subframes = self._plan_subframes()
         self._path_steps = {name: self._plan_path(name) for name in self.painter.paths}
+        self._flash_steps = {
+            name: max(1, round(history.flashes.every / preset.clock.step))
+            for name, history in self.painter.flashes.items()
+        }
 
     def _plan_trails(self) -> tuple[range, int]:
         """(steps at which trails are exposed, their distance): on the frames, and evenly between them."""
@@ -136,6 +140,8 @@ class Playback:
         reaches = [reach for _, reach in self._path_steps.values()]
         for history in self.painter.histories.values():
             reaches.append(math.ceil(history.ribbon.length / clock.step) + 1)
+        for name, flashed in self.painter.flashes.items():
+            reaches.append((flashed.flashes.number + 1) * self._flash_steps[name])
         if self._trail_interval and self.painter.trails:
             longest = max(look.trail.half_life for look in self.painter.trails.values() if look.trail is not None)
             faded = math.ceil(_HALF_LIVES * longest * clock.speed / clock.step)
@@ -283,7 +289,7 @@ class Playback:
         return render_aovs(self.painter, self.sim, self._film_time(), 1.0 / clock.fps, clock.speed / clock.fps)
 
     def _due_actions(self, step: int) -> Iterator[tuple[int, Callable]]:
-        """(step, action) of the trails and ribbons, for the steps after the last picture up to this one."""
+        """(step, action) of the trails, ribbons and flashes, for the steps after the last picture up to this one."""
         clock = self.preset.clock
 
         def expose():
@@ -314,6 +320,17 @@ class Playback:
             first = -(-max(0, first) // interval) * interval
             for at in _steps_between(range(first, _ENDLESS, interval), self._last_shown, step):
                 yield at, remember_path
+
+        for name, interval in self._flash_steps.items():
+
+            def flash(name=name):
+                self.painter.flash(self.sim, name, self._film_time())
+
+            kept = self.painter.flashes[name].flashes.number + 1
+            earliest = step - (self._subframes - 1) * self._subframe_interval - clock.preroll_steps
+            first = clock.preroll_steps + max(0, earliest // interval - kept) * interval
+            for at in _steps_between(range(first, _ENDLESS, interval), self._last_shown, step):
+                yield at, flash
 
     def _advance(self, steps: int, wait: Wait | None = None) -> None:
         step = self.sim.step if wait is None else partial(wait.advance, self.sim.step)

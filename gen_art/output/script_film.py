@@ -205,7 +205,7 @@ class Film:
         self._sim, self._first_time = sim, sim.time
         if self._speed is not None:
             self._set_speed(self._speed)
-        for name in (*self._painter.histories, *self._painter.paths):
+        for name in (*self._painter.histories, *self._painter.paths, *self._painter.flashes):
             self._next[name] = sim.steps_done
         self.look(sim)
         sim.observe(self)
@@ -240,6 +240,8 @@ class Film:
         if what in self._painter.histories:
             ribbon = self._painter.histories[what].ribbon
             return max(1, round(ribbon.length / ribbon.points / dt))
+        if what in self._painter.flashes:
+            return max(1, round(self._painter.flashes[what].flashes.every / dt))
         look = self._painter.looks[what]
         assert look is not None
         length = self._painter.shutter if look.length is None else look.length
@@ -250,7 +252,7 @@ class Film:
         return max(1, min(self._next.values(), default=done + 2**31) - done)
 
     def look(self, sim: "Simulation") -> None:
-        """Of an observer: keep what trails, ribbons and streaks need."""
+        """Of an observer: keep what trails, ribbons, streaks and flashes need."""
         assert self._painter is not None
         for what, due in self._next.items():
             if sim.steps_done < due:
@@ -262,6 +264,8 @@ class Film:
                 self._painter.expose_trails(sim, self._film_time(sim), seconds / self._speed, seconds)
             elif what in self._painter.histories:
                 self._painter.histories[what].remember(self._painter.particles(sim, what), sim.time)
+            elif what in self._painter.flashes:
+                self._painter.flash(sim, what, self._film_time(sim))
             else:
                 self._painter.paths[what].remember(self._painter.particles(sim, what), sim.time)
             self._next[what] = sim.steps_done + interval

@@ -36,7 +36,7 @@ from gen_art.preset.values import Curve, Range, number, shown
 from gen_art.registry import Bounds
 
 __all__ = [
-    "BY", "CORNERS", "Color", "Emission", "Legend", "Look", "Picture", "Ramp", "Ribbon", "Trail", "ledger_entry",
+    "BY", "CORNERS", "Color", "Emission", "Flashes", "Legend", "Look", "Picture", "Ramp", "Ribbon", "Trail", "ledger_entry",
 ]  # fmt: skip
 
 BY = (
@@ -228,6 +228,40 @@ class Ribbon(Model):
         return value if isinstance(value, (Ribbon, dict)) else {"length": value}
 
 
+class Flashes(Model):
+    """Balls, bodies and threads stay in the picture as they were at earlier moments, as in a photograph by flashes.
+
+    A number sets `every`. Flashes come at every multiple of that time from the start of the film; what they leave stands still,
+    casts shadows and hides what is behind it.
+    """
+
+    every: Positive = about(..., "simulated time from one flash to the next, rounded to whole steps", unit="s")
+    number: Annotated[int, Field(ge=1, le=64)] = about(
+        8, "number of flashes that stay, the last ones before the picture"
+    )
+    opacity: Fraction = about(
+        1.0,
+        "how much what the last flash left hides of what is behind it; below 1 the picture is the mean of some drawn with it and "
+        "some without",
+    )
+    tail: Fraction = about(
+        1.0,
+        "opacity of what the oldest flash left, relative to that; between them it falls evenly, and the picture is drawn once "
+        "for each flash",
+    )
+
+    short_form = {"type": ["number", "string"]}
+
+    @classmethod
+    def from_short(cls, value):
+        return value if isinstance(value, (Flashes, dict)) else {"every": value}
+
+    @property
+    def fades(self) -> bool:
+        """Whether the picture is the mean of several."""
+        return self.opacity < 1.0 or (self.tail < 1.0 and self.number > 1)
+
+
 class Picture(Model):
     """An image for every particle, `radius` from its middle to its sides; its colours are multiplied by the particle's."""
 
@@ -373,6 +407,7 @@ class Look(Model):
     spread: Spread | None = about(None, "soft discs far from others become wide and thin: haze in place of stray beads")
     trail: Trail | None = about(None, "an afterglow that fades")
     ribbon: Ribbon | None = about(None, "the past path of each particle")
+    flashes: Flashes | None = about(None, "balls, bodies and threads as they were at earlier moments, too")
     legend: Annotated[Legend | None, BeforeValidator(_legend)] = about(
         None, "a legend of the joules that a colour or number goes by"
     )
@@ -478,6 +513,8 @@ class Look(Model):
             raise UsageError("a light needs blend: alpha")
         if self.trail is not None and self.blend != "add":
             raise UsageError("a trail needs blend: add")
+        if self.flashes is not None and not ball and self.draw not in ("body", "thread"):
+            raise UsageError("flashes need draw: body, draw: thread, or draw: sphere with blend: opaque")
         if self.ribbon is not None and self.draw != "streak":
             raise UsageError("a ribbon needs draw: streak")
         if self.ribbon is not None and self.trail is not None:

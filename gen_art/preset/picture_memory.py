@@ -40,7 +40,8 @@ def pixel_bytes(preset: Preset) -> float:
     """Bytes of a pixel while the picture is rendered."""
     camera = preset.camera or CameraSpec()
     trails = sum(look.trail is not None for look in _looks(preset))
-    averaged = (camera.supersample > 1) + (camera.subframes > 1)
+    fading = any(look.flashes is not None and look.flashes.fades for look in _looks(preset))
+    averaged = (camera.supersample > 1) + (camera.subframes > 1) + 2 * fading
     surfaces = 0
     if _shows_surfaces(preset):
         mirror = any(look.mirror for look in _surfaces(preset))
@@ -72,10 +73,11 @@ def _drawn_bytes(preset: Preset, look: Look, glows: bool) -> float:
         return glowing + SHADED + LISTED + shaped + more
     if look.ribbon is not None:
         return glowing + SHADED + look.ribbon.points * (REMEMBERED + LISTED)
+    moments = 1 if look.flashes is None else 1 + look.flashes.number
     if look.draw == "body":  # the shapes are few, the particles are only shaded
-        return glowing + SHADED + LIT
+        return glowing + moments * (SHADED + LIT)
     if _is_solid(preset, look):
-        return glowing + SHADED + LIT + (WOVEN if look.draw == "cloth" else SOLID)
+        return glowing + moments * (SHADED + LIT + (WOVEN if look.draw == "cloth" else SOLID))
     if look.is_liquid:
         return glowing + SHADED + LIT + LIQUID
     if look.blend == "add":

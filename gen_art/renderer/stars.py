@@ -24,7 +24,7 @@ from gen_art.renderer.colour import blackbody, luminance_of
 
 __all__ = ["StarField", "add_stars", "star_field", "stars_brighter"]
 
-I2, D2, F1 = ti.types.ndarray(ti.i32, 2), ti.types.ndarray(ti.f64, 2), ti.types.ndarray(ti.f32, 1)
+D2, F1 = ti.types.ndarray(ti.f64, 2), ti.types.ndarray(ti.f32, 1)
 
 _BRIGHTER_THAN_0, _SLOPE = 5.1, 0.5  # stars; growth of log10 N with the magnitude
 _DISC = math.pi * math.radians(0.1) ** 2  # sr: a star of magnitude 0 has the light of this area with light 1
@@ -85,42 +85,41 @@ def add_stars(stars: StarField, axes: np.ndarray, scale: float, pixels: np.ndarr
     is that of its solid angle in pixels, which at the angle a from the middle of the picture are cos(a)^3 / scale^2 sr each.
     """
     height, width = pixels.shape[:2]
-    x, y, z = (
-        stars.directions[:, 0] * a[0] + stars.directions[:, 1] * a[1] + stars.directions[:, 2] * a[2] for a in axes
-    )
-    front = z > 1e-3
-    depth = np.where(front, z, 1.0)
-    column, row = 0.5 * width + x * scale / depth, 0.5 * height - y * scale / depth
-    near = front & (column > -1.0) & (column < width + 1.0) & (row > -1.0) & (row < height + 1.0)
-    column, row, depth = column[near], row[near], depth[near]
-    light = stars.light[near] * (scale * scale / (depth * depth * depth))[:, None]
-    i, j = np.floor(row), np.floor(column)
     stride = pixels.strides[0] // pixels.itemsize
     flat = np.lib.stride_tricks.as_strided(pixels, (stride * (height - 1) + 4 * width,), (pixels.itemsize,))
-    corners = np.stack([i, j], axis=1).astype(np.int32) - 1
-    weights = np.stack([*_weights(row - i - 0.5), *_weights(column - j - 0.5)], axis=1)
-    if len(light):
-        _add_kernel(corners, weights, light, len(light), width, height, stride, flat)
+    if len(stars.directions):
+        _add_kernel(
+            stars.directions, stars.light, np.ascontiguousarray(axes, np.float64), scale, width, height, stride, flat
+        )
+
+
+@ti.func
+def _weights(f):
+    """Of a pixel's neighbour, the pixel and its other neighbour, for a point at -0.5..0.5 from the pixel's middle."""
+    return ti.Vector([0.5 * (0.5 - f) * (0.5 - f), 0.75 - f * f, 0.5 * (0.5 + f) * (0.5 + f)])
 
 
 @ti.kernel
-def _add(corners: I2, weights: D2, light: D2, n: ti.i32, width: ti.i32, height: ti.i32, stride: ti.i32, pixels: F1):
-    """corners : row and column of the first of 3 x 3 pixels; weights : of their three rows and three columns"""
+def _add(
+    directions: D2, light: D2, axes: D2, scale: ti.f64, width: ti.i32, height: ti.i32, stride: ti.i32, pixels: F1
+):  # fmt: skip
     ti.loop_config(serialize=True)  # stars may share pixels
-    for i in range(n):
-        for k in range(3):
-            for m in range(3):
-                row, column = corners[i, 0] + k, corners[i, 1] + m
-                if (row >= 0) & (row < height) & (column >= 0) & (column < width):
-                    o = row * stride + 4 * column
-                    shown = ti.max(1.0 - ti.cast(pixels[o + 3], ti.f64), 0.0)
-                    for c in ti.static(range(3)):
-                        pixels[o + c] += ti.cast(light[i, c] * (weights[i, k] * weights[i, 3 + m]) * shown, ti.f32)
+    for star in range(directions.shape[0]):
+        n = ti.Vector([directions[star, 0], directions[star, 1], directions[star, 2]])
+        x, y, z = [n[0] * axes[c, 0] + n[1] * axes[c, 1] + n[2] * axes[c, 2] for c in ti.static(range(3))]
+        if (z > 1e-3) & (ti.max(light[star, 0], light[star, 1], light[star, 2]) > 0.0):
+            column, row = 0.5 * width + x * scale / z, 0.5 * height - y * scale / z
+            if (column > -1.0) & (column < width + 1.0) & (row > -1.0) & (row < height + 1.0):
+                i, j = ti.floor(row), ti.floor(column)
+                down, right, share = _weights(row - i - 0.5), _weights(column - j - 0.5), scale * scale / (z * z * z)
+                for k in ti.static(range(3)):
+                    for m in ti.static(range(3)):
+                        at, beside = ti.cast(i, ti.i32) + (k - 1), ti.cast(j, ti.i32) + (m - 1)
+                        if (at >= 0) & (at < height) & (beside >= 0) & (beside < width):
+                            o = at * stride + 4 * beside
+                            weight = down[k] * right[m] * ti.max(1.0 - ti.cast(pixels[o + 3], ti.f64), 0.0) * share
+                            for c in ti.static(range(3)):
+                                pixels[o + c] += ti.cast(light[star, c] * weight, ti.f32)
 
 
 _add_kernel = kernel(_add, "f64")
-
-
-def _weights(f):
-    """Of a pixel's neighbour, the pixel and its other neighbour, for a point at -0.5..0.5 from the pixel's middle."""
-    return 0.5 * (0.5 - f) ** 2, 0.75 - f * f, 0.5 * (0.5 + f) ** 2

@@ -43,6 +43,11 @@ def silent_parts(
                 lines.append(
                     f"{place}.{key}.side has no effect, because there is no `wormhole`: give the preset one, or leave it out"
                 )
+            if look.flashes is not None and look.draw == "sphere" and given.light is None and given.sky is None:
+                lines.append(
+                    f"{place}.{key}.flashes has no effect, because balls are solid only in a light: give the preset a `light` or "
+                    "a `sky`, or leave it out"
+                )
         for emitter in system.emitters:
             lines += _of_emitter(f"{place}.emitters.{emitter.name}", emitter, given.clock)
         if given.systems[name].medium is not None:

@@ -210,3 +210,24 @@ def test_ends_of_films(tmp_path):
     assert not (tmp_path / "b.mkv").exists()
     partial = tmp_path / "b.partial.mkv"
     assert partial.exists() == any("frames are kept" in note for note in getattr(caught.value, "__notes__", ()))
+
+
+def test_a_film_by_hand_has_the_flashes_of_the_preset(tmp_path):
+    """A mutant that forgets flashes, or takes them at every picture, fails."""
+    look = {
+        "draw": "sphere", "blend": "opaque", "radius": 0.2, "emission": "white", "flashes": {"every": 0.1, "number": 3, "tail": 0.5},
+    }  # fmt: skip
+    ball = {"emitters": {"one": {"count": 1, "shape": {"point": [-1, 0, 0]}, "velocity": [4, 0, 0]}}, "look": look}
+    preset = ga.load_preset(
+        {"version": 1, "clock": {"duration": 0.5, "fps": 30, "step": "1/120"}, "camera": {"position": [0, 0, 6]}, "light": {}, "systems": {"ball": ball}}
+    )  # fmt: skip
+    sim = ga.Simulation(preset)
+    with ga.Film(tmp_path / "hand.mkv", size=SIZE, fps=preset.clock.fps) as film:
+        for k in range(preset.clock.frames):
+            if k:
+                sim.step(preset.clock.steps_per_frame)
+            film.add(sim)
+    job.render(preset, tmp_path / "job.mkv", size=SIZE)
+    pictures = frames(tmp_path / "hand.mkv")
+    assert np.array_equal(pictures, frames(tmp_path / "job.mkv"))
+    assert (pictures[-1] > 100).sum() > 1.5 * (pictures[0] > 100).sum() > 0

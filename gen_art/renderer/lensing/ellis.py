@@ -18,7 +18,7 @@ Sources: Ellis, Ether flow through a drainhole, J. Math. Phys. 14 (1973); Chetou
 geometry, Gen. Relativ. Gravit. 16 (1984); Mueller, Visual appearance of a Morris-Thorne wormhole, Am. J. Phys. 72 (2004).
 """
 
-from gen_art.backend.runtime import is_f64, ti
+from gen_art.backend.runtime import ti
 from gen_art.maths.carlson import elliptic_rf
 from gen_art.renderer.lensing.image_solver import CAMERA_NEARER, NO_TURNING, THING_NEARER, image_finder
 from gen_art.renderer.lensing.lens import AXES, CENTER, RADIUS_OF, Bending, vector
@@ -29,9 +29,7 @@ __all__ = ["ELLIS", "angle_to", "ray_end"]
 @ti.func
 def angle_to(b, u, w):
     """The angle that a ray sweeps from the throat (b < 1) or from where it turns (b > 1) to the place u >= 0, w."""
-    tiny = ti.static(
-        1e-24 if is_f64() else 1e-12
-    )  # b = 1 winds round the throat without end: so near to it, 15 or 28 rad
+    tiny = 1e-24  # b = 1 winds round the throat without end: so near to it, 28 rad
     cosine2 = ti.max(1.0 - b * b * w * w, 0.0)
     beyond = (b - 1.0) * (b + 1.0)
     angle = 0.0 * b
@@ -113,4 +111,4 @@ def _apart(c, other, u, w, v, x):
     return c - 1.0 + ti.select(other == 1, -v, v) - u / ti.max(w, 1e-300) * x
 
 
-ELLIS = Bending(_place_of, _find_image, _row_of, _at_row, _apart, ray_end, _sine, edge=1.0, winding=0.5, horizon=False)
+ELLIS = Bending(_place_of, _find_image, _row_of, _at_row, _apart, ray_end, _sine, edge=1.0, horizon=False)

@@ -30,7 +30,6 @@ class Bending:
     ray_end : (b, inward, u, w) -> (angle swept to infinity, where: 0 on this side, 1 on the other one, 2 nowhere)
     sine : (w) -> the sine of a ray's angle to the radial direction at w, by its b
     edge : b of the rays that wind round without end
-    winding : the angle of a ray's end grows by this times d(b) / abs(b - edge) near the edge
     horizon : whether what is within the radius cannot be seen
     """
 
@@ -42,7 +41,6 @@ class Bending:
     ray_end: Any
     sine: Any
     edge: float
-    winding: float
     horizon: bool
 
 

@@ -16,8 +16,9 @@ import numpy as np
 from gen_art.backend.runtime import kernel, ti
 from gen_art.maths.elementary import cos, sin
 from gen_art.renderer.lensing.image_table import TABLE, image_director
-from gen_art.renderer.lensing.lens import Bending, Lens, lens_numbers, vector
+from gen_art.renderer.lensing.lens import AXES, CAMERA_FAR, Bending, Lens, lens_numbers, vector
 from gen_art.renderer.lensing.particle_images import BLOCK, FAINT
+from gen_art.renderer.lensing.ray_table import ray_at, ray_number, ray_table
 from gen_art.renderer.sky import SkyDome
 from gen_art.renderer.sky_table import ROWS, sky_radiance
 from gen_art.renderer.stars import StarField, add_stars
@@ -33,73 +34,55 @@ _EVEN = 0.02  # rad of sky that one sample stands for
 _MOST = 48  # samples of a pixel
 _STAR = 1e-3  # rad: how large a star counts where its image would be a ring
 NO_SKY = np.zeros((ROWS, 2, 3), np.float32)
-# numbers of the picture's lens (float32): u, w, far, then vectors
-U, W, FAR, OUTWARD, NORMAL, TANGENTS, WORLD = 0, 1, 2, 3, 6, 9, 18
+# numbers of the picture's lens (float32): q of the edge, far, then vectors
+EDGE, FAR, OUTWARD, START, AXIS, ASIDE, NUMBERS = 0, 1, 2, 5, 8, 11, 20
 
 
 @cache
-def _sky_kernel(bending: Bending):
-    ray_end, sine, edge, winding = bending.ray_end, bending.sine, bending.edge, bending.winding
-
-    @ti.func
-    def impact(N: ti.template(), d):
-        """(b, whether the ray goes inwards, direction across the radial one in the axes of the lens) of the unit direction d."""
-        across = ti.Vector([vector(N, TANGENTS + 3 * i).dot(d) for i in ti.static(range(3))])
-        norm = across.norm()
-        return norm / sine(N[W]), ti.select(d.dot(vector(N, OUTWARD)) < 0.0, 1, 0), across / ti.max(norm, 1e-30)
-
-    @ti.func
-    def light_along(N: ti.template(), near: ti.template(), far: ti.template(), d):
-        """Light of the sky that a ray along the unit direction d reaches."""
-        b, inward, across = impact(N, d)
-        angle, where = ray_end(b, inward, N[U], N[W])
-        n = vector(N, NORMAL) * cos(angle) + across * sin(angle)
-        beyond = ti.abs(where - ti.cast(N[FAR], ti.i32))
-        if beyond == 1:
-            n[2] = -n[2]
-        e = ti.Vector([vector(N, WORLD + 3 * i).dot(n) for i in ti.static(range(3))])
-        light = ti.Vector([0.0, 0.0, 0.0])
-        if beyond == 1:
-            light = sky_radiance(far, e[0], e[1], e[2])
-        elif beyond == 0:
-            light = sky_radiance(near, e[0], e[1], e[2])
-        return light
-
+def _sky_kernel(horizon: bool):
     @ti.kernel
     def draw(
-        axes: F2, slope: ti.f32, width: ti.i32, height: ti.i32, stride: ti.i32, N: F1, near: F3, far: F3, framebuffer: PIXELS
+        axes: F2, slope: ti.f32, width: ti.i32, height: ti.i32, stride: ti.i32, N: F1, ends: F2, near: F3, far: F3,
+        framebuffer: PIXELS,
     ):  # fmt: skip
-        """axes : right, up, forward; slope : of a pixel; near, far : tables of the two skies"""
+        """axes : right, up, forward; slope : of a pixel; ends : of rays, a `ray_table`; near, far : tables of the two skies"""
         ti.loop_config(block_dim=1)
         for row in range(height):
             y = (0.5 * ti.cast(height, ti.f32) - ti.cast(row, ti.f32) - 0.5) * slope
+            right = ti.Vector([axes[0, c] for c in ti.static(range(3))])
+            level = ti.Vector([axes[1, c] * y + axes[2, c] for c in ti.static(range(3))])
+            edge, here = N[EDGE], ti.cast(N[FAR], ti.i32)
+            outward, start, axis = vector(N, OUTWARD), vector(N, START), vector(N, AXIS)
+            aside = ti.Matrix([[N[ASIDE + 3 * i + j] for j in ti.static(range(3))] for i in ti.static(range(3))])
             for column in range(width):
                 o = row * stride + column
                 pixel = framebuffer[o]
                 shown = ti.max(1.0 - pixel[3], 0.0)
                 if shown > 0.0:
-                    x = (ti.cast(column, ti.f32) + 0.5 - 0.5 * ti.cast(width, ti.f32)) * slope
-                    right = ti.Vector([axes[0, c] for c in ti.static(range(3))])
-                    up = ti.Vector([axes[1, c] for c in ti.static(range(3))])
-                    ahead = ti.Vector([axes[2, c] for c in ti.static(range(3))])
-                    d = (ahead + right * x + up * y).normalized()
-                    b, _inward, _across = impact(N, d)
-                    # the angle to a ray's end grows by about winding * d(alpha) * r / abs(b - edge) near the edge
-                    blur = winding * slope / sine(N[W])
-                    samples = ti.cast(
-                        ti.ceil(ti.min(blur / ti.max(ti.abs(b - edge), blur) / _EVEN, 1.0 * _MOST)), ti.i32
-                    )
-                    middle = -vector(N, OUTWARD)
-                    aside = middle - d * middle.dot(d)
-                    gx, gy = aside.dot(right), aside.dot(up)
-                    size = 1.0 / ti.max(ti.sqrt(gx * gx + gy * gy), 1e-20) * slope
+                    d = level + right * ((ti.cast(column, ti.f32) + 0.5 - 0.5 * ti.cast(width, ti.f32)) * slope)
+                    per_length = 1.0 / d.norm()
+                    across = aside @ d
+                    sine = across.norm()
+                    across /= ti.max(sine, 1e-30)
+                    q, by_alpha = ray_number(-d.dot(outward) * per_length, sine * per_length)
+                    size = by_alpha * per_length * slope  # of a pixel
+                    _angle, change = ray_at(ends, q - edge)
+                    samples = ti.max(ti.cast(ti.ceil(ti.min(ti.abs(change) * size / _EVEN, 1.0 * _MOST)), ti.i32), 1)
                     light = ti.Vector([0.0, 0.0, 0.0])
-                    for k in range(ti.max(samples, 1)):
-                        s = ((ti.cast(k, ti.f32) + 0.5) / ti.cast(ti.max(samples, 1), ti.f32) - 0.5) * size
-                        light += light_along(
-                            N, near, far, (ahead + right * (x + gx * s) + up * (y + gy * s)).normalized()
-                        )
-                    light *= shown / ti.cast(ti.max(samples, 1), ti.f32)
+                    for k in range(samples):
+                        x = q + ((ti.cast(k, ti.f32) + 0.5) / ti.cast(samples, ti.f32) - 0.5) * size - edge
+                        angle, _change = ray_at(ends, x)
+                        e = start * cos(angle) + across * sin(angle)
+                        if ti.static(horizon):
+                            if x >= 0.0:
+                                light += sky_radiance(near, e[0], e[1], e[2])
+                        else:
+                            if ti.select(x < 0.0, 1 - here, here) == 1:
+                                e -= axis * (2.0 * e.dot(axis))
+                                light += sky_radiance(far, e[0], e[1], e[2])
+                            else:
+                                light += sky_radiance(near, e[0], e[1], e[2])
+                    light *= shown / ti.cast(samples, ti.f32)
                     pixel += PIXEL(light[0], light[1], light[2], 0.0)
                 pixel[3] = 1.0
                 framebuffer[o] = pixel
@@ -112,31 +95,34 @@ def _stars_kernel(bending: Bending):
     image_direction = image_director(bending)
 
     @ti.kernel
-    def stars(directions: D2, other: ti.i32, order: ti.i32, Q: D1, T: TABLE, found: D2):
-        """Images of stars: found[i] is the direction in the world, and the factor on the light."""
+    def stars(
+        directions: D2, light: D2, far: ti.i32, order: ti.i32, Q: D1, T: TABLE, seen: D2, shown: D2
+    ):  # fmt: skip
+        """seen, shown : (n, 3) directions and light of the images, written"""
         ti.loop_config(block_dim=1)
         for block in range((directions.shape[0] + BLOCK - 1) // BLOCK):
             for i in range(block * BLOCK, ti.min((block + 1) * BLOCK, directions.shape[0])):
-                n = ti.Vector([directions[i, 0], directions[i, 1], directions[i, 2]])
+                e = ti.Vector([directions[i, 0], directions[i, 1], directions[i, 2]])
+                n = ti.Vector([vector(Q, AXES + 3 * c).dot(e) for c in ti.static(range(3))])
+                if far == 1:
+                    n[2] = -n[2]
+                other = ti.abs(far - ti.cast(Q[CAMERA_FAR], ti.i32))
                 d, along, across, _k, _t = image_direction(Q, T, n, other, order, 1.0, 0.0, _STAR, n, 0)
+                magnified = 1.0 / ti.max(along * across, 1e-30)
                 for c in ti.static(range(3)):
-                    found[i, c] = d[c]
-                found[i, 3] = 1.0 / ti.max(along * across, 1e-30)
+                    seen[i, c] = d[c]
+                    shown[i, c] = light[i, c] * ti.select(magnified * FAINT > 1.0, magnified, 0.0)
 
     return kernel(stars, "f64")
 
 
 def lensed_stars(stars: StarField, lens: Lens, far: bool, order: int) -> StarField:
-    """The images of stars of one side: order 0 the shorter way round the middle, order 1 the longer. Faint ones are left out."""
-    local = np.stack([np.sum(stars.directions * axis, axis=1) for axis in lens.axes], axis=1)
-    if far:
-        local[:, 2] *= -1.0
-    found = np.zeros((len(local), 4))
+    """The images of stars of one side: order 0 the shorter way round the middle, order 1 the longer. Faint ones are black."""
+    seen, shown = np.zeros_like(stars.directions), np.zeros_like(stars.directions)
     _stars_kernel(lens.bending)(
-        np.ascontiguousarray(local), int(far != lens.far), order, lens_numbers(lens), lens.table, found
+        stars.directions, stars.light, int(far), order, lens_numbers(lens), lens.table, seen, shown
     )
-    bright = found[:, 3] * FAINT > 1.0
-    return StarField(found[bright, :3], stars.light[bright] * found[bright, 3:])
+    return StarField(seen, shown)
 
 
 def draw_lensed_sky(near: SkyDome | None, far: SkyDome | None, lens: Lens, view, framebuffer) -> None:
@@ -150,15 +136,14 @@ def draw_lensed_sky(near: SkyDome | None, far: SkyDome | None, lens: Lens, view,
         if dome is not None and dome.stars is not None:
             for order in (0, 1):
                 add_stars(lensed_stars(dome.stars, lens, beyond, order), view.axes, scale, framebuffer.pixels)
-    numbers = np.zeros(WORLD + 9, np.float32)
-    numbers[U], numbers[W] = lens.uw
-    numbers[FAR], numbers[OUTWARD : OUTWARD + 3], numbers[NORMAL : NORMAL + 3] = (
-        lens.far,
-        lens.outward,
-        lens.normal,
-    )
-    numbers[TANGENTS : TANGENTS + 9], numbers[WORLD : WORLD + 9] = lens.tangents.T.ravel(), lens.axes.T.ravel()
+    numbers = np.zeros(NUMBERS, np.float32)
+    ends, numbers[EDGE] = ray_table(lens.bending, *lens.uw)
+    numbers[FAR], numbers[OUTWARD : OUTWARD + 3], numbers[AXIS : AXIS + 3] = lens.far, lens.outward, lens.axes[2]
+    numbers[START : START + 3] = lens.axes.T @ lens.normal
+    numbers[ASIDE:] = (lens.axes.T @ lens.tangents.T).ravel()
     tables = [NO_SKY if dome is None else dome.table for dome in (near, far)]
     axes = np.ascontiguousarray(view.axes, np.float32)
     size = framebuffer.width, framebuffer.height, framebuffer.stride // 4
-    _sky_kernel(lens.bending)(axes, 1.0 / scale, *size, numbers, *tables, framebuffer.buffer.reshape(-1, 4))
+    _sky_kernel(lens.bending.horizon)(
+        axes, 1.0 / scale, *size, numbers, ends, *tables, framebuffer.buffer.reshape(-1, 4)
+    )

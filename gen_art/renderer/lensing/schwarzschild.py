@@ -24,7 +24,7 @@ thin accretion disk, Astron. Astrophys. 75 (1979); Carlson, A table of elliptic 
 
 import math
 
-from gen_art.backend.runtime import is_f64, ti
+from gen_art.backend.runtime import ti
 from gen_art.maths.carlson import elliptic_rf, elliptic_rf_of_pair
 from gen_art.renderer.lensing.image_solver import CAMERA_NEARER, NO_TURNING, THING_NEARER, image_finder
 from gen_art.renderer.lensing.lens import CENTER, RADIUS_OF, Bending, vector
@@ -45,12 +45,10 @@ def _sine(w):
 @ti.func
 def first_root(b):
     """The root below 0 of w^3 - w^2 + 1 / b^2, by Newton's method from -1 / b, which lies beyond it: every step comes nearer."""
-    at = ti.max(
-        b, ti.static(1e-12 if is_f64() else 1e-6)
-    )  # a ray so near to the radial direction sweeps less than that
+    at = ti.max(b, 1e-12)  # a ray so near to the radial direction sweeps less than that
     root, last, steps = -1.0 / at, 1.0 + 0.0 * b, 0
     q = root * root
-    while (last > ti.static(1e-9 if is_f64() else 1e-4)) & (steps < _MOST_STEPS):  # squared at every step
+    while (last > 1e-9) & (steps < _MOST_STEPS):  # squared at every step
         step = (root * root * (root - 1.0) + q) / (root * (3.0 * root - 2.0))
         root -= step
         last = ti.abs(step / root)
@@ -72,7 +70,7 @@ def turning_point(root):
 @ti.func
 def angle_between(root, y, x):
     """The angle that a ray, given by its `first_root`, sweeps on one leg from w = y to w = x >= y."""
-    tiny = ti.static(1e-290 if is_f64() else 1e-30)
+    tiny = 1e-290
     x1, y1 = ti.sqrt(x - root), ti.sqrt(y - root)
     factor = 0.0 * x
     if 1.0 + 3.0 * root >= 0.0:
@@ -158,6 +156,4 @@ def _apart(c, other, u, w, v, x):
     return c - 1.0 + (1.0 - x / w) / ti.sqrt(1.0 - w)
 
 
-SCHWARZSCHILD = Bending(
-    _place_of, _find_image, _row_of, _at_row, _apart, ray_end, _sine, edge=EDGE, winding=1.0, horizon=True
-)
+SCHWARZSCHILD = Bending(_place_of, _find_image, _row_of, _at_row, _apart, ray_end, _sine, edge=EDGE, horizon=True)
