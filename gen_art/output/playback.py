@@ -49,8 +49,8 @@ class Playback:
 
     transparent : leave out the preset's sky, so that the pictures keep their alpha
     tell : called with how long the first picture takes, where that is long; see gen_art.output.wait
-    sim : a simulation of the preset to go on with from where it is; a new one when None. Trails, ribbons and subframes then
-        hold only what comes after
+    sim : a simulation of the preset to go on with from where it is; a new one when None. Trails, ribbons, flashes and
+        subframes then hold only what comes after
     """
 
     def __init__(
@@ -79,6 +79,7 @@ class Playback:
         )
         self._first_step = 0 if sim is None else sim.steps_done
         self._last_shown = -1 if sim is None else sim.steps_done
+        self._last_flashed = self._first_step - 1  # the step up to which flashes have been taken
         self._is_new = sim is None  # and nothing has been shown
         self._tell = tell
         self._levels: dict[int, float] = {}  # by step: what the pictures were metered at, for automatic exposure
@@ -87,8 +88,8 @@ class Playback:
         self._subframe_interval, self._subframes = self._plan_subframes()
         self._path_steps = {name: self._plan_path(name) for name in self.painter.paths}
         self._flash_steps = {
-            name: max(1, round(history.flashes.every / preset.clock.step))
-            for name, history in self.painter.flashes.items()
+            name: max(1, round(flashes.every / preset.clock.step))
+            for name, flashes in self.painter.album.flashes.items()
         }
 
     def _plan_trails(self) -> tuple[range, int]:
@@ -140,8 +141,8 @@ class Playback:
         reaches = [reach for _, reach in self._path_steps.values()]
         for history in self.painter.histories.values():
             reaches.append(math.ceil(history.ribbon.length / clock.step) + 1)
-        for name, flashed in self.painter.flashes.items():
-            reaches.append((flashed.flashes.number + 1) * self._flash_steps[name])
+        for name, flashes in self.painter.album.flashes.items():
+            reaches.append((flashes.number + 1) * self._flash_steps[name])
         if self._trail_interval and self.painter.trails:
             longest = max(look.trail.half_life for look in self.painter.trails.values() if look.trail is not None)
             faded = math.ceil(_HALF_LIVES * longest * clock.speed / clock.step)
@@ -226,7 +227,7 @@ class Playback:
             with self.stopwatch.stage("draw"):
                 for action in actions[at]:
                     action()
-        self._last_shown = step
+        self._last_shown = self._last_flashed = step
         return pictures[0] if len(painted) == 1 else pictures[0] / np.float32(len(painted))
 
     def developed(
@@ -326,10 +327,10 @@ class Playback:
             def flash(name=name):
                 self.painter.flash(self.sim, name, self._film_time())
 
-            kept = self.painter.flashes[name].flashes.number + 1
+            kept = self.painter.album.flashes[name].number + 1
             earliest = step - (self._subframes - 1) * self._subframe_interval - clock.preroll_steps
             first = clock.preroll_steps + max(0, earliest // interval - kept) * interval
-            for at in _steps_between(range(first, _ENDLESS, interval), self._last_shown, step):
+            for at in _steps_between(range(first, _ENDLESS, interval), self._last_flashed, step):
                 yield at, flash
 
     def _advance(self, steps: int, wait: Wait | None = None) -> None:

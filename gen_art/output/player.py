@@ -144,7 +144,8 @@ class Player:
     def show(self, frame: int, size: tuple[int, int], with_history: bool = True) -> Shown:
         """The picture of a frame, from 0 on. Raises the errors of gen_art.errors.
 
-        with_history : with all of its trails, ribbons and motion blur, for which frames before it may have to be played again
+        with_history : with all of its trails, ribbons, flashes and motion blur, for which frames before it may be played
+            again
         """
         assert self.preset is not None
         frame = min(max(0, frame), self.preset.clock.frames - 1)

@@ -114,7 +114,7 @@ class Film:
                 sim.advance(1 / 30)
                 film.add(sim)
 
-    From the first `add` on, the film looks at the simulation between pictures, so that trails, ribbons and the paths of
+    From the first `add` on, the film looks at the simulation between pictures, so that trails, ribbons, flashes and the paths of
     streaks are whole. At the end of the block the file gets its name; where an error ends the block, the finished part
     stays as NAME.partial.EXT.
 
@@ -205,7 +205,7 @@ class Film:
         self._sim, self._first_time = sim, sim.time
         if self._speed is not None:
             self._set_speed(self._speed)
-        for name in (*self._painter.histories, *self._painter.paths, *self._painter.flashes):
+        for name in (*self._painter.histories, *self._painter.paths, *self._painter.album.flashes):
             self._next[name] = sim.steps_done
         self.look(sim)
         sim.observe(self)
@@ -231,8 +231,13 @@ class Film:
 
     def _interval(self, what: str) -> int:
         """Steps between two moments at which something is kept."""
-        assert self._painter is not None and self._sim is not None and self._speed is not None
-        dt, frame = self._sim.dt, self._speed / self._fps
+        assert self._painter is not None and self._sim is not None
+        dt = self._sim.dt
+        if what in self._painter.album.flashes:
+            return max(1, round(self._painter.album.flashes[what].every / dt))
+        if self._speed is None:
+            return 1
+        frame = self._speed / self._fps
         if what == "trails":
             substeps = max(look.trail.substeps for look in self._painter.trails.values() if look.trail is not None)
             steps = max(1, round(frame / dt))
@@ -240,8 +245,6 @@ class Film:
         if what in self._painter.histories:
             ribbon = self._painter.histories[what].ribbon
             return max(1, round(ribbon.length / ribbon.points / dt))
-        if what in self._painter.flashes:
-            return max(1, round(self._painter.flashes[what].flashes.every / dt))
         look = self._painter.looks[what]
         assert look is not None
         length = self._painter.shutter if look.length is None else look.length
@@ -257,14 +260,14 @@ class Film:
         for what, due in self._next.items():
             if sim.steps_done < due:
                 continue
-            interval = self._interval(what) if self._speed is not None else 1
+            interval = self._interval(what)
             if what == "trails":
                 seconds = interval * sim.dt
                 assert self._speed is not None
                 self._painter.expose_trails(sim, self._film_time(sim), seconds / self._speed, seconds)
             elif what in self._painter.histories:
                 self._painter.histories[what].remember(self._painter.particles(sim, what), sim.time)
-            elif what in self._painter.flashes:
+            elif what in self._painter.album.flashes:
                 self._painter.flash(sim, what, self._film_time(sim))
             else:
                 self._painter.paths[what].remember(self._painter.particles(sim, what), sim.time)

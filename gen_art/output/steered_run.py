@@ -79,7 +79,7 @@ class SteeredRun:
         return self.frame >= self.frames - 1
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Draw in another size from now on; trails and ribbons begin anew."""
+        """Draw in another size from now on; trails, ribbons and flashes begin anew."""
         self.playback = Playback(self.playback.preset, size, self._precision, self._threads, sim=self.sim)
 
     def advance(self, device: Device) -> None:

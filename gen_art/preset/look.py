@@ -232,7 +232,7 @@ class Flashes(Model):
     """Balls, bodies and threads stay in the picture as they were at earlier moments, as in a photograph by flashes.
 
     A number sets `every`. Flashes come at every multiple of that time from the start of the film; what they leave stands still,
-    casts shadows and hides what is behind it.
+    casts shadows and hides what is behind it. What it emits does not light other things.
     """
 
     every: Positive = about(..., "simulated time from one flash to the next, rounded to whole steps", unit="s")
@@ -241,13 +241,13 @@ class Flashes(Model):
     )
     opacity: Fraction = about(
         1.0,
-        "how much what the last flash left hides of what is behind it; below 1 the picture is the mean of some drawn with it and "
-        "some without",
+        "opacity of what the last flash left; below 1 the picture is drawn with it and without it, and both are averaged by "
+        "weight",
     )
     tail: Fraction = about(
         1.0,
-        "opacity of what the oldest flash left, relative to that; between them it falls evenly, and the picture is drawn once "
-        "for each flash",
+        "opacity of what the oldest flash left, relative to `opacity`; between them it falls evenly, and each different opacity "
+        "takes one more drawing",
     )
 
     short_form = {"type": ["number", "string"]}

@@ -73,7 +73,7 @@ def _drawn_bytes(preset: Preset, look: Look, glows: bool) -> float:
         return glowing + SHADED + LISTED + shaped + more
     if look.ribbon is not None:
         return glowing + SHADED + look.ribbon.points * (REMEMBERED + LISTED)
-    moments = 1 if look.flashes is None else 1 + look.flashes.number
+    moments = 1 if look.flashes is None else 2 + look.flashes.number
     if look.draw == "body":  # the shapes are few, the particles are only shaded
         return glowing + moments * (SHADED + LIT)
     if _is_solid(preset, look):

@@ -7,7 +7,8 @@ pixel, each weighted by the light and the coverage that it adds, and 0 where not
 The others are of surfaces alone, as if no sprite were before them: smoke has no normal. `albedo` is the part of light that is
 scattered, times the share of the pixel that surfaces cover, as for red, green and blue. `normal` is the mean unit normal in the
 world, 0 where there is no surface. `shadow` is the share of the lamp's light that arrives: 0 in the shadow and on the far side,
-1 where there is no surface, so that one may multiply by it. Trails and ribbons are not part of these layers.
+1 where there is no surface, so that one may multiply by it. Trails and ribbons are not part of these layers;
+what flashes left is, if it is half opaque or more.
 """
 
 import numpy as np

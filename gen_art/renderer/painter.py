@@ -20,7 +20,7 @@ from gen_art.renderer.earlier_velocities import EarlierVelocities
 from gen_art.renderer.elliptic_splat import ellipses_of_motion, ellipses_of_shapes
 from gen_art.renderer.emissive_lighting import EmittedLight
 from gen_art.renderer.emitted_light import emitted_light
-from gen_art.renderer.flashes import FlashHistory, exposures
+from gen_art.renderer.flashes import FlashAlbum
 from gen_art.renderer.following import followed, living
 from gen_art.renderer.framebuffer import FrameBuffer, splat
 from gen_art.renderer.legend import DrawnLegend, legend_of
@@ -142,11 +142,7 @@ class Painter:
             if k is not None and k.draw == "streak" and k.ribbon is None
         }
         self._projected_pieces: dict[str, ProjectedParticles] = {}
-        self.flashes = {
-            n: FlashHistory(k.flashes) for n, k in self.looks.items() if k is not None and k.flashes is not None
-        }
-        self._exposures = exposures(self.flashes.values())
-        self._least_opacity = self._exposures[-1][0]  # of what flashes left, to be drawn
+        self.album = FlashAlbum(self.looks)
 
     @property
     def trails(self) -> dict[str, Look]:
@@ -156,19 +152,25 @@ class Painter:
     def paint(self, sim, film_time: float) -> np.ndarray:
         """The picture of the simulation's current state at film time `film_time` (s): (height, width, 4), a view.
 
-        The next picture overwrites the view. Trails lie between the surfaces and the sprites, as `expose_trails` left them.
+        The next picture overwrites the view, except where flashes fade. Trails lie between the surfaces and the sprites, as
+        `expose_trails` left them.
         Raises PresetError for light that is not finite.
         """
-        if len(self._exposures) == 1:
-            return self._exposed(sim, film_time)
-        whole = np.zeros((*self.shown_size[::-1], 4), np.float32)
-        for least, weight in self._exposures:
-            self._least_opacity = least
-            whole += self._exposed(sim, film_time) * np.float32(weight)
-        return whole
+        exposures = self.album.exposures(sim.time)
+        try:
+            if len(exposures) == 1:
+                self.album.expose(1.0)
+                return self._exposed(sim, film_time)
+            whole = np.zeros((*self.shown_size[::-1], 4), np.float32)
+            for least, weight in exposures:
+                self.album.expose(least)
+                whole += self._exposed(sim, film_time) * np.float32(weight)
+            return whole
+        finally:
+            self.album.expose()
 
     def _exposed(self, sim, film_time: float) -> np.ndarray:
-        """A picture with what flashes left, if it is as opaque as `_least_opacity`: a view, which the next overwrites."""
+        """A picture with what the album shows of earlier flashes: a view, which the next picture overwrites."""
         view = self.view(sim, film_time)
         film = self._mirror_film(sim, view, film_time)
         self.framebuffer.clear()
@@ -209,7 +211,7 @@ class Painter:
         size = (self.size[0] + 2 * margin, self.size[1] + 2 * margin)
         if self._around is None or self._around.size != size:
             self._around = Painter(size, None, self.looks, scene=self.scene, transparent=self.sky is None)
-            self._around.flashes = self.flashes
+            self._around.album = self.album
         return self._around
 
     def draw_surfaces_alone(self, sim, view, film_time: float, smoke: dict, emitted) -> tuple[np.ndarray, np.ndarray]:
@@ -284,7 +286,8 @@ class Painter:
 
         passes : functions (system, channels) -> None and (pixels) -> None that change what particles and surfaces show
         layers : of the surfaces, which are filled first, or None if there are none
-        Returns (height, width, 4) float32 for each pass. Neither trails nor ribbons are in them.
+        Returns (height, width, 4) float32 for each pass. Neither trails nor ribbons are in them; what
+        flashes left is, if it is half opaque or more.
         """
         view, framebuffer = self.view(sim, film_time), FrameBuffer(self.size)
         names = [name for name in self._names(sim) if not self._has_ribbon(name)]
@@ -367,14 +370,17 @@ class Painter:
             self._draw_sprites(sim, replace(shaded, hidden_by=hidden_by), view, film_time, strength, trail)
 
     def flash(self, sim, name: str, film_time: float) -> None:
-        """Keep the solids of a look with flashes as they are now."""
+        """Keep the solids of a look with flashes as they are now; without light, balls are none."""
+        look = self.looks[name]
+        if look is None or not self._is_surface(look):
+            return
         system, projected, surfaces = self.particles(sim, name), ProjectedParticles(), SurfaceSystems()
         tables, raw = self._tables_of(name, system)
         view = replace(self.view(sim, film_time), fog=None, near=-math.inf, far=math.inf)
         q = kernel_numbers(tables, view, self.size, sim.time, film_time, 0.0, raw, 1.0, lit=True)
         shade(projected, system, tables, q, self._acceleration(name, system, sim.time))
         surfaces.add(sim, name, tables.look, system, projected, False)
-        self.flashes[name].remember(surfaces.solids[0], sim.time)
+        self.album.remember(name, surfaces.solids[0], sim.time)
 
     def _surface_depths(self, sim, view, film_time: float) -> SurfaceDepths:
         """What the surfaces of this moment hide; their light is not drawn."""
@@ -469,8 +475,8 @@ class Painter:
                 drawn[name] = system, projected.used
                 if self._is_surface(look):
                     surfaces.add(sim, name, look, system, projected, name in self.scene.glow)
-                    if name in self.flashes:
-                        surfaces.solids += self.flashes[name].before(sim.time, self._least_opacity)
+                    if name in self.album.flashes:
+                        surfaces.solids += self.album.left(name, surfaces.solids[-1], sim.time)
                 elif light is not None and not light.dark and projected.count:
                     lit[name] = light, projected.used, projected.lit[: projected.count]
         scene = self.scene  # the mirror too: it shadows what it shows, and rays from behind do not meet it

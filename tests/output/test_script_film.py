@@ -231,3 +231,20 @@ def test_a_film_by_hand_has_the_flashes_of_the_preset(tmp_path):
     pictures = frames(tmp_path / "hand.mkv")
     assert np.array_equal(pictures, frames(tmp_path / "job.mkv"))
     assert (pictures[-1] > 100).sum() > 1.5 * (pictures[0] > 100).sum() > 0
+
+
+def test_flashes_of_a_film_without_a_speed_come_as_often_as_they_should(tmp_path):
+    """Before a film knows its speed, too. A mutant that flashes at every step until then fails."""
+    look = ga.Look(draw="sphere", blend="opaque", radius=0.2, flashes={"every": 0.1, "number": 8})
+    made = []
+    for name, speed in (("given", 1.0), ("measured", None)):
+        ball = ga.ParticleSystem(position=np.array([[-1.0, 0.0, 0.0]]), velocity=np.array([[4.0, 0.0, 0.0]]))
+        sim = ga.Simulation({"ball": ball}, dt=1 / 120)
+        with ga.Film(
+            tmp_path / f"{name}.mkv", size=SIZE, fps=30, speed=speed, camera=CAMERA, looks={"ball": look}, light={}
+        ) as film:
+            for _ in range(10):
+                film.add(sim)
+                sim.step(4)
+        made.append(frames(tmp_path / f"{name}.mkv"))
+    assert np.array_equal(*made)

@@ -5,6 +5,8 @@ first; solids of now for those of a flash; opacities oldest first; the weight of
 lens sees.
 """
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -30,7 +32,8 @@ def balls(positions, velocity=0.0, **look):
 
 def playback(systems, camera=(), **keys):
     light = {"intensity": 0, "ambient_intensity": 0}
-    basis = {"version": 1, "clock": CLOCK, "light": light, "camera": CAMERA | dict(camera), "systems": systems}
+    camera = {key: value for key, value in (CAMERA | dict(camera)).items() if value is not None}
+    basis = {"version": 1, "clock": CLOCK, "light": light, "camera": camera, "systems": systems}
     return Playback(load_preset({**basis, **keys}), SIZE, "f32", None)
 
 
@@ -92,8 +95,14 @@ def test_each_flash_hides_as_much_as_its_opacity():
     assert got[SIZE[1] // 2, columns, 3] == pytest.approx([1.0, 0.8, 0.5, 0.2], abs=1e-6)
 
 
-def test_one_opacity_is_the_mean_of_the_picture_with_and_without():
-    keys = {"sky": {"color": "#304050"}, "ground": {"height": -0.4}, "light": {"direction": [0.2, -1, -0.3]}}
+@pytest.mark.parametrize("with_lens", [False, True])
+@pytest.mark.parametrize("mirror", [False, True])
+def test_one_opacity_is_the_mean_of_the_picture_with_and_without(mirror, with_lens):
+    """In what a mirror shows too, and through a lens."""
+    keys = {"sky": {"color": "#304050"}, "light": {"direction": [0.2, -1, -0.3]}}
+    keys["ground"] = {"height": -0.4, "mirror": mirror, "roughness": 0.0 if mirror else 0.5}
+    if with_lens:
+        keys["camera"] = {"height": None, "fov": 30, "lens": {"radius": 0.2, "focus": 9}}
     flashes = {"every": 0.5, "number": 2, "opacity": 0.25}
     whole = picture(20, {"ball": balls([-3.0], SPEED, flashes={**flashes, "opacity": 1.0})}, **keys)
     none = picture(20, {"ball": balls([-3.0], SPEED)}, **keys)
@@ -120,16 +129,77 @@ def test_a_film_may_be_played_from_where_its_flashes_begin():
 
 def test_a_lens_sees_what_flashes_left():
     camera = {"height": None, "fov": 30, "lens": {"radius": 0.2, "focus": 9}}
-    camera = {key: value for key, value in camera.items() if value is not None}
-    basis = {key: value for key, value in CAMERA.items() if key != "height"}
     moving = {"ball": balls([-3.0], SPEED, flashes={"every": 0.5, "number": 2})}
     still = {f"b{k}": balls([place(k)]) for k in (28, 20, 12)}
-    preset = {"version": 1, "clock": CLOCK, "light": {"intensity": 0, "ambient_intensity": 0}, "camera": basis | camera}
-    got, expected = (
-        Playback(load_preset({**preset, "systems": systems}), SIZE, "f32", None).picture(step).copy()
-        for step, systems in ((28, moving), (0, still))
+    assert np.array_equal(picture(28, moving, camera=camera), picture(0, still, camera=camera))
+
+
+SHADED = {"light": {"direction": [0.2, -1, -0.3]}, "sky": {"color": "#8090a0"}, "ground": {"height": -0.3}}
+MATT = {"albedo": "red", "emission": "black"}
+
+
+@pytest.mark.parametrize("step", [20, 28])
+def test_what_rests_is_there_once(step):
+    """The sky's light on a grid would be dimmed by each of several balls at one place."""
+    flashes = {"every": 0.5, "number": 3}
+    resting = {"ball": balls([-1.0, 0.5], 0.0, **MATT)}
+    assert np.array_equal(
+        picture(step, {"ball": balls([-1.0, 0.5], 0.0, **MATT, flashes=flashes)}, **SHADED),
+        picture(step, resting, **SHADED),
     )
-    assert np.array_equal(got, expected)
+
+
+def test_a_box_that_turns_where_it_is_has_moved():
+    body = {"shape": {"box": [0.8, 0.3, 0.5]}, "points": 20, "position": [0, 0.2, 0], "spin": [0, 0, 1.0]}
+    look = {"draw": "body", "albedo": "orange", "flashes": {"every": 0.5, "number": 1}}
+    system = {"interactions": {"rigid": {}}, "integrator": "leapfrog", "emitters": {"b": {"body": body}}, "look": look}
+    plain = {**system, "look": {**look, "flashes": None}}
+    spinning, alone = (picture(20, {"box": one}, **SHADED) for one in (system, plain))
+    assert np.abs(spinning - alone).max() > 0.1
+    body["spin"] = [0, 0, 0]
+    resting, alone = (picture(20, {"box": one}, **SHADED) for one in (system, plain))
+    assert np.array_equal(resting, alone)
+
+
+def test_a_simulation_that_is_at_the_start_gets_the_first_flash():
+    preset = {
+        "version": 1,
+        "clock": {**CLOCK, "preroll": 0},
+        "light": {"intensity": 0, "ambient_intensity": 0},
+        "camera": CAMERA,
+    }
+    preset = load_preset({**preset, "systems": {"ball": balls([-3.0], SPEED, flashes={"every": 0.5, "number": 3})}})
+    whole = Playback(preset, SIZE, "f32", None).picture(20).copy()
+    sim = ga.Simulation(preset)
+    assert np.array_equal(Playback(preset, SIZE, "f32", None, sim=sim).picture(20), whole)
+
+
+def test_the_picture_is_drawn_as_often_as_there_are_opacities():
+    playing = playback({"ball": balls([-3.0], SPEED, flashes={"every": 0.5, "number": 3, "opacity": 0.9, "tail": 0.5})})
+    lengths = []
+    for step in (4, 11, 13, 22, 60):
+        playing.picture(step)
+        lengths.append(len(playing.painter.album.exposures(playing.sim.time)))
+    assert lengths == [1, 2, 3, 4, 4]
+
+
+def test_layers_show_what_is_half_opaque():
+    playing = playback(
+        {"ball": balls([-3.0], SPEED, flashes={"every": 0.5, "number": 2, "opacity": 0.9, "tail": 0.5})}, **SHADED
+    )
+    playing.picture(28)
+    depth = playing.aovs()["Z"][SIZE[1] // 2]
+    scale = SIZE[1] / CAMERA["height"]
+    now, newer, older = (depth[int(0.5 * SIZE[0] + place(k) * scale)] for k in (28, 20, 12))
+    assert abs(now - newer) < 0.01 and not 8.6 < older < 8.8
+
+
+def test_what_flashes_left_shares_the_image_of_its_look(monkeypatch):
+    monkeypatch.chdir(Path(__file__).parents[2])
+    image = {"file": "presets/course/stripe.png", "size": 0.5}
+    playing = playback({"ball": balls([-3.0], SPEED, flashes={"every": 0.5, "number": 3}, finish={"image": image})})
+    playing.picture(28)
+    assert len(playing.painter._surfaces._maps.chains) == 1
 
 
 def test_flashes_are_for_solids_in_a_light():

@@ -1,7 +1,7 @@
-"""A table of where the rays of a picture end, made once for each distance of the camera from the middle.
+"""A table of where the rays of a picture end, made for each picture; it depends on the camera's distance from the middle alone.
 
-With alpha the angle at which a ray sets out, 0 straight inwards and pi outwards, c and s its cosine and sine, the rays of one
-camera are numbered by
+With alpha the angle at which a ray sets out, 0 straight inwards and pi outwards, c and s its cosine and sine, a ray of the
+camera is given by
 
     q = tan(alpha / 2) = s / (1 + c) up to alpha = pi/2,    q = 2 - s / (1 - c) beyond it
 
@@ -11,7 +11,8 @@ first bits of x are the number of its entry. Between two entries runs a straight
 the second derivative: where the angle is g log(x), by g / (8 PER_OCTAVE^2), 3e-5 rad for g = 1.
 
 Rays with q below the edge go through a throat, or end at a horizon; the others come out on the camera's side. Those that end at a
-horizon have the entries of the others at the same distance from the edge, so that their changes are alike on both sides of it.
+horizon are black wherever they end: they have the entries of the others at the same distance from the edge, which say how many
+samples a pixel takes.
 """
 
 from functools import cache
@@ -66,14 +67,14 @@ def ray_table(bending: Bending, u: float, w: float) -> tuple[np.ndarray, float]:
 
 @ti.func
 def ray_number(c, s):
-    """(q, its change by alpha) of a ray, by the cosine and the sine of alpha."""
+    """(q, its derivative with respect to alpha) of a ray, by the cosine and the sine of alpha."""
     half = s / (1.0 + ti.abs(c))
     return ti.select(c < 0.0, 2.0 - half, half), 0.5 * (1.0 + half * half)
 
 
 @ti.func
 def ray_at(ends: ti.template(), x):
-    """(angle swept to infinity, its change by x) of the ray with q - edge = x."""
+    """(angle swept to infinity, its derivative with respect to abs(x)) of the ray with q - edge = x."""
     above = ti.select(x < 0.0, 0, 1)
     bits = ti.bit_cast(ti.abs(x), ti.i32)
     entry = ti.min(ti.max((bits >> _BITS) - _FIRST, 0), ends.shape[1] - 2)

@@ -104,8 +104,10 @@ NO_MAPS = SurfaceMaps(np.zeros((1, 4), np.float32), np.zeros((1, 6), np.float32)
 
 def _note(row: np.ndarray, column: int, chains: list, chain: np.ndarray, width: float, height: float) -> None:
     side = round(math.sqrt((3 * len(chain) + 1) / 4))
-    row[column : column + MAP_FLOATS] = sum(map(len, chains)), side, 1.0 / width, 1.0 / height
-    chains.append(chain)
+    known = next((k for k, other in enumerate(chains) if other is chain), len(chains))
+    row[column : column + MAP_FLOATS] = sum(map(len, chains[:known])), side, 1.0 / width, 1.0 / height
+    if known == len(chains):
+        chains.append(chain)
 
 
 @cached_by_file(8)
