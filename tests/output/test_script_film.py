@@ -31,17 +31,23 @@ def frames(path) -> np.ndarray:
         return np.stack([frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)])
 
 
+def by_hand(preset, path) -> ga.Film:
+    """The film of a preset, each of its frames added by this loop."""
+    sim = ga.Simulation(preset)
+    with ga.Film(path, size=SIZE, fps=preset.clock.fps) as film:
+        for k in range(preset.clock.frames):
+            if k:
+                sim.step(preset.clock.steps_per_frame)
+            film.add(sim)
+    return film
+
+
 def test_a_film_by_hand_is_the_film_of_the_preset(tmp_path):
     """Trails, streaks that bend, and the camera's path: picture by picture what `ga.render` makes of the same preset."""
     preset = piece(
         clock__preroll=0, camera__path=[{"time": 0, "position": [0, 0.3, 5]}, {"time": 0.5, "position": [1, 0.3, 4]}]
     )
-    sim = ga.Simulation(preset)
-    with ga.Film(tmp_path / "hand.mkv", size=SIZE, fps=preset.clock.fps) as film:
-        for k in range(preset.clock.frames):
-            if k:
-                sim.step(preset.clock.steps_per_frame)
-            film.add(sim)
+    film = by_hand(preset, tmp_path / "hand.mkv")
     assert film.frames == preset.clock.frames
     job.render(preset, tmp_path / "job.mkv", size=SIZE)
     assert np.array_equal(frames(tmp_path / "hand.mkv"), frames(tmp_path / "job.mkv"))
@@ -221,12 +227,7 @@ def test_a_film_by_hand_has_the_flashes_of_the_preset(tmp_path):
     preset = ga.load_preset(
         {"version": 1, "clock": {"duration": 0.5, "fps": 30, "step": "1/120"}, "camera": {"position": [0, 0, 6]}, "light": {}, "systems": {"ball": ball}}
     )  # fmt: skip
-    sim = ga.Simulation(preset)
-    with ga.Film(tmp_path / "hand.mkv", size=SIZE, fps=preset.clock.fps) as film:
-        for k in range(preset.clock.frames):
-            if k:
-                sim.step(preset.clock.steps_per_frame)
-            film.add(sim)
+    by_hand(preset, tmp_path / "hand.mkv")
     job.render(preset, tmp_path / "job.mkv", size=SIZE)
     pictures = frames(tmp_path / "hand.mkv")
     assert np.array_equal(pictures, frames(tmp_path / "job.mkv"))

@@ -2,7 +2,7 @@
 
 Mutants that were tried, each of which fails a test here: one flash more, twice as often, from the first step in place of the film's
 first; solids of now for those of a flash; opacities oldest first; the weight of a picture its opacity; flashes forgotten by what a
-lens sees.
+lens sees; what rests drawn once for each flash; what only turned taken for resting; layers with all of them.
 """
 
 from pathlib import Path
