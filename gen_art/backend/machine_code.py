@@ -13,6 +13,7 @@ import platform
 import re
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -21,7 +22,18 @@ import numpy as np
 import taichi as ti
 from taichi.lang import impl
 
-__all__ = ["IntermediateCode", "MachineCode", "available", "context_of", "emit", "intermediate", "load"]
+__all__ = [
+    "IntermediateCode",
+    "MachineCode",
+    "assemble",
+    "available",
+    "context_of",
+    "emit",
+    "intermediate",
+    "link",
+    "load",
+    "runtime_address",
+]
 
 _LLVM = 15  # the version of LLVM that Taichi's intermediate code is of
 
@@ -68,7 +80,7 @@ def available() -> bool:
         import llvmlite.binding as llvm
     except ImportError:
         return False
-    return llvm.llvm_version_info[0] == _LLVM and _runtime() is not None
+    return llvm.llvm_version_info[0] == _LLVM and runtime_address() is not None
 
 
 @cache
@@ -116,7 +128,7 @@ def intermediate(kernel) -> IntermediateCode:
 
 def emit(code: IntermediateCode) -> MachineCode:
     """Machine code for this processor."""
-    return MachineCode(code.tasks, _emitter().emit_object(_llvm().parse_assembly(code.text)))
+    return MachineCode(code.tasks, assemble(code.text))
 
 
 _libraries: list = []  # keeps the loaded code
@@ -124,22 +136,31 @@ _libraries: list = []  # keeps the loaded code
 
 def load(code: MachineCode) -> list:
     """Make machine code callable: its tasks, each a function of the address of a context."""
-    llvm = _llvm()
-    library = llvm.JITLibraryBuilder().add_object_img(code.image).add_current_process()
-    for task in code.tasks:
-        library.export_symbol(task)
-    loaded = library.link(_linker(), f"kernel {len(_libraries)}")
+    return [_TASK(address) for address in link(code.image, code.tasks)]
+
+
+def assemble(text: str) -> bytes:
+    """An object file for this processor, of code in LLVM's language."""
+    return _emitter().emit_object(_llvm().parse_assembly(text))
+
+
+def link(image: bytes, names: Sequence[str]) -> list[int]:
+    """Load an object file; returns the addresses of these names in it."""
+    library = _llvm().JITLibraryBuilder().add_object_img(image).add_current_process()
+    for name in names:
+        library.export_symbol(name)
+    loaded = library.link(_linker(), f"library {len(_libraries)}")
     _libraries.append(loaded)
-    return [_TASK(loaded[task]) for task in code.tasks]
+    return [loaded[name] for name in names]
 
 
 def context_of(arguments: ctypes.Structure) -> _Context:
     """The context with which a kernel's tasks are called."""
-    return _Context(ctypes.addressof(arguments), _runtime(), 0, None)
+    return _Context(ctypes.addressof(arguments), runtime_address(), 0, None)
 
 
 @cache
-def _runtime() -> int | None:
+def runtime_address() -> int | None:
     """The address of Taichi's runtime, which Taichi writes into the context of a launch; None where it is not found.
 
     A kernel is launched whose argument is known, so that the argument shows that the context was found.

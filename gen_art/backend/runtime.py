@@ -34,7 +34,7 @@ from gen_art.backend.kept_files import KeptFiles
 from gen_art.errors import OutputError, UsageError
 
 if not STOCK_TAICHI:
-    from gen_art.backend import machine_code, real_function_patch
+    from gen_art.backend import loop_sharing, machine_code, real_function_patch
     from gen_art.backend.kernel_store import KernelStore
     from gen_art.backend.launch_patch import launch_without_repeats
 
@@ -178,6 +178,8 @@ def init(arch: str = "cpu", threads: int | None = None) -> None:
     _state["kept"] = KeptFiles(folder / "arrays")
     if not STOCK_TAICHI:
         _state["store"] = KernelStore(folder / "machine-code")
+        if machine_code.available():
+            loop_sharing.install(count, _state["store"])
 
 
 def finish() -> None:

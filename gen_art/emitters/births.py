@@ -183,9 +183,10 @@ class BirthBatch:
     rank: np.ndarray
     in_order: bool = False
 
-    def by_kind(self, emitter: ActiveEmitter) -> list["BirthBatch"]:
-        """The births of each kind that the emitter chooses for them."""
-        choice = emitter.choose(self.keys)
+    def by_choice(self, emitter: ActiveEmitter, choice: np.ndarray) -> list["BirthBatch"]:
+        """The births of each kind, where `choice` holds the index of the kind of each."""
+        if len(emitter.kinds) == 1:
+            return [self]
         batches = []
         for c in np.unique(choice):
             own = choice == c
@@ -235,7 +236,7 @@ def scheduled_births(emitter: ActiveEmitter, t1: float) -> list[BirthBatch]:
     whole = BirthBatch(
         emitter.kinds[0], emitter.first_source, when, keys, keys, keys, serial, sign, origin, rank, in_order=True
     )
-    return [whole] if len(emitter.kinds) == 1 else whole.by_kind(emitter)
+    return whole.by_choice(emitter, emitter.choose(keys))
 
 
 def give_birth(particles: Particles, batches: list[BirthBatch], precision: str) -> slice:

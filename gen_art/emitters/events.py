@@ -127,16 +127,10 @@ def event_births(emitter: ActiveEmitter, system: str, window: EventWindow) -> li
         unpaired = np.repeat(counts, counts) - 1 == ordinal
         sign = np.where(ordinal % 2 == 1, -1.0, np.where(unpaired, 0.0, 1.0))
     rank = _key_from_words(parents.key[:, parent])
-    batches = []
-    for c in np.unique(choice):
-        mask = choice == c
-        batches.append(
-            BirthBatch(
-                emitter.kinds[c], emitter.first_source + int(c), when[mask], child_keys[mask], paired[mask], keys[mask],
-                ordinal[mask], sign[mask], origin[:, mask], rank[mask],
-            )
-        )  # fmt: skip
-    return batches
+    whole = BirthBatch(
+        emitter.kinds[0], emitter.first_source, when, child_keys, paired, keys, ordinal, sign, origin, rank
+    )
+    return whole.by_choice(emitter, choice)
 
 
 def _key_from_words(words: np.ndarray) -> np.ndarray:
@@ -174,6 +168,7 @@ def _path_state(parent: np.ndarray, when: np.ndarray, window: EventWindow) -> np
     x = (2 * s3 - 3 * s2 + 1) * x0 + (s3 - 2 * s2 + s) * v0 + (3 * s2 - 2 * s3) * x1 + (s3 - s2) * v1
     v = ((6 * s2 - 6 * s) * (x0 - x1) + (3 * s2 - 4 * s + 1) * v0 + (3 * s2 - 2 * s) * v1) / h
     over = t1 <= t0  # of parents that have died in the step in which they were born: they are where they died
-    x[:, over] = b[:3, over] + b[3:, over] * (when - t1)[over]
-    v[:, over] = b[3:, over]
+    if over.any():
+        x[:, over] = b[:3, over] + b[3:, over] * (when - t1)[over]
+        v[:, over] = b[3:, over]
     return np.concatenate([x, v])

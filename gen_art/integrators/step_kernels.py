@@ -39,7 +39,7 @@ BLOCK = 1024
 @cache
 def make_step(
     composition: KernelTerms, kind: str, rotation: tuple, pairs: int, staged: bool, channels: tuple, precision: str,
-    lifespans: bool, one_task: bool = False,
+    lifespans: bool,
 ):  # fmt: skip
     """The step kernel of one system. Numbers are never part of the cache key.
 
@@ -49,7 +49,6 @@ def make_step(
     staged : whether a launch may run only some of the stages; Runge-Kutta then keeps its stage states in R
     channels : names of the declared attributes
     lifespans : whether particles may be born or die within a step, or are fixed
-    one_task : whether the calling thread does all of it, for up to BLOCK slots: waking the others would take longer
 
     step(S, birth, K, A, R, Q, P, begin, n, first, steps, dt, earliest, stage0, stage1, at, at_birth, at_scratch)
     S (channels, capacity), the state
@@ -67,8 +66,8 @@ def make_step(
     real = runtime.DTYPES[precision]
     terms = TileTerms(composition, channels, pairs, real, rotation, lifespans)
     if kind == "splitting":
-        return runtime.kernel(_splitting(terms, staged, one_task, real), precision)
-    return runtime.kernel(_runge_kutta(terms, staged, one_task, real), precision)
+        return runtime.kernel(_splitting(terms, staged, real), precision)
+    return runtime.kernel(_runge_kutta(terms, staged, real), precision)
 
 
 @ti.func
@@ -80,7 +79,7 @@ def drift(L: ti.template(), X: ti.template(), fraction):
         X.x2[j] += h * X.v2[j]
 
 
-def _splitting(terms: TileTerms, staged: bool, one_task: bool, real):
+def _splitting(terms: TileTerms, staged: bool, real):
     matrix = ti.types.ndarray(real, 2)
     vector = ti.types.ndarray(real, 1)
 
@@ -105,7 +104,7 @@ def _splitting(terms: TileTerms, staged: bool, one_task: bool, real):
         at_birth: ti.i64,
         at_scratch: ti.i64,
     ):
-        ti.loop_config(block_dim=1, serialize=one_task)
+        ti.loop_config(block_dim=1)
         for b in range((n - begin + BLOCK - 1) // BLOCK):
             F = tile("gain")  # of each stage
             stage_gains(terms, F, Q, P, ti.cast(dt, real))
@@ -166,7 +165,7 @@ def begin_step(
         copy(G, X)
 
 
-def _runge_kutta(terms: TileTerms, staged: bool, one_task: bool, real):
+def _runge_kutta(terms: TileTerms, staged: bool, real):
     matrix = ti.types.ndarray(real, 2)
     vector = ti.types.ndarray(real, 1)
 
@@ -191,7 +190,7 @@ def _runge_kutta(terms: TileTerms, staged: bool, one_task: bool, real):
         at_birth: ti.i64,
         at_scratch: ti.i64,
     ):
-        ti.loop_config(block_dim=1, serialize=one_task)
+        ti.loop_config(block_dim=1)
         for b in range((n - begin + BLOCK - 1) // BLOCK):
             for s in range(BLOCK // WIDTH):
                 i = begin + b * BLOCK + s * WIDTH

@@ -17,7 +17,7 @@ from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.errors import UsageError
 from gen_art.interactions.base import ForceRequest, Interaction
-from gen_art.interactions.pair_sums import CHUNK, LANES, TASK, field_kernel, potential_kernel
+from gen_art.interactions.pair_sums import CHUNK, LANES, field_kernel, potential_kernel
 from gen_art.maths.elementary import log, power
 from gen_art.particles.rows import MASS, POSITION
 
@@ -87,11 +87,7 @@ class DirectSum(Interaction):
         sources = np.ascontiguousarray(np.concatenate([request.source_rows[:3, : request.m], amounts[None]]))
         whole = float(n).is_integer()
         numbers = np.array([k, softening**2, n], out.dtype)
-        kernel = (
-            field_kernel(int(n), request.precision, request.n <= TASK)
-            if whole
-            else _acceleration_kernel(request.precision)
-        )
+        kernel = field_kernel(int(n), request.precision) if whole else _acceleration_kernel(request.precision)
         kernel(request.rows, sources, out, request.n, numbers)
         self._to_accelerations(request, out)
 

@@ -12,12 +12,11 @@ from functools import cache
 from gen_art.backend import runtime
 from gen_art.backend.runtime import real, ti
 
-__all__ = ["CHUNK", "LANES", "TASK", "field_kernel", "half_powers", "load", "potential_kernel", "spread"]
+__all__ = ["CHUNK", "LANES", "field_kernel", "half_powers", "load", "potential_kernel", "spread"]
 
 LANES = 16
 CHUNK = 256  # sources in a partial sum: keeps float32 sums over many thousands accurate
 _VECTORS = 8  # of targets in a task
-TASK = _VECTORS * LANES  # targets
 
 
 @ti.func
@@ -56,13 +55,12 @@ def load(T: ti.template(), row, i):
 
 
 @cache
-def field_kernel(n: int, precision: str, one_task: bool = False):
+def field_kernel(n: int, precision: str):
     """The kernel (T, M, out, count, q) that writes q[0] times the sums of c s^(n-1) d into the first three rows of `out`.
 
     T, out : (3 or more, capacity), the capacity a multiple of LANES and at least the number of targets, `count`
     M : (4, sources), their positions, m, and amounts
     q : factor, softening^2
-    one_task : whether the calling thread does all of it, for up to TASK targets: waking the others would take longer
     """
     float_type = runtime.DTYPES[precision]
     matrix, vector = ti.types.ndarray(float_type, 2), ti.types.ndarray(float_type, 1)
@@ -71,7 +69,7 @@ def field_kernel(n: int, precision: str, one_task: bool = False):
     @ti.kernel
     def field(T: matrix, M: matrix, out: matrix, count: ti.i32, q: vector):
         m, tiles = M.shape[1], (count + LANES - 1) // LANES
-        ti.loop_config(block_dim=1, serialize=one_task)
+        ti.loop_config(block_dim=1)
         for task in range((tiles + _VECTORS - 1) // _VECTORS):
             for t in range(_VECTORS // 2):
                 # two vectors of targets, X, Y, Z and U, V, W, share the loads of sources; the last one alone counts twice

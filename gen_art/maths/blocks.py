@@ -1,5 +1,6 @@
 """Functions of large arrays, evaluated block by block: what they compute on the way stays in the processor's cache."""
 
+import math
 from collections.abc import Callable
 from functools import wraps
 
@@ -16,9 +17,11 @@ def in_blocks(function: Callable) -> Callable:
     @wraps(function)
     def whole(*arguments):
         arrays = [np.asarray(argument) for argument in arguments]
+        n = max(array.size for array in arrays)
+        if n <= _BLOCK:
+            return function(*arguments)
         shape = max((array.shape for array in arrays), key=len)
-        n = int(np.prod(shape))
-        if n <= _BLOCK or any(array.size > 1 and array.shape != shape for array in arrays):
+        if n != math.prod(shape) or any(array.size > 1 and array.shape != shape for array in arrays):
             return function(*arguments)
         flat = [array.reshape(-1) for array in arrays]
         result = None

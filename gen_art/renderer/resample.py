@@ -27,7 +27,7 @@ __all__ = [
 PAD = 2  # mirrored pixels on each side of a coarse picture, so that upsampling needs no test for the border
 TAPS = 4  # coarse pixels that a fine pixel gives its light to
 WIDE = 16  # floats of a vector: four pixels of RGBA
-_SERIAL_PIXELS = 100_000  # pixels of source and target below which waking other threads takes longer than they save
+_SMALL = 100_000  # pixels of source and target of which one thread makes the whole, faster than several
 
 F2, I1 = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i32, 1)
 FLOATS = ti.types.ndarray(ti.types.vector(WIDE, ti.f32), 1)
@@ -179,7 +179,7 @@ def ring_buffer(taps: int, row_vectors: int, pixels: int) -> np.ndarray:
 
     There are few strips, because the rows at the border of two are resampled twice.
     """
-    strips = 1 if pixels < _SERIAL_PIXELS else 2 * max(1, threads())
+    strips = 1 if pixels < _SMALL else 2 * max(1, threads())
     return aligned((strips * taps * row_vectors, WIDE), np.float32)
 
 
@@ -217,8 +217,7 @@ def _weighted_sum(source: ti.template(), at, weights: ti.template(), weights_sta
 
 
 @cache
-def _resampling(taps: int, border: int, serial: bool):
-    """The kernel, on all threads or (`serial`) on the calling one, which is faster for small pictures."""
+def _resampling(taps: int, border: int):
     offsets, count = _WINDOWS[taps, border]
     single, loads = _window_vectors(taps), max(offsets) + count
 
@@ -229,7 +228,7 @@ def _resampling(taps: int, border: int, serial: bool):
     ):  # fmt: skip
         height, row_vectors = y.shape[0], weights_start.shape[0]
         strips = ring_buffer.shape[0] // (taps * row_vectors)
-        ti.loop_config(serialize=serial, block_dim=1)
+        ti.loop_config(block_dim=1)
         for strip in range(strips):
             zero = ti.Vector([0.0] * WIDE)
             base, next_row = strip * taps * row_vectors, 0
@@ -284,6 +283,6 @@ def resample(
     row_taps : along the rows
     target : vectors
     """
-    taps, row_vectors = column_taps.weights.shape[1], len(row_taps.weights_start)
-    resample_kernel = _resampling(taps, border, len(ring_buffer) == taps * row_vectors)
+    taps = column_taps.weights.shape[1]
+    resample_kernel = _resampling(taps, border)
     return resample_kernel, (*source, *row_taps, *column_taps, target_weight, target, ring_buffer)

@@ -78,15 +78,14 @@ def texels(place) -> tuple[np.ndarray, float, tuple[float, float]]:
     top, left = (len(square) - height) // 2, (len(square) - width) // 2
     square[top : top + height, left : left + width] = np.concatenate([colour * coverage, coverage], axis=2)
     side = 1 << round(math.log2(len(square)))
-    level = np.stack(
-        [np.asarray(Image.fromarray(square[..., c]).resize((side, side), Image.Resampling.BILINEAR)) for c in range(4)],
-        2,
-    ).astype(np.float64)
-    mean_coverage = float(level[..., 3].mean())
+    if side != len(square):
+        channels = [Image.fromarray(square[..., c]).resize((side, side), Image.Resampling.BILINEAR) for c in range(4)]
+        square = np.stack([np.asarray(channel) for channel in channels], 2)
+    mean_coverage = float(square[..., 3].mean(dtype=np.float64))
     if mean_coverage == 0.0:
         raise UsageError(f"{place}: is transparent all over")
     parts = width / len(square), height / len(square)
-    return mipmap_chain(level), mean_coverage, parts
+    return mipmap_chain(square), mean_coverage, parts
 
 
 @ti.func

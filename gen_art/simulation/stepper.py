@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gen_art.integrators.step_kernels import BLOCK, make_step
+from gen_art.integrators.step_kernels import make_step
 from gen_art.particles.storage import PADDING
 from gen_art.simulation.system import ParticleSystem
 
@@ -36,22 +36,18 @@ class Stepper:
         sizes = [len(interaction.parts) for interaction in system.interactions]
         self.part_offsets = np.cumsum([0, *sizes]).tolist()
         self.precision = precision
-        self._kernels: dict[tuple[bool, bool], Callable] = {}
+        self._kernels: dict[bool, Callable] = {}
 
     def _kernel(self, start: float) -> Callable:
-        """The step kernel: one of whole steps in every lane where nobody dies, is fixed or is born after `start`, s.
-
-        A system that takes more than one launch a step and does not grow is moved by one task, if it fits in it.
-        """
+        """The step kernel: one of whole steps in every lane where nobody dies, is fixed or is born after `start`, s."""
         system = self.system
         lifespans = system.state.may_die or system.state.has_fixed or system.state.last_birth > start
-        one_task = self.coupled and not system.emitters and system.state.count <= BLOCK
-        if (lifespans, one_task) not in self._kernels:
-            self._kernels[lifespans, one_task] = make_step(
+        if lifespans not in self._kernels:
+            self._kernels[lifespans] = make_step(
                 system.composition, system.scheme.kind, system.scheme.rotation, self.part_offsets[-1],
-                self.coupled, system.state.attributes, self.precision, lifespans, one_task,
+                self.coupled, system.state.attributes, self.precision, lifespans,
             )  # fmt: skip
-        return self._kernels[lifespans, one_task]
+        return self._kernels[lifespans]
 
     def run(self, first: int, steps: int, dt: float, begin: int = 0, earliest: float = 0.0) -> None:
         """Take whole steps in one launch, for slots from `begin` on.

@@ -1,5 +1,7 @@
 """Several bodies as the particles of one system."""
 
+from functools import cached_property
+
 import numpy as np
 
 from gen_art import arguments
@@ -28,17 +30,40 @@ class Group:
         self.members: list[Body] = arguments.instances("bodies", members, Body, "ga.body({'sphere': 0.5})")
         if not self.members:
             raise UsageError("bodies must be a list of at least one ga.body(...)")
+        self.fixed = self._each([b.constraint == STATIC for b in self.members])
+
+    @cached_property
+    def _placed(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Positions, velocities and normals; found when they are asked for, since a preset is read several times."""
         rotations = [matrices(b.attitude) for b in self.members]
         arms = [apply(R, b.local) for b, R in zip(self.members, rotations)]
-        self.position = np.concatenate([b.place + arm for b, arm in zip(self.members, arms)])
-        self.velocity = np.concatenate([b.velocity + cross(b.spin, arm) for b, arm in zip(self.members, arms)])
-        self.mass = np.concatenate([b.masses for b in self.members])
-        self.radius = np.concatenate([b.radii for b in self.members])
-        self.fixed = self._each([b.constraint == STATIC for b in self.members])
+        return (
+            np.concatenate([b.place + arm for b, arm in zip(self.members, arms)]),
+            np.concatenate([b.velocity + cross(b.spin, arm) for b, arm in zip(self.members, arms)]),
+            np.concatenate([apply(R, b.normals) for b, R in zip(self.members, rotations)]),
+        )
+
+    @property
+    def position(self) -> np.ndarray:
+        return self._placed[0]
+
+    @property
+    def velocity(self) -> np.ndarray:
+        return self._placed[1]
+
+    @cached_property
+    def mass(self) -> np.ndarray:
+        return np.concatenate([b.masses for b in self.members])
+
+    @cached_property
+    def radius(self) -> np.ndarray:
+        return np.concatenate([b.radii for b in self.members])
+
+    @cached_property
+    def attributes(self) -> dict[str, np.ndarray]:
         area = np.concatenate([b.areas for b in self.members])
-        normal = np.concatenate([apply(R, b.normals) for b, R in zip(self.members, rotations)])
         shade, tint = np.zeros(len(area)), self._each([b.tint for b in self.members])
-        self.attributes = dict(zip(ATTRIBUTES, (area, *normal.T, shade, tint)))
+        return dict(zip(ATTRIBUTES, (area, *self._placed[2].T, shade, tint)))
 
     def _each(self, values) -> np.ndarray:
         """The value of each body, repeated for all its particles."""

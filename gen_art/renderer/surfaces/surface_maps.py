@@ -124,7 +124,7 @@ def image_texels(place) -> tuple[np.ndarray, float]:
         np.asarray(Image.fromarray(light[..., c].astype(np.float32)).resize((side, side), Image.Resampling.BOX))
         for c in range(4)
     ]
-    return mipmap_chain(np.stack(resized, axis=2).astype(np.float64)), height / width
+    return mipmap_chain(np.stack(resized, axis=2)), height / width
 
 
 @cached_by_file(8)
