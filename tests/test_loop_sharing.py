@@ -8,7 +8,6 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from gen_art.backend import loop_sharing, runtime
@@ -17,7 +16,6 @@ if runtime.STOCK_TAICHI:
     pytest.skip("Taichi shares the loops", allow_module_level=True)
 
 from gen_art.backend import machine_code
-from gen_art.backend.runtime import ti
 
 PATIENCE = 0.001  # s of work, many times what makes a caller wake others
 LONG = 60.0  # s; longer than any of these tests needs on any machine
@@ -111,17 +109,38 @@ def test_workers_help_with_a_long_loop():
 
 def test_the_caller_waits_for_the_last_piece():
     """Also for one that takes so long that the caller falls asleep."""
-    ended = []
+    begun, ended = threading.Event(), []
 
     def piece(thread, k):
-        time.sleep(PATIENCE if thread == 0 else 200 * PATIENCE)
-        ended.append(k)
+        if thread == 0:
+            time.sleep(PATIENCE)
+            if k > 0:
+                begun.wait(LONG)
+        else:
+            begun.set()
+            time.sleep(200 * PATIENCE)
+        ended.append((k, thread))
 
     with team(1) as (loop, _):
         for _ in range(3):
             loop(3, piece)
-            assert sorted(ended) == [0, 1, 2]
+            assert sorted(k for k, _ in ended) == [0, 1, 2]
+            assert {thread for _, thread in ended} == {0, 1}
             ended.clear()
+            begun.clear()
+
+
+def test_a_loop_of_two_long_pieces_is_shared_from_the_second_time_on():
+    """The first time, nobody knows before the first piece has ended that the loop is a long one."""
+    together, work = threading.Barrier(2), [lambda: time.sleep(PATIENCE)]
+    piece = PIECE(lambda *_: work[0]())  # one and the same: what took long is known by its address and number of pieces
+    with team(1) as (loop, count):
+        loop(2, piece)
+        assert count() == 0
+        work[0] = lambda: (together.wait(LONG), time.sleep(PATIENCE))  # still a long one
+        for k in range(3):
+            loop(2, piece)
+            assert count() == k + 1 and not together.broken
 
 
 def test_a_second_caller_does_its_loop_alone():
@@ -151,19 +170,59 @@ def test_a_second_caller_does_its_loop_alone():
     assert sorted(first) == list(range(9))
 
 
-def test_many_loops_of_a_kernel_do_each_piece_once():
-    @ti.kernel
-    def add(x: ti.types.ndarray(ti.f32, 2)):
-        ti.loop_config(block_dim=1)
-        for k in range(x.shape[0]):
-            for _ in range(40):
-                for i in range(x.shape[1]):
-                    x[k, i] += 1.0
+KERNELS = """
+import threading
 
-    kernel, x = runtime.kernel(add), np.zeros((16, 500), np.float32)
-    for _ in range(2000):
-        kernel(x)
-    assert (x == 80000).all()
+import numpy as np
+
+begun, ended = threading.Event(), threading.Event()
+def older():
+    begun.wait()
+    halve(tiny_of_older)
+    ended.set()
+thread = threading.Thread(target=older, daemon=True)  # it is older than Taichi, which lets its thread round tiny numbers to 0
+thread.start()
+
+from gen_art.backend import loop_sharing, machine_code, runtime
+from gen_art.backend.runtime import ti
+
+runtime.init(threads=2)
+place = loop_sharing.ctypes.c_void_p.from_address(machine_code.runtime_address() + loop_sharing._SHARES_OUT)
+assert not loop_sharing._is_taichi(place.value), "Taichi shares the loops"
+
+@ti.kernel
+def add(x: ti.types.ndarray(ti.f32, 2)):
+    ti.loop_config(block_dim=1)
+    for k in range(x.shape[0]):
+        for _ in range(40):
+            for i in range(x.shape[1]):
+                x[k, i] += 1.0
+
+@ti.kernel
+def halve_all(x: ti.types.ndarray(ti.f32, 2)):
+    ti.loop_config(block_dim=1)
+    for k in range(x.shape[0]):
+        for i in range(x.shape[1]):
+            x[k, i] *= 0.5
+
+kernel, x = runtime.kernel(add), np.zeros((16, 500), np.float32)
+for _ in range(2000):
+    kernel(x)
+assert (x == 80000).all(), "a piece was not done once"
+
+halve = runtime.kernel(halve_all)
+tiny_of_older, tiny = np.full((64, 20000), 1.5e-38, np.float32), np.full((64, 20000), 1.5e-38, np.float32)
+begun.set()
+assert ended.wait(60)
+halve(tiny)
+assert tiny.tobytes() == tiny_of_older.tobytes(), "threads round in different ways"
+"""
+
+
+def test_kernels_do_each_piece_once_and_round_alike_in_all_threads(tmp_path):
+    script = tmp_path / "kernels.py"  # Taichi reads the source of kernels from a file
+    script.write_text(KERNELS)
+    subprocess.run([sys.executable, str(script)], check=True, timeout=10 * LONG)
 
 
 FORK = """

@@ -13,10 +13,15 @@ target triple = "x86_64-unknown-linux-gnu"
 @context = global i8* null
 @piece = global void (i8*, i32, i32)* null
 
+@control = global i32 8064         ; the thread that called `prepare` computes so: how it rounds, and what it does with tiny numbers
+@was_long = global [1024 x i8] zeroinitializer  ; by kernel and number of pieces: 1 if it took long the last time
+
 declare i64 @syscall(i64, ...)
 declare i64 @llvm.readcyclecounter()
 declare i32 @llvm.smin.i32(i32, i32)
 declare void @llvm.x86.sse2.pause()
+declare void @llvm.x86.sse.stmxcsr(i8*)
+declare void @llvm.x86.sse.ldmxcsr(i8*)
 
 ; Sleep until the word at an address differs from what was seen there. It may wake earlier.
 define internal void @sleep_while(i32* %word, i32 %seen) {
@@ -45,34 +50,65 @@ end:
   ret void
 }
 
+; Let all threads compute as the calling one does, whoever takes a piece.
+define void @prepare() {
+  call void @llvm.x86.sse.stmxcsr(i8* bitcast (i32* @control to i8*))
+  ret void
+}
+
 ; Run a loop: piece(context, thread, k) for each k below `pieces`. Called by the thread that launches a kernel, in place of
 ; Taichi's function, which has the same arguments.
 define void @run(i8* %pool, i32 %pieces, i32 %threads, i8* %context, void (i8*, i32, i32)* %piece) {
 entry:
+  %own = alloca i32
+  %own_control = bitcast i32* %own to i8*
+  call void @llvm.x86.sse.stmxcsr(i8* %own_control)
+  call void @llvm.x86.sse.ldmxcsr(i8* bitcast (i32* @control to i8*))
   %began = call i64 @llvm.readcyclecounter()
   %workers = load atomic i32, i32* @workers seq_cst, align 4
   %has_none = icmp eq i32 %workers, 0
   %at_first = select i1 %has_none, i64 -1, i64 20000  ; cycles of work after which it is worth waking others
-  br label %alone
+  %address = ptrtoint void (i8*, i32, i32)* %piece to i64
+  %kernel = lshr i64 %address, 4
+  %number = zext i32 %pieces to i64
+  %mixed = mul i64 %number, 40503
+  %both = add i64 %kernel, %mixed
+  %place = and i64 %both, 1023
+  %known = getelementptr [1024 x i8], [1024 x i8]* @was_long, i64 0, i64 %place
+  %flag = load atomic i8, i8* %known monotonic, align 1
+  %is_long = icmp ne i8 %flag, 0
+  %is_several = icmp sgt i32 %pieces, 1
+  %is_worth_it = and i1 %is_long, %is_several
+  %at_once = select i1 %has_none, i1 false, i1 %is_worth_it
+  br i1 %at_once, label %share, label %alone
 
 alone:  ; the calling thread does its loop alone
-  %k = phi i32 [ 0, %entry ], [ %done, %after ], [ %done, %share ]
+  %k = phi i32 [ 0, %entry ], [ %done, %after ], [ %first, %share ]
   %limit = phi i64 [ %at_first, %entry ], [ %limit, %after ], [ -1, %share ]
   %is_left = icmp slt i32 %k, %pieces
-  br i1 %is_left, label %do, label %end
+  br i1 %is_left, label %do, label %learn_alone
 do:
   call void %piece(i8* %context, i32 0, i32 %k)
   br label %after
 after:
   %done = add i32 %k, 1
+  %left = sub i32 %pieces, %done
   %now = call i64 @llvm.readcyclecounter()
   %spent = sub i64 %now, %began
   %is_short = icmp ult i64 %spent, %limit
-  %is_last = icmp sge i32 %done, %pieces
+  %is_last = icmp sle i32 %left, 1
   %goes_on = or i1 %is_short, %is_last
   br i1 %goes_on, label %alone, label %share
+learn_alone:  ; waking others takes about 100,000 cycles until they help
+  %end_alone = call i64 @llvm.readcyclecounter()
+  %spent_alone = sub i64 %end_alone, %began
+  %was_long_alone = icmp ugt i64 %spent_alone, 150000
+  %flag_alone = zext i1 %was_long_alone to i8
+  store atomic i8 %flag_alone, i8* %known monotonic, align 1
+  br label %end
 
 share:
+  %first = phi i32 [ 0, %entry ], [ %done, %after ]
   %was_taken = atomicrmw xchg i32* @taken, i32 1 seq_cst
   %is_free = icmp eq i32 %was_taken, 0
   br i1 %is_free, label %publish, label %alone
@@ -80,10 +116,11 @@ publish:
   store i8* %context, i8** @context
   store void (i8*, i32, i32)* %piece, void (i8*, i32, i32)** @piece
   store i32 %pieces, i32* @pieces
-  store atomic i32 %done, i32* @next seq_cst, align 4
+  store atomic i32 %first, i32* @next seq_cst, align 4
   store atomic i32 1, i32* @open seq_cst, align 4
   %before = atomicrmw add i32* @loops, i32 1 seq_cst
-  %others = sub i32 %pieces, %done
+  %rest = sub i32 %pieces, %first
+  %others = sub i32 %rest, 1
   %useful = call i32 @llvm.smin.i32(i32 %workers, i32 %others)
   call void @wake(i32* @loops, i32 %useful)
   call void @take_pieces(i8* %context, void (i8*, i32, i32)* %piece, i32 %pieces, i32 0)
@@ -115,14 +152,21 @@ awake:
   br label %free
 free:
   store atomic i32 0, i32* @taken seq_cst, align 4
+  %end_shared = call i64 @llvm.readcyclecounter()
+  %spent_shared = sub i64 %end_shared, %began
+  %was_long_shared = icmp ugt i64 %spent_shared, 75000
+  %flag_shared = zext i1 %was_long_shared to i8
+  store atomic i8 %flag_shared, i8* %known monotonic, align 1
   br label %end
 end:
+  call void @llvm.x86.sse.ldmxcsr(i8* %own_control)
   ret void
 }
 
 ; The life of a worker: help with each loop that is shared. It ends when there are to be no workers.
 define void @help(i32 %thread) {
 entry:
+  call void @llvm.x86.sse.ldmxcsr(i8* bitcast (i32* @control to i8*))
   br label %rest
 
 rest:

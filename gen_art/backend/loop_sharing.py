@@ -1,8 +1,9 @@
 """Shares the loops of kernels out among threads, in place of Taichi 1.7.4, which wakes all its threads for each loop and sleeps.
 
 That takes 0.1 ms, also for a loop over one particle. Here the thread that launches a kernel begins the loop itself, and wakes
-the others only when it has worked for some microseconds and there is more to do. Pieces are taken one by one, so that uneven
-work is balanced; which thread does a piece changes no result.
+the others when it has worked for some microseconds and two pieces or more are left; or at once, if the kernel's loop of as many
+pieces took long the last time. Pieces are taken one by one, so that uneven work is balanced. Which thread does a piece changes
+no result: all of them round, and treat numbers below the normal ones, as the thread that has started Taichi.
 
 The code is loop_sharing.ll, in LLVM's language. Taichi's runtime holds the address of the function that shares out a loop; this
 module writes another one there.
@@ -43,14 +44,19 @@ def install(threads: int, kept: KeptFiles) -> bool:
     if (image := kept.read(key)) is None:
         image = machine_code.assemble(text)
         kept.write(key, image)
-    run, help_, stop, workers = machine_code.link(image, ["run", "help", "stop", "workers"])
+    run, prepare, help_, stop, workers = machine_code.link(image, ["run", "prepare", "help", "stop", "workers"])
+    ctypes.CFUNCTYPE(None)(prepare)()
     count = ctypes.c_int32.from_address(workers)
     count.value = threads - 1
     live = ctypes.CFUNCTYPE(None, ctypes.c_int32)(help_)
-    for number in range(1, threads):
-        threading.Thread(target=live, args=(number,), name=f"gen-art kernels {number}", daemon=True).start()
-    place.value = run
     atexit.register(ctypes.CFUNCTYPE(None)(stop))
+    for number in range(1, threads):
+        try:
+            threading.Thread(target=live, args=(number,), name=f"gen-art kernels {number}", daemon=True).start()
+        except RuntimeError:  # the system allows no more threads
+            count.value = number - 1
+            break
+    place.value = run
     if hasattr(os, "register_at_fork"):  # a fork has one thread, which then does its loops alone
         os.register_at_fork(after_in_child=lambda: setattr(count, "value", 0))
     return True

@@ -4,7 +4,7 @@ Taichi 1.7.4 keeps only its intermediate code from one process to the next; each
 takes seconds. Here the machine code itself is kept (kernel_store.py).
 
 A compiled kernel is a list of functions ("tasks"), called in order with a pointer to a context: the kernel's arguments as a
-C structure, and Taichi's runtime, which has the threads. The version of LLVM is that of Taichi, 15.
+C structure, and Taichi's runtime, by which loops are shared out among threads. The version of LLVM is that of Taichi, 15.
 """
 
 import ctypes

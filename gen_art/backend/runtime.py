@@ -3,8 +3,9 @@
 Every other module imports `ti` from here. `kernel(function, precision)` compiles a kernel with its default float type;
 otherwise the literals of a float64 kernel would silently become float32.
 
-This package replaces parts of Taichi (tracing_patch, real_function_patch, launch_patch) and links LLVM bitcode into kernels
-(intrinsics/). With the environment variable GEN_ART_STOCK_TAICHI=1 it does neither: the bits are the same, but it is slower.
+This package replaces parts of Taichi (tracing_patch, real_function_patch, launch_patch, loop_sharing) and links LLVM bitcode
+into kernels (intrinsics/). With the environment variable GEN_ART_STOCK_TAICHI=1 it does neither: the bits are the same, but it
+is slower.
 """
 
 from gen_art.backend.environment import HAS_HOME, STOCK_TAICHI  # isort: skip  (sets the environment that Taichi reads when imported)

@@ -4,6 +4,7 @@ Births by rate, time, count and event are counted in slices of simulated time; d
 lifetimes.
 """
 
+import weakref
 from collections import deque
 from dataclasses import dataclass
 
@@ -103,18 +104,18 @@ def estimate(preset: Preset, precision: str = "f32", until: float | None = None)
     return Estimate(born, peak, size, state + max(births, drawing), pixel_bytes(preset))
 
 
-_latest: deque[tuple[Preset, float, "_Census"]] = deque(maxlen=4)  # a command asks for the same ones several times
+_latest: deque[tuple[weakref.ref, float, "_Census"]] = deque(maxlen=4)  # a command asks for the same ones several times
 
 
 def _census(preset: Preset, until: float) -> "_Census":
     """The counts for a preset up to simulated time `until`, s."""
-    for known, time, census in _latest:
-        if known is preset and time == until:
+    for known, time, census in tuple(_latest):
+        if known() is preset and time == until:
             return census
     census = _Census(preset, until)
     with np.errstate(over="ignore", invalid="ignore"):
         census.run()
-    _latest.append((preset, until, census))
+    _latest.append((weakref.ref(preset), until, census))
     return census
 
 

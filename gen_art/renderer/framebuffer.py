@@ -21,7 +21,7 @@ __all__ = ["FrameBuffer", "splat"]
 SLICES = 8
 DISCS, PICTURES = frozenset({DISC, COVERED_DISC}), frozenset({PICTURE})
 OF_LEVELS = frozenset({DISC, ELLIPSE})  # the kinds that are drawn into coarse framebuffers where they are large
-PARALLEL_CLEAR = 2**24  # bytes of a framebuffer from which waking threads to clear it pays
+PARALLEL_CLEAR = 2**24  # bytes of a framebuffer from which several threads clear it faster than one
 WIDE, CLEAR_PARTS = 16, 64  # floats of a vector; parts that threads clear
 FLOATS = ti.types.ndarray(ti.types.vector(WIDE, ti.f32), 1)
 

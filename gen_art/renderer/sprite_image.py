@@ -75,6 +75,7 @@ def texels(place) -> tuple[np.ndarray, float, tuple[float, float]]:
         colour = colour / np.maximum(coverage, 1e-9)
     height, width = pixels.shape[:2]
     square = np.zeros((max(height, width),) * 2 + (4,), np.float32)
+    parts = width / len(square), height / len(square)
     top, left = (len(square) - height) // 2, (len(square) - width) // 2
     square[top : top + height, left : left + width] = np.concatenate([colour * coverage, coverage], axis=2)
     side = 1 << round(math.log2(len(square)))
@@ -84,7 +85,6 @@ def texels(place) -> tuple[np.ndarray, float, tuple[float, float]]:
     mean_coverage = float(square[..., 3].mean(dtype=np.float64))
     if mean_coverage == 0.0:
         raise UsageError(f"{place}: is transparent all over")
-    parts = width / len(square), height / len(square)
     return mipmap_chain(square), mean_coverage, parts
 
 

@@ -1,4 +1,4 @@
-"""A few particles, which one thread moves, move by the same bits as beside others that another thread may move."""
+"""Full blocks of particles move by the same bits as beside one more particle, whichever threads move them."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def positions(n: int, more: int, integrator: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("integrator", ["leapfrog", "rk4"])
-@pytest.mark.parametrize("n", [128, BLOCK])
+@pytest.mark.parametrize("n", [BLOCK, 5 * BLOCK])
 def test_a_full_block_moves_by_the_same_bits_as_beside_another(n, integrator):
     alone, shared = positions(n, 0, integrator), positions(n, 1, integrator)
     assert np.isfinite(alone).all() and np.array_equal(alone, shared)

@@ -102,6 +102,16 @@ def test_a_picture_without_transparency_covers_where_it_is_bright(folder):
     assert texels(folder / "white.png")[1] == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("side", [48, 40, 1000])
+def test_a_square_image_fills_its_square_whatever_its_size(folder, side):
+    Image.fromarray(np.full((side, side, 4), 255, np.uint8)).save(folder / "full.png")
+    assert texels(folder / "full.png")[2] == (1.0, 1.0)
+    picture = paint({"radius": 40, "picture": "full.png"}, [[0.0, 0.0, 0.0]])[..., 1]
+    assert picture[62:66, 112:116].mean() == pytest.approx(
+        picture[100, 150], rel=1e-3
+    )  # a corner is as bright as the middle
+
+
 def test_a_large_image_keeps_1024_texels_a_side(folder):
     """Stripes of two texels of an image of 2048 become stripes of one. Mutant: 512, where they are an even grey."""
     stripes = np.zeros((2048, 2048, 4), np.uint8)

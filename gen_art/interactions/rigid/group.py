@@ -43,11 +43,11 @@ class Group:
             np.concatenate([apply(R, b.normals) for b, R in zip(self.members, rotations)]),
         )
 
-    @property
+    @cached_property
     def position(self) -> np.ndarray:
         return self._placed[0]
 
-    @property
+    @cached_property
     def velocity(self) -> np.ndarray:
         return self._placed[1]
 
