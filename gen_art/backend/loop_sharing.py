@@ -48,14 +48,24 @@ def install(threads: int, kept: KeptFiles) -> bool:
     ctypes.CFUNCTYPE(None)(prepare)()
     count = ctypes.c_int32.from_address(workers)
     count.value = threads - 1
-    live = ctypes.CFUNCTYPE(None, ctypes.c_int32)(help_)
-    atexit.register(ctypes.CFUNCTYPE(None)(stop))
+    live, end = ctypes.CFUNCTYPE(None, ctypes.c_int32)(help_), ctypes.CFUNCTYPE(None)(stop)
+    team: list[threading.Thread] = []
     for number in range(1, threads):
+        thread = threading.Thread(target=live, args=(number,), name=f"gen-art kernels {number}", daemon=True)
         try:
-            threading.Thread(target=live, args=(number,), name=f"gen-art kernels {number}", daemon=True).start()
+            thread.start()
         except RuntimeError:  # the system allows no more threads
             count.value = number - 1
             break
+        team.append(thread)
+
+    def dismiss() -> None:
+        """End the lives of the workers, before Python takes its own things apart."""
+        end()
+        for thread in team:
+            thread.join(1.0)
+
+    atexit.register(dismiss)
     place.value = run
     if hasattr(os, "register_at_fork"):  # a fork has one thread, which then does its loops alone
         os.register_at_fork(after_in_child=lambda: setattr(count, "value", 0))
