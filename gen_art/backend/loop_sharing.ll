@@ -99,7 +99,7 @@ after:
   %is_last = icmp sle i32 %left, 1
   %goes_on = or i1 %is_short, %is_last
   br i1 %goes_on, label %alone, label %share
-learn_alone:  ; waking others takes about 100,000 cycles until they help
+learn_alone:  ; is the loop worth sharing from its beginning? it takes about 100,000 cycles until others help
   %end_alone = call i64 @llvm.readcyclecounter()
   %spent_alone = sub i64 %end_alone, %began
   %was_long_alone = icmp ugt i64 %spent_alone, 150000
@@ -154,7 +154,7 @@ free:
   store atomic i32 0, i32* @taken seq_cst, align 4
   %end_shared = call i64 @llvm.readcyclecounter()
   %spent_shared = sub i64 %end_shared, %began
-  %was_long_shared = icmp ugt i64 %spent_shared, 75000
+  %was_long_shared = icmp ugt i64 %spent_shared, 75000  ; half of the limit above: two or more have shared the work
   %flag_shared = zext i1 %was_long_shared to i8
   store atomic i8 %flag_shared, i8* %known monotonic, align 1
   br label %end

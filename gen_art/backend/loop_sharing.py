@@ -27,18 +27,18 @@ _WORD = ctypes.sizeof(ctypes.c_void_p)
 _SHARES_OUT = (2 * 3 + 5 + 512 + 512 + 1) * _WORD
 
 
-def install(threads: int, kept: KeptFiles) -> bool:
+def install(threads: int, kept: KeptFiles) -> None:
     """Let `threads` threads, of which the calling one is the first, share the loops of all kernels from now on.
 
     kept : where the machine code is kept from one process to the next
-    Returns whether they do; where Taichi's runtime is not found or not as expected, Taichi goes on to share them. Once a process.
+    Where Taichi's runtime is not found or not as expected, Taichi goes on to share them. Call it once a process.
     """
     runtime = machine_code.runtime_address()
     if runtime is None:
-        return False
+        return
     place = ctypes.c_void_p.from_address(runtime + _SHARES_OUT)
     if not _is_taichi(place.value):
-        return False
+        return
     text = Path(__file__).with_suffix(".ll").read_text(encoding="ascii")
     key = hashlib.sha256(text.encode()).hexdigest()
     if (image := kept.read(key)) is None:
@@ -69,7 +69,6 @@ def install(threads: int, kept: KeptFiles) -> bool:
     place.value = run
     if hasattr(os, "register_at_fork"):  # a fork has one thread, which then does its loops alone
         os.register_at_fork(after_in_child=lambda: setattr(count, "value", 0))
-    return True
 
 
 class _Symbol(ctypes.Structure):

@@ -27,7 +27,7 @@ __all__ = [
 PAD = 2  # mirrored pixels on each side of a coarse picture, so that upsampling needs no test for the border
 TAPS = 4  # coarse pixels that a fine pixel gives its light to
 WIDE = 16  # floats of a vector: four pixels of RGBA
-_SMALL = 100_000  # pixels of source and target of which one thread makes the whole, faster than several
+_SMALL = 100_000  # pixels of source and target below which one thread is faster than several
 
 F2, I1 = ti.types.ndarray(ti.f32, 2), ti.types.ndarray(ti.i32, 1)
 FLOATS = ti.types.ndarray(ti.types.vector(WIDE, ti.f32), 1)
@@ -218,6 +218,7 @@ def _weighted_sum(source: ti.template(), at, weights: ti.template(), weights_sta
 
 @cache
 def _resampling(taps: int, border: int):
+    """The kernel for windows of `taps` pixels of a source with `border` pixels before a row's first."""
     offsets, count = _WINDOWS[taps, border]
     single, loads = _window_vectors(taps), max(offsets) + count
 

@@ -200,6 +200,21 @@ BURST = {
 }
 
 
+def test_each_event_takes_one_kind_by_weight():
+    """Of 4,000 bursts, three in four are of the kind with three times the weight, to five standard deviations."""
+    bursts, share = 4000, 0.75
+    kinds = {"common": {"weight": 3, "count": 2, "mass": 3}, "rare": {"weight": 1, "count": 5, "mass": 7}}
+    systems = {
+        "shells": {"particle": {"lifetime": 0.05}, "emitters": {"all": {"count": bursts}}},
+        "stars": {"emitters": {"burst": {"from": {"event": "shells.death"}, "choose": kinds}}},
+    }
+    mass = simulate(systems, 0.1)["stars"].mass
+    common, rare = np.sum(mass == 3), np.sum(mass == 7)
+    assert common + rare == len(mass) and common % 2 == 0 and rare % 5 == 0
+    assert common / 2 + rare / 5 == bursts
+    assert abs(common / 2 - share * bursts) < 5 * np.sqrt(bursts * share * (1 - share))
+
+
 @pytest.mark.parametrize("precision", ["f64", "f32"])
 def test_a_burst_carries_no_momentum_of_its_own(precision):
     """In its frame, to 4 eps of what its parts carry, in either precision."""

@@ -25,6 +25,15 @@ def test_the_estimate_agrees_with_the_simulation():
         assert expected.peak[name] == pytest.approx(peak[name], rel=0.1)
 
 
+def test_an_estimate_is_of_the_time_it_is_asked_for():
+    """Also where one of the same preset was made just before."""
+    piece = load_preset(read_text(TEXT, "piece.yaml").plain(), overrides={"systems.drops.emitters.nozzle.rate": 1000})
+    whole, time = estimate(piece), piece.clock.simulated
+    half = estimate(piece, until=0.5 * time)
+    assert half.born["drops"] == pytest.approx(0.5 * whole.born["drops"], rel=0.01)
+    assert estimate(piece) == whole == estimate(load_preset(piece, overrides={"seed": 2}))
+
+
 def test_the_estimate_counts_what_surfaces_need():
     """Of each pixel: the depths of surfaces, 4 float32, and their light in parts, where none of them shows others; a mirror's picture
     and its pyramid, 4 float32 times 1 + 1/4 + 1/16 + ..., how it is read, and the depths and parts of what it shows; with a lens the
