@@ -6,6 +6,7 @@ lifetimes.
 
 import weakref
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +23,7 @@ SLICES = 600
 FLOAT_CHANNELS = 10  # position, velocity, mass, charge, radius, lifetime
 OTHER_COLUMNS = 28  # bytes of a particle: birth time, key, id, source
 INDEX_LIMIT = 2**31 - 1  # numbers in a system's float array
-_FOREVER = 1e300
+_FOREVER = 10**9  # slices
 
 
 # memory at the peak of the process, bytes; measured with one preset of each kind at several sizes and rates
@@ -121,129 +122,129 @@ def _census(preset: Preset, until: float) -> "_Census":
 
 @dataclass(frozen=True)
 class _Emitter:
-    """An emitter in the census: how often it emits in each slice, and what comes of that.
+    """An emitter in the census, or one of its choices.
 
+    share : births of each of its events
     events : (SLICES,) how often it emits; of an emitter that follows events, how often for each of them
-    source : kind of the events that it follows (None if it follows none) and the indices of the groups that have them
-    births : (index of the group, births an event, first and last slice of their deaths after their own) of each choice
+    follows : kind of the events that it follows and the indices of the emitters that have them; None if it follows none
+    lifetime : the fewest and the most slices that its particles live; None if they live on
     """
 
     system: str
+    tag: str | None
     by_rate: bool
-    events: list[float]
-    source: tuple[str, list[int]] | None
-    births: list[tuple[int, float, int | None, int]]
+    share: float
+    events: np.ndarray
+    follows: tuple[str, list[int]] | None
+    lifetime: tuple[int, int] | None
+
+    def deaths(self, born: np.ndarray) -> np.ndarray:
+        """The deaths in each slice, when `born` are born in each: spread evenly over the lifetimes."""
+        died = np.zeros(SLICES)
+        if self.lifetime is not None:
+            first, last = self.lifetime
+            total = np.concatenate([np.zeros(1), np.cumsum(born)])
+            died[first:] = total[1 : max(SLICES + 1 - first, 1)]
+            died[last + 1 :] -= total[1 : max(SLICES - last, 1)]
+            died /= last - first + 1
+        return died
 
 
 class _Census:
-    """Counts births and deaths in slices of simulated time, by groups: system, emitter and tag."""
+    """Counts births and deaths in slices of simulated time, by emitters and their choices."""
 
     def __init__(self, preset: Preset, until: float):
         self.width = max(until, 1e-300) / SLICES
         systems = preset.systems
-        groups = dict.fromkeys(
-            (name, label, tag)
+        tags = [
+            (name, (choice or emitter).tag)
             for name, system in systems.items()
-            for label, emitter in system.emitters.items()
-            for tag in (emitter.tag, *(c.tag for c in emitter.choose.values()))
-        )
-        self.groups = {group: k for k, group in enumerate(groups)}
-        self.of_system = {name: [k for group, k in self.groups.items() if group[0] == name] for name in systems}
-        self.emitters = [self._emitter(systems, n, e) for n, system in systems.items() for e in system.emitters]
-        self.deaths = np.zeros((len(groups), SLICES + 1))
-        self.most = [0.0] * len(groups)  # alive at once
-        self.born = dict.fromkeys(systems, 0.0)
-        self.peak = dict.fromkeys(systems, 0.0)
-        self.steady = dict.fromkeys(systems, 0.0)  # the most births of one launch, by rates
-        self.sudden = dict.fromkeys(systems, 0.0)  # and by counts
+            for emitter in system.emitters.values()
+            for choice in emitter.choose.values() or [None]
+        ]
+        self.emitters = [
+            each
+            for name, system in systems.items()
+            for emitter in system.emitters.values()
+            for each in self._choices(name, emitter, system.particle.lifetime, tags)
+        ]
+        self.of_system = {name: [k for k, (system, _) in enumerate(tags) if system == name] for name in systems}
         stepwise = any(s.interactions or any(e.source for e in s.emitters.values()) for s in systems.values())
         self.batch = (1 if stepwise else BATCH) * preset.clock.step  # simulated time of a launch, s
 
+    def _choices(self, name: str, emitter, lifetime, tags: list[tuple]) -> Iterator[_Emitter]:
+        """The choices of an emitter; one where it has none."""
+        weights = sum(choice.weight for choice in emitter.choose.values())
+        follows = None
+        if emitter.source is not None:
+            parent, wanted = emitter.source.system, emitter.source.tag
+            followed = [k for k, (system, tag) in enumerate(tags) if system == parent and (not wanted or tag in wanted)]
+            follows = emitter.source.kind, followed
+        events = _events(emitter, self.width * np.arange(SLICES + 1))
+        for choice in emitter.choose.values() or [None]:
+            count = (choice and choice.count) or emitter.count
+            share = (count.mean if count else 1.0) * (choice.weight / weights if choice else 1.0)
+            range_ = (choice and choice.lifetime) or emitter.lifetime or lifetime
+            span = None
+            if range_ is not None:  # they die in a later slice than that of their birth
+                span = tuple(max(1, int(min(end / self.width, _FOREVER))) for end in (range_.lo, range_.hi))
+            yield _Emitter(name, (choice or emitter).tag, emitter.rate is not None, share, events, follows, span)
+
     def tagged(self, name: str, tags: tuple[str, ...]) -> float:
         """At most so many particles of a system with one of these tags are alive at once."""
-        most = sum(self.most[k] for (system, _, tag), k in self.groups.items() if system == name and tag in tags)
+        most = sum(self.most[k] for k in self.of_system[name] if self.emitters[k].tag in tags)
         return float(np.nan_to_num(most, nan=np.inf))
 
     def run(self) -> None:
-        number = range(len(self.groups))
-        alive, births = [0.0] * len(number), [0.0] * len(number)
-        for k in range(SLICES):
-            died = [min(deaths, living) for deaths, living in zip(self.deaths[:, k].tolist(), alive)]
-            # the number of a particle's impacts is not known beforehand: one is assumed, at its birth
-            table = {"death": died, "birth": births, "impact": births, "path": alive}
-            born = [0.0] * len(number)
-            by_rate, by_count = dict.fromkeys(self.born, 0.0), dict.fromkeys(self.born, 0.0)
-            for emitter in self.emitters:
-                events = emitter.events[k]
-                if emitter.source is not None:
-                    kind, parents = emitter.source
-                    events *= sum(table[kind][parent] for parent in parents)
-                if events:
-                    total = by_rate if emitter.by_rate else by_count
-                    total[emitter.system] += self._give_birth(emitter, events, k, born)
-            for name, groups in self.of_system.items():
-                self.steady[name] = max(self.steady[name], by_rate[name] * self.batch / self.width)
-                self.sudden[name] = max(self.sudden[name], by_count[name])
-                together = sum(born[group] for group in groups)
-                self.born[name] += together
-                self.peak[name] = max(self.peak[name], sum(alive[group] for group in groups) + together)
-            for group in number:
-                self.most[group] = max(self.most[group], alive[group] + born[group])
-                alive[group] += born[group] - died[group]
-            births = born
+        """Count: births follow events of the slices before, so that they are final when they do not change any more."""
+        births = np.zeros((len(self.emitters), SLICES))
+        while True:
+            alive, following = self._lives_and_births(births)
+            if np.array_equal(following, births, equal_nan=True):
+                break
+            births = following
+        self.most = (alive + births).max(1)
+        self.born: dict[str, float] = {}
+        self.peak: dict[str, float] = {}
+        self.steady: dict[str, float] = {}  # the most births of one launch, by rates
+        self.sudden: dict[str, float] = {}  # and by counts
+        for name, rows in self.of_system.items():
+            self.born[name] = births[rows].sum()
+            self.peak[name] = (alive[rows] + births[rows]).sum(0).max()
+            by_rate = [k for k in rows if self.emitters[k].by_rate]
+            by_count = [k for k in rows if not self.emitters[k].by_rate]
+            self.steady[name] = births[by_rate].sum(0).max() * self.batch / self.width
+            self.sudden[name] = births[by_count].sum(0).max()
 
-    def _give_birth(self, emitter: _Emitter, events: float, k: int, born: list[float]) -> float:
-        """The number of births of `events` in slice k, which are added to `born`; their deaths are spread over the lifetimes."""
-        together = 0.0
-        for group, number, first, last in emitter.births:
-            births = events * number
-            born[group] += births
-            together += births
-            if first is not None and k + first <= SLICES:
-                self.deaths[group, k + first : k + last + 1] += births / (last - first + 1)
-        return together
-
-    def _emitter(self, systems, name: str, label: str) -> _Emitter:
-        emitter = systems[name].emitters[label]
-        weights = sum(choice.weight for choice in emitter.choose.values())
-        births = []
-        for choice in emitter.choose.values() or [None]:
-            count = (choice and choice.count) or emitter.count
-            number = (count.mean if count else 1.0) * (choice.weight / weights if choice else 1.0)
-            lifetime = (choice and choice.lifetime) or emitter.lifetime or systems[name].particle.lifetime
-            span: tuple[int | None, int] = (None, 0)
-            if lifetime is not None:
-                last = max(1, int(min(lifetime.hi / self.width, 1e9)))
-                span = max(1, int(min(lifetime.lo / self.width, 2 * SLICES))), last
-            births.append((self.groups[name, label, (choice or emitter).tag], number, *span))
-        source = None
-        if emitter.source is not None:
-            parent, tags = emitter.source.system, emitter.source.tag
-            parents = [
-                k for (system, _, tag), k in self.groups.items() if system == parent and (not tags or tag in tags)
-            ]
-            source = emitter.source.kind, parents
-        edges = [k * self.width for k in range(SLICES + 1)]
-        events = [_events(emitter, start, stop) for start, stop in zip(edges, edges[1:])]
-        return _Emitter(name, emitter.rate is not None, events, source, births)
+    def _lives_and_births(self, births: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How many are alive at the beginning of each slice, and the births that follow from these lives."""
+        died = np.array([emitter.deaths(born) for emitter, born in zip(self.emitters, births)])
+        before = np.pad(births, ((0, 0), (1, 0)))[:, :-1]
+        alive = np.maximum(np.cumsum(before - np.pad(died, ((0, 0), (1, 0)))[:, :-1], 1), 0.0)
+        # the number of a particle's impacts is not known beforehand: one is assumed, at its birth
+        table = {"death": died, "birth": before, "impact": before, "path": alive}
+        following = np.empty_like(births)
+        for k, emitter in enumerate(self.emitters):
+            following[k] = emitter.share * emitter.events
+            if emitter.follows is not None:
+                kind, followed = emitter.follows
+                following[k] *= table[kind][followed].sum(0)
+        return alive, following
 
 
-def _events(emitter, start: float, stop: float) -> float:
-    """How often an emitter emits from `start` to `stop`: births by rate or times of `at`; else for each event that it follows."""
+def _events(emitter, edges: np.ndarray) -> np.ndarray:
+    """How often an emitter emits between `edges`: births by rate or times of `at`; else for each event that it follows."""
+    starts, stops = edges[:-1], edges[1:]
     if emitter.source is not None:
-        return _integral(emitter.rate, start, stop) if emitter.source.kind == "path" else 1.0
+        return emitter.rate * (stops - starts) if emitter.source.kind == "path" else np.ones(len(starts))
     first = emitter.start or 0.0
-    if emitter.at is not None:
-        return float(sum(start <= time < stop for time in emitter.at))
     if emitter.rate is None:
-        return float(start <= first < stop)
-    return _integral(emitter.rate, max(start, first), min(stop, _FOREVER if emitter.stop is None else emitter.stop))
-
-
-def _integral(rate: float | Curve, start: float, stop: float) -> float:
-    if stop <= start:
-        return 0.0
-    return rate.integral(start, stop) if isinstance(rate, Curve) else rate * (stop - start)
+        slices = np.searchsorted(edges, [first] if emitter.at is None else emitter.at, "right") - 1
+        return np.bincount(slices[slices < len(starts)], minlength=len(starts)).astype(float)
+    starts, stops = np.maximum(starts, first), np.minimum(stops, np.inf if emitter.stop is None else emitter.stop)
+    if isinstance(emitter.rate, Curve):
+        return np.array([emitter.rate.integral(*span) if span[0] < span[1] else 0.0 for span in zip(starts, stops)])
+    return emitter.rate * np.maximum(stops - starts, 0.0)
 
 
 def megabytes(size: float) -> str:

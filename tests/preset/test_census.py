@@ -58,3 +58,32 @@ def test_the_estimate_counts_what_surfaces_need():
     assert pixel(colliders={"sphere": {"look": "white"}}, ground="white") == ground
     smooth = {"sphere": {"look": {"roughness": 0.1}}}  # it shows the ground: light is not kept in parts
     assert pixel(colliders=smooth, ground="white") == ground - parts
+
+
+def test_a_census_of_generations():
+    """Each spark's death makes two: 1, 2, 4, 8 in turn, and each spark leaves a trail whose motes live for two steps."""
+    basis = {
+        "version": 1, "clock": {"duration": 3.5, "fps": 30, "step": "1/60"},
+        "systems": {
+            "sparks": {
+                "particle": {"lifetime": 1.0},
+                "emitters": {"first": {"count": 1}, "next": {"from": "sparks.death", "count": 2}},
+                "look": {"draw": "point"},
+            },
+            "trail": {
+                "particle": {"lifetime": 1 / 30}, "look": {"draw": "point"},
+                "emitters": {"tail": {"from": "sparks.path", "rate": 100}},
+            },
+        },
+    }  # fmt: skip
+    expected = estimate(load_preset(basis))
+    assert expected.born["sparks"] == pytest.approx(1 + 2 + 4 + 8, rel=1e-9)
+    assert expected.peak["sparks"] == pytest.approx(
+        4 + 8, rel=1e-9
+    )  # the dead have their places until the slice has ended
+    assert expected.born["trail"] == pytest.approx(100 * (1 + 2 + 4 + 0.5 * 8), rel=0.05)
+    assert expected.peak["trail"] == pytest.approx(100 / 30 * 8, rel=0.1)
+    endless = load_preset(
+        basis, overrides={"systems.sparks.emitters.next.count": 10**9, "systems.sparks.particle.lifetime": 0.006}
+    )
+    assert not estimate(endless).memory < 1e300
