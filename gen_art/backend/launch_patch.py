@@ -6,7 +6,7 @@ under a key of all that it depends on (fingerprint.py), so that a later process 
 At every launch Taichi checks the type of every argument, builds a dozen helper objects and asks its cache for the kernel. This
 takes 0.12 ms for a dozen arguments, several times the run time of a small kernel. Here Taichi checks the arguments when it
 compiles the kernel for arrays of given types. Launches pass only pointers, shapes and numbers, and of these only what has changed
-since the kernel's latest launch.
+since the kernel's latest launch with the same first array.
 GEN_ART_STOCK_TAICHI=1 switches it off, and it is off where machine_code.py does not work: Taichi then does every launch.
 """
 
@@ -16,6 +16,7 @@ import os
 import sys
 import time
 import weakref
+from collections import OrderedDict
 from collections.abc import Callable
 from typing import Any
 
@@ -33,6 +34,7 @@ __all__ = ["launch_without_repeats"]
 
 _FORMAT = 1  # of what is kept; part of every key
 _STARTED = time.time()
+_KEPT_LAUNCHES = 16  # of a kernel, with the arguments that were passed
 
 
 def launch_without_repeats(primal, function, compiling, settings: tuple, store: Callable[[], KernelStore]):
@@ -51,7 +53,8 @@ def launch_without_repeats(primal, function, compiling, settings: tuple, store: 
     arrays = [(k, _lanes(annotations[k])) for k, kind in enumerate(kinds) if kind is _ARRAY]
     numbers = [k for k, kind in enumerate(kinds) if kind is not _ARRAY]
     known: dict[tuple, list] = {}  # the kernel's tasks, by types of the arrays
-    latest: list[_Launch] = []
+    first_array = arrays[0][0] if arrays else None
+    recent: OrderedDict[int, _Launch] = OrderedDict()  # by the first array: systems of one kernel take turns
 
     def tasks_for(args, types: tuple) -> list:
         """The kernel's tasks for arrays of these types: from the store, or compiled by Taichi."""
@@ -68,8 +71,10 @@ def launch_without_repeats(primal, function, compiling, settings: tuple, store: 
         return machine_code.load(code)
 
     def launch(*args):
-        # taken out while it is used: another thread may launch the same kernel
-        one = latest.pop() if latest else None
+        place = 0 if first_array is None else id(args[first_array])
+        one = recent.pop(place, None)  # taken out while it is used: another thread may launch the same kernel
+        if one is None and len(recent) >= _KEPT_LAUNCHES:
+            _, one = recent.popitem(last=False)
         if one is None or not one.takes(args):
             for k, lanes in arrays:
                 _check_alignment(name, k, args[k], lanes)
@@ -83,7 +88,7 @@ def launch_without_repeats(primal, function, compiling, settings: tuple, store: 
             one = _Launch(name, known[types], arrays, numbers, kinds)
         one.pass_arguments(args)
         one()
-        latest[:] = [one]
+        recent[place] = one
         return None
 
     def bound(*args):

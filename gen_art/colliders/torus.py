@@ -88,6 +88,24 @@ class Torus(Collider):
         return self.from_circle(x, q).norm() - q.tube
 
     @ti.func
+    def ray_span(self, o, d, q, radius, tangent):
+        """Where the ray is within a ball about the torus and between two planes across its axis, a tenth of its tube beyond it."""
+        r, beyond = o - q.center, 1.1 * q.tube + radius
+        along = -r.dot(d)
+        beyond += tangent * ti.max(
+            (along + q.radius + beyond) / (1.0 - tangent), 0.0
+        )  # the cone's widest within the ball
+        square = along * along - r.dot(r) + (q.radius + beyond) * (q.radius + beyond)
+        first, last = 1e30, -1e30
+        if square > 0.0:
+            first, last = along - ti.sqrt(square), along + ti.sqrt(square)
+            height, slope = r.dot(q.axis), d.dot(q.axis)
+            if abs(slope) > 1e-6:
+                middle, half = -height / slope, beyond / abs(slope)
+                first, last = ti.max(first, middle - half), ti.min(last, middle + half)
+        return ti.Vector([first, last])
+
+    @ti.func
     def gradient(self, x, q, side):
         r = self.from_circle(x, q)
         length = r.norm()

@@ -4,7 +4,7 @@ A side of a collider is seen from where its distance is positive: a solid from o
 inside, so that a camera outside looks through its near walls onto the far ones.
 
 Along a ray the distance from a convex solid is a convex function, so Newton's method from the near end never passes the first
-root. Other shapes are marched through by their distance, which is never steeper than 1.
+root. Other shapes are marched through by their distance, which is never steeper than 1, where their `ray_span` says.
 Source: Hart, Sphere tracing, The Visual Computer 12 (1996).
 """
 
@@ -114,8 +114,8 @@ def side_hit(collider: ti.template(), q: ti.template(), side, o, d, low, high, t
     tolerance, per_length : the hit is exact to tolerance + per_length * (distance along the ray)
     """
     t, result = low, high
-    f = collider.distance(o + d * t, q, side)
     if ti.static(collider.convex):
+        f = collider.distance(o + d * t, q, side)
         if f > 0.0:
             steps = 0
             while steps < _NEWTON_STEPS:
@@ -132,7 +132,10 @@ def side_hit(collider: ti.template(), q: ti.template(), side, o, d, low, high, t
                             result = t
                         steps = _NEWTON_STEPS
     else:
-        steps, was_outside, before = 0, f > 0.0, t
+        span = collider.ray_span(o, d, q, 0.0, 0.0)
+        t, end = ti.max(low, span[0]), ti.min(high, span[1])
+        f = collider.distance(o + d * t, q, side)
+        steps, was_outside, before = ti.select(t < end, 0, _MARCH_STEPS), f > 0.0, t
         while steps < _MARCH_STEPS:
             steps += 1
             before = t
@@ -144,34 +147,39 @@ def side_hit(collider: ti.template(), q: ti.template(), side, o, d, low, high, t
                     t = before + (t - before) * previous / (previous - f)
                 result = ti.min(t, high)
                 steps = _MARCH_STEPS
-            if t >= high:
+            if t >= end:
                 steps = _MARCH_STEPS
             was_outside = was_outside or f > 0.0
     return result
 
 
 @ti.func
-def cone_contact(collider: ti.template(), q: ti.template(), o, d, radius, tangent, far):
-    """(signed distance of the collider's first side from o, distance along a ray at which the cone about it may reach it).
+def cone_contact(collider: ti.template(), q: ti.template(), o, d, radius, tangent, low, far):
+    """The distance along a ray at which the cone about it may reach the collider's first side; `far` if nowhere before that.
 
-    The second is `far` where no point of the cone reaches it before that.
     o, d : in the collider's frame at time 0; radius : of the cone at o; tangent : by which it grows per length
+    low : where on the ray to begin
 
     The distance less the cone's radius falls by 1 + tangent per length at most; for a convex collider it is convex.
     """
-    at_start = collider.distance(o, q, 0)
-    f, t, steps = at_start - radius, 0.0, 0
+    t, end, steps = low, far, 0
+    if ti.static(not collider.convex):
+        span = collider.ray_span(o, d, q, radius, tangent)
+        t, end = ti.max(low, span[0]), ti.min(far, span[1])
+        if t >= end:
+            t, steps = far, _CONE_STEPS
+    f = collider.distance(o + d * t, q, 0) - radius - tangent * t
     while f > 1e-3 * (radius + tangent * t) and steps < _CONE_STEPS:
         steps += 1
         slope = -(1.0 + tangent)
         if ti.static(collider.convex):
             slope = collider.gradient(o + d * t, q, 0).dot(d) - tangent
         t -= f / ti.min(slope, -_PARALLEL)
-        if slope > -_PARALLEL or t >= far:
+        if slope > -_PARALLEL or t >= end:
             t, steps = far, _CONE_STEPS
         else:
             f = collider.distance(o + d * t, q, 0) - radius - tangent * t
-    return at_start, t
+    return t
 
 
 @ti.func

@@ -44,6 +44,7 @@ _UMBRAS = (
     4.0  # a ball's half-shadow is followed until it is this many radii wide, where the ball hides 1/16 of the lamp
 )
 _RIM = 24  # of the lamp's points, those along its rim
+_LEAVES = 0.1  # slope of the distance along a ray from which on it leaves the surface that it starts at
 _DEPTHS = 4  # places inside a collider at which a ray is tested for a full shadow
 
 
@@ -207,7 +208,15 @@ def collider_shadow(
 @ti.func
 def _reaches_cone(collider: ti.template(), q: ti.template(), o, d, tangent, half_pixel, far):
     """Whether a collider reaches into the cone of rays about a ray: (0 no, 1 in part, 2 it hides the lamp; from where on)."""
-    at_start, t = cone_contact(collider, q, o, d, half_pixel, tangent, far)
+    at_start, low = collider.distance(o, q, 0), 0.0
+    if ti.static(not collider.convex):
+        # a ray that leaves the surface from within half a pixel of it may meet it again only farther on
+        slope = collider.gradient(o, q, 0).dot(d) - tangent
+        if 0.0 <= at_start and at_start <= half_pixel and slope > _LEAVES:
+            free = (1.1 * half_pixel - at_start) / slope
+            if collider.distance(o + d * free, q, 0) > half_pixel + tangent * free:
+                low = free
+    t = cone_contact(collider, q, o, d, half_pixel, tangent, low, far)
     state = ti.select(t < far, 1, 0)
     if at_start < 0.0:  # the ray starts inside
         state = 2

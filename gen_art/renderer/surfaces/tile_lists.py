@@ -180,11 +180,10 @@ def _in_cone(
             elif ti.static(cast_by(kind.collider) or not casters):
                 q = numbers_of(scene.Q, kind, j)
                 o, d = ray_in_start_frame(kind.collider, q, origin + vector_at(N, CAMERA), direction, N[TIME])
-                at_start, t = cone_contact(kind.collider, q, o, d, radius, tangent, far)
-                meets = t < far
+                meets = cone_contact(kind.collider, q, o, d, radius, tangent, 0.0, far) < far
                 if ti.static(kind.collider.convex and not casters):
                     # a ray that starts in a convex solid leaves it and does not come back
-                    meets = meets and at_start > -radius
+                    meets = meets and kind.collider.distance(o, q, 0) > -radius
                 if meets:
                     result = with_collider(result, kind.first + j)
     return result
