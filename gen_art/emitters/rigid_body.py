@@ -1,6 +1,8 @@
 """Rigid bodies: initial conditions as the particles that represent them (`interactions: rigid`)."""
 
 import math
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -8,6 +10,9 @@ from gen_art.emitters.base import Emitter, emitter
 from gen_art.errors import UsageError
 from gen_art.particles.fixed import FIXED
 from gen_art.registry import param
+
+if TYPE_CHECKING:
+    from gen_art.interactions.rigid.group import Group
 
 __all__ = ["RigidBody"]
 
@@ -61,11 +66,10 @@ class RigidBody(Emitter):
     declares = ("area", "normal_x", "normal_y", "normal_z", "shade", "tint")
 
     def prepare(self):
-        from gen_art.interactions.rigid.body import body, moved
-        from gen_art.interactions.rigid.group import Group
+        from gen_art.interactions.rigid.body import body
 
         v = dict(self.values)
-        low, high = v.pop("tint")
+        low, _ = v.pop("tint")
         grid, pitch = [round(n) for n in v.pop("grid")], np.array(v.pop("pitch"))
         if any(n != g for n, g in zip(grid, self.values["grid"])):
             raise UsageError(f"grid must be three whole numbers, not {list(self.values['grid'])}")
@@ -81,19 +85,27 @@ class RigidBody(Emitter):
         if v["pivot"] is not None and count > 1:
             raise UsageError("a pivot is for one body: leave out grid, or the pivot")
         first = body(position=start, tint=low, **v)
-        if count * len(first.local) > MOST_PARTICLES:
+        self.births = count * len(first.local)
+        if self.births > MOST_PARTICLES:
             raise UsageError(
-                f"{count:,} bodies of these sizes are {count * len(first.local):,} particles, and an emitter lays at most "
+                f"{count:,} bodies of these sizes are {self.births:,} particles, and an emitter lays at most "
                 f"{MOST_PARTICLES:,}: lower `points` or `grid`"
             )
-        self.group = Group(
-            moved(first, start + pitch * cell, low + (high - low) * (n * _GOLDEN % 1.0)) if n else first
-            for n, cell in enumerate(cells)
-        )
+        self._first, self._cells, self._start, self._pitch = first, cells, start, pitch
 
-    @property
-    def births(self) -> int:
-        return len(self.group.mass)
+    @cached_property
+    def group(self) -> "Group":
+        """The bodies as particles; made when they are asked for, as a preset is read several times before it is simulated."""
+        from gen_art.interactions.rigid.body import moved
+        from gen_art.interactions.rigid.group import Group
+
+        low, high = self.values["tint"]
+        return Group(
+            moved(self._first, self._start + self._pitch * cell, low + (high - low) * (n * _GOLDEN % 1.0))
+            if n
+            else self._first
+            for n, cell in enumerate(self._cells)
+        )
 
     def sample(self, r, n):
         group = self.group

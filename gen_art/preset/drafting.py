@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from gen_art.preset.estimate import estimate
 from gen_art.preset.load import load_preset
 from gen_art.preset.overrides import plain
-from gen_art.preset.thinning import galaxies, independent_systems, thinned_to
+from gen_art.preset.thinning import after_changes, counts_thinned_to, galaxies, independent_systems
 
 if TYPE_CHECKING:
     from gen_art.preset.look import Look, Ramp
@@ -36,9 +36,9 @@ def drafted(preset: "Preset") -> "Preset":
     soft = [name for name in able if all(look.draw in SOFT for look in preset.systems[name].all_looks.values())]
     full = estimate(preset, "f64", until)
     most = {name: max(SHARE * full.peak[name], FEWEST) for name in soft}
-    few, changes = thinned_to(preset, until, most)
+    few, changes = counts_thinned_to(preset, until, most)
     born = estimate(few, "f64", until).born if changes else full.born
-    overrides: dict[str, Any] = {path: after for path, (_, after) in changes.items()}
+    overrides = after_changes(changes)
     for name, system in few.systems.items():
         ratio = full.born[name] / max(born[name], 1.0)
         for key, look in system.all_looks.items():

@@ -1,12 +1,13 @@
 """Thins a preset: the same forces and looks, with births scaled down system by system."""
 
 from collections.abc import Collection, Mapping
+from typing import Any
 
 from gen_art.preset.estimate import estimate
 from gen_art.preset.load import load_preset
 from gen_art.preset.values import Curve, Range
 
-__all__ = ["galaxies", "independent_systems", "thinned", "thinned_to"]
+__all__ = ["after_changes", "counts_thinned_to", "galaxies", "independent_systems", "thinned"]
 
 MUTUAL = 4  # factor on the limit for systems that attract themselves
 
@@ -26,11 +27,20 @@ def thinned(preset, until: float, limit: int, systems: Collection[str] | None = 
     for name in preset.systems if systems is None else systems:
         mutual = any(interaction.source_system is None for interaction in preset.systems[name].interactions)
         most[name] = limit * (MUTUAL if mutual else 1)
-    return thinned_to(preset, until, most)
+    few, changes = counts_thinned_to(preset, until, most)
+    return (load_preset(preset, overrides=after_changes(changes)) if changes else few), changes
 
 
-def thinned_to(preset, until: float, most: Mapping[str, float]) -> tuple:
-    """(thinned Preset, changes) as of `thinned`: of the systems that `most` names, at most so many particles at once."""
+def after_changes(changes: dict[str, tuple]) -> dict[str, Any]:
+    """The overrides that make these changes."""
+    return {path: after for path, (_, after) in changes.items()}
+
+
+def counts_thinned_to(preset, until: float, most: Mapping[str, float]) -> tuple:
+    """(a copy of the preset with fewer births, changes): of the systems that `most` names, at most so many particles at once.
+
+    The changes are those of `thinned`. The copy has those of births alone, for an estimate; no simulation is made of it.
+    """
     changes: dict[str, tuple] = {}
     full = estimate(preset, "f64", until).peak
     few, peaks = preset, full
@@ -38,15 +48,14 @@ def thinned_to(preset, until: float, most: Mapping[str, float]) -> tuple:
         peak = peaks[name]
         if name not in most or not peak > most[name]:
             continue
+        emitters = {}
         for label, emitter in few.systems[name].emitters.items():
-            changes |= _scaled(f"systems.{name}.emitters.{label}", emitter, most[name] / peak)
-        few = load_preset(preset, overrides={path: after for path, (_, after) in changes.items()})
+            emitters[label], scaled = _scaled(emitter, most[name] / peak)
+            changes |= {f"systems.{name}.emitters.{label}.{key}": pair for key, pair in scaled.items()}
+        thin = few.systems[name].model_copy(update={"emitters": emitters})
+        few = few.model_copy(update={"systems": {**few.systems, name: thin}})
         peaks = estimate(few, "f64", until).peak
-    heavier = _heavier(few, {name: full[name] / max(peaks[name], 1) for name in peaks})
-    if heavier:
-        changes |= heavier
-        few = load_preset(preset, overrides={path: after for path, (_, after) in changes.items()})
-    return few, changes
+    return few, changes | _heavier(few, {name: full[name] / max(peaks[name], 1) for name in peaks})
 
 
 def independent_systems(preset) -> list[str]:
@@ -104,17 +113,26 @@ def _parents_first(preset) -> list[str]:
     return order
 
 
-def _scaled(path: str, emitter, factor: float) -> dict[str, tuple]:
+def _scaled(emitter, factor: float) -> tuple:
+    """(the emitter with this part of its births, what has changed: (before, after) by key)."""
+    changes: dict[str, tuple] = {}
     if getattr(emitter.scripted, "births", None) is not None:  # a spring net or a rigid body cannot be thinned
-        return {}
-    paired = emitter.source is not None and emitter.source.balance == "pairs"
-    changes = {}
+        return emitter, changes
+    unit = 2 if emitter.source is not None and emitter.source.balance == "pairs" else 1
+    update: dict[str, Any] = {}
     if emitter.rate is not None:
-        changes[f"{path}.rate"] = (_plain(emitter.rate), _rate(emitter.rate, factor))
-    for where, count in ((path, emitter.count), *((f"{path}.choose.{k}", c.count) for k, c in emitter.choose.items())):
-        if count is not None:
-            changes[f"{where}.count"] = (_plain(count), _count(count, factor, 2 if paired else 1))
-    return {key: (before, after) for key, (before, after) in changes.items() if before != after}
+        changes["rate"] = _plain(emitter.rate), (rate := _rate(emitter.rate, factor))
+        update["rate"] = Curve.of(rate) if isinstance(rate, list) else rate
+    if emitter.count is not None:
+        changes["count"] = _plain(emitter.count), (count := _count(emitter.count, factor, unit))
+        update["count"] = Range.of(count)
+    for name, choice in emitter.choose.items():
+        if choice.count is not None:
+            changes[f"choose.{name}.count"] = _plain(choice.count), (count := _count(choice.count, factor, unit))
+            thin = choice.model_copy(update={"count": Range.of(count)})
+            update["choose"] = {**update.get("choose", emitter.choose), name: thin}
+    changes = {key: (before, after) for key, (before, after) in changes.items() if before != after}
+    return emitter.model_copy(update=update), changes
 
 
 def _rate(rate, factor: float):

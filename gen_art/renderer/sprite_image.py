@@ -74,18 +74,20 @@ def texels(place) -> tuple[np.ndarray, float, tuple[float, float]]:
         coverage = colour.max(axis=2, keepdims=True)
         colour = colour / np.maximum(coverage, 1e-9)
     height, width = pixels.shape[:2]
-    square = np.zeros((max(height, width),) * 2 + (4,), np.float32)
-    parts = width / len(square), height / len(square)
-    top, left = (len(square) - height) // 2, (len(square) - width) // 2
-    square[top : top + height, left : left + width] = np.concatenate([colour * coverage, coverage], axis=2)
-    side = 1 << round(math.log2(len(square)))
-    if side != len(square):
+    longest = max(height, width)
+    rows, first, left = np.zeros((height, longest, 4), np.float32), (longest - height) // 2, (longest - width) // 2
+    np.multiply(colour, coverage, out=rows[:, left : left + width, :3], casting="same_kind")
+    rows[:, left : left + width, 3:] = coverage
+    side = 1 << round(math.log2(longest))
+    if side != longest:
+        square = np.zeros((longest, longest, 4), np.float32)
+        square[first : first + height] = rows
         channels = [Image.fromarray(square[..., c]).resize((side, side), Image.Resampling.BILINEAR) for c in range(4)]
-        square = np.stack([np.asarray(channel) for channel in channels], 2)
-    mean_coverage = float(square[..., 3].mean(dtype=np.float64))
+        rows, first = np.stack([np.asarray(channel) for channel in channels], 2), 0
+    mean_coverage = float(rows[..., 3].sum(dtype=np.float64) / (side * side))
     if mean_coverage == 0.0:
         raise UsageError(f"{place}: is transparent all over")
-    return mipmap_chain(square), mean_coverage, parts
+    return mipmap_chain(rows, first), mean_coverage, (width / longest, height / longest)
 
 
 @ti.func
