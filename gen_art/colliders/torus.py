@@ -89,7 +89,7 @@ class Torus(Collider):
 
     @ti.func
     def ray_span(self, o, d, q, radius, tangent):
-        """Where the ray is within a ball about the torus and between two planes across its axis, a tenth of its tube beyond it."""
+        """Where the ray is in a ball about the torus and between two planes across its axis, a tenth of its tube beyond it."""
         r, beyond = o - q.center, 1.1 * q.tube + radius
         along = -r.dot(d)
         beyond += tangent * ti.max(

@@ -186,9 +186,13 @@ class _Census:
             share = (count.mean if count else 1.0) * (choice.weight / weights if choice else 1.0)
             range_ = (choice and choice.lifetime) or emitter.lifetime or lifetime
             span = None
-            if range_ is not None:  # they die in a later slice than that of their birth
-                span = tuple(max(1, int(min(end / self.width, _FOREVER))) for end in (range_.lo, range_.hi))
+            if range_ is not None:
+                span = self._slices(range_.lo), self._slices(range_.hi)
             yield _Emitter(name, (choice or emitter).tag, emitter.rate is not None, share, events, follows, span)
+
+    def _slices(self, lifetime: float) -> int:
+        """A lifetime, s, in slices; 1 at least, so that a particle dies in a later slice than that of its birth."""
+        return max(1, int(min(lifetime / self.width, _FOREVER)))
 
     def tagged(self, name: str, tags: tuple[str, ...]) -> float:
         """At most so many particles of a system with one of these tags are alive at once."""

@@ -212,7 +212,7 @@ def _reaches_cone(collider: ti.template(), q: ti.template(), o, d, tangent, half
     if ti.static(not collider.convex):
         # a ray that leaves the surface from within half a pixel of it may meet it again only farther on
         slope = collider.gradient(o, q, 0).dot(d) - tangent
-        if 0.0 <= at_start and at_start <= half_pixel and slope > _LEAVES:
+        if at_start >= 0.0 and at_start <= half_pixel and slope > _LEAVES:
             free = (1.1 * half_pixel - at_start) / slope
             if collider.distance(o + d * free, q, 0) > half_pixel + tangent * free:
                 low = free
