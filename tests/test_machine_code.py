@@ -411,3 +411,20 @@ def test_a_second_process_traces_no_kernel_of_a_preset(tmp_path, runs, preset):
     assert len(first["traced"]) >= 9
     for run in second, other:
         assert [name.partition("_c")[0] for name in run["traced"]] == ["touch"]  # which finds Taichi's runtime
+
+
+def test_arrays_that_take_turns(small):
+    """More than are kept, and fresh ones in the places of freed ones: each launch gets its own."""
+    make, _, _ = small
+    kernel, rng = make(), np.random.default_rng(1)
+    arrays = [rng.uniform(size=n) for n in range(1, 2 * launch_patch._KEPT_LAUNCHES)]
+    true = [array.copy() for array in arrays]
+    for turn in range(3):
+        for k, array in enumerate(arrays):
+            kernel(array, *ARGUMENTS)
+            true[k] = expected(true[k])
+            if turn == 1 and k % 3 == 0:  # its place in memory, and its number among Python's objects, become another's
+                true[k] = rng.uniform(size=k + 5)
+                del array
+                arrays[k] = true[k].copy()
+    assert all(np.array_equal(array, wanted) for array, wanted in zip(arrays, true))

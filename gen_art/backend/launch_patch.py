@@ -52,12 +52,12 @@ def launch_without_repeats(primal, function, compiling, settings: tuple, store: 
     plain = primal.return_type is None and None not in kinds
     arrays = [(k, _lanes(annotations[k])) for k, kind in enumerate(kinds) if kind is _ARRAY]
     numbers = [k for k, kind in enumerate(kinds) if kind is not _ARRAY]
-    known: dict[tuple, list] = {}  # the kernel's tasks, by types of the arrays
+    known: dict[tuple, tuple] = {}  # the kernel's tasks and the structure of its arguments, by types of the arrays
     first_array = arrays[0][0] if arrays else None
     recent: OrderedDict[int, _Launch] = OrderedDict()  # by the first array: systems of one kernel take turns
 
-    def tasks_for(args, types: tuple) -> list:
-        """The kernel's tasks for arrays of these types: from the store, or compiled by Taichi."""
+    def tasks_for(args, types: tuple) -> tuple[list, type[ctypes.Structure]]:
+        """The kernel's tasks for arrays of these types, from the store or compiled by Taichi, and what they get."""
         place, key = store(), _key(primal.func, types, settings)
         code = place.find(key) if key else None
         if code is None:
@@ -68,7 +68,7 @@ def launch_without_repeats(primal, function, compiling, settings: tuple, store: 
             if code is None:
                 code = machine_code.emit(compiled)
                 place.keep(key, code)
-        return machine_code.load(code)
+        return machine_code.load(code), _structure(kinds, arrays, types)
 
     def launch(*args):
         place = 0 if first_array is None else id(args[first_array])
@@ -85,7 +85,7 @@ def launch_without_repeats(primal, function, compiling, settings: tuple, store: 
                     return function(*args)
             if types not in known:
                 known[types] = tasks_for(args, types)
-            one = _Launch(name, known[types], arrays, numbers, kinds)
+            one = _Launch(name, *known[types], arrays, numbers)
         one.pass_arguments(args)
         one()
         recent[place] = one
@@ -99,9 +99,9 @@ def launch_without_repeats(primal, function, compiling, settings: tuple, store: 
                 ready[0]()
                 return
             launch(*args)
-            tasks = known.get(_types(arrays, args))
-            if tasks is not None:
-                ready.append(_Launch(name, tasks, arrays, numbers, kinds))
+            found = known.get(_types(arrays, args))
+            if found is not None:
+                ready.append(_Launch(name, *found, arrays, numbers))
                 ready[0].pass_arguments(args)
 
         return launch_again
@@ -141,10 +141,9 @@ class _Launch:
     arrays : (number of the argument, lanes of its vectors or 0); numbers : numbers of the other arguments
     """
 
-    def __init__(self, name: str, tasks: list, arrays: list, numbers: list, kinds: list):
-        self._name, self._tasks = name, tasks
+    def __init__(self, name: str, tasks: list, structure: type[ctypes.Structure], arrays: list, numbers: list):
+        self._name, self._tasks, self._structure = name, tasks, structure
         self._arrays, self._numbers = arrays, [(k, f"_{k}") for k in numbers]
-        self._kinds = kinds
         self._types: tuple = ()
         self._passed: list = [None] * len(arrays)  # weak references: a launch keeps no array alive
 
@@ -166,7 +165,7 @@ class _Launch:
         """
         if not self._types:
             self._types = _types(self._arrays, args)
-            self._arguments = _structure(self._kinds, self._arrays, self._types)()
+            self._arguments = self._structure()
             self._context = machine_code.context_of(self._arguments)
             self._address = ctypes.addressof(self._context)
         for n, (k, lanes) in enumerate(self._arrays):
