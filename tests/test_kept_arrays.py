@@ -103,6 +103,8 @@ def test_the_folder_keeps_what_was_used_last(tmp_path, monkeypatch):
         files.write(f"key{n}", b"x" * 900)
         os.utime(tmp_path / "kept" / f"key{n}.kept", (n, n))
     assert files.read("key0") == b"x" * 900  # used now
+    KeptFiles(tmp_path / "kept").tidy()  # of a process that has written nothing
+    assert len(list((tmp_path / "kept").iterdir())) == 6
     files.tidy()
     left = {file.stem for file in (tmp_path / "kept").iterdir()}
     assert "key0" in left and "key1" not in left and 1 <= len(left) <= 2

@@ -10,6 +10,7 @@ since the kernel's latest launch with the same first array.
 GEN_ART_STOCK_TAICHI=1 switches it off, and it is off where machine_code.py does not work: Taichi then does every launch.
 """
 
+import contextlib
 import ctypes
 import hashlib
 import os
@@ -74,7 +75,8 @@ def launch_without_repeats(primal, function, compiling, settings: tuple, store: 
         place = 0 if first_array is None else id(args[first_array])
         one = recent.pop(place, None)  # taken out while it is used: another thread may launch the same kernel
         if one is None and len(recent) >= _KEPT_LAUNCHES:
-            _, one = recent.popitem(last=False)
+            with contextlib.suppress(KeyError):  # other threads use all of them
+                _, one = recent.popitem(last=False)
         if one is None or not one.takes(args):
             for k, lanes in arrays:
                 _check_alignment(name, k, args[k], lanes)

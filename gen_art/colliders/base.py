@@ -26,6 +26,7 @@ class Collider(Parametric):
     nearest(self, x, q)         m, the smallest distance of all sides; needed if there is more than one
     facet(self, x, q)           0 to 3, the face on which a place of the surface lies; needed if it is `faceted`
     ray_span(self, o, d, q, radius, tangent)    (2,) m, the part of a ray within which it is met, see below
+    clear_way(self, q)          m, see below; needed if it `is_smooth`
 
     `convex` says that no side's solid has a dent: a ray then finds it in a few steps.
     q holds the run-time parameters, and q.table(k) the numbers of a `table()`. A particle touches the surface where its distance
@@ -38,6 +39,9 @@ class Collider(Parametric):
     )
     flat: ClassVar[bool] = False  # whether a side has flat faces only
     faceted: ClassVar[bool] = False  # whether a side has edges between its faces, which are drawn smoothly
+    is_smooth: ClassVar[bool] = (
+        False  # whether its dents are wide: shadows then do not look for it within its `clear_way`
+    )
     repeat: ClassVar[None] = None
 
     restitution: float = param(
@@ -61,7 +65,7 @@ class Collider(Parametric):
         common = [key for key in Collider.parameters if key in cls.parameters]
         specific: dict[str, Parameter] = {key: p for key, p in cls.parameters.items() if key not in common}
         cls.parameters = specific | {key: cls.parameters[key] for key in common}
-        check_kernel_methods(cls, ("distance", "gradient", "nearest", "facet", "ray_span"))
+        check_kernel_methods(cls, ("distance", "gradient", "nearest", "facet", "ray_span", "clear_way"))
 
     def prepare(self):
         pair = tuple(float(c) for c in self.values["friction"])
@@ -103,9 +107,14 @@ class Collider(Parametric):
         """From where to where, m, a cone about the ray from o along the unit vector d may meet the surface: anywhere.
 
         It need not be exact. A solid with dents is marched through only there. The cone is `radius` wide, m, at o, and grows by
-        `tangent`, less than 1, per length. o, d : in the frame at time 0
+        `tangent` per length. o, d : in the frame at time 0
         """
         return ti.Vector([-1e30, 1e30])
+
+    @ti.func
+    def clear_way(self, q):
+        """How far, m, a ray that leaves the surface surely goes before it meets it again; needed if it `is_smooth`."""
+        return 0.0
 
     def ball(self) -> tuple[np.ndarray, float] | None:
         """(centre, radius), m, of a ball around it at time 0; None where its extent is not known."""

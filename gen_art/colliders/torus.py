@@ -29,6 +29,8 @@ class Torus(Collider):
     Raises UsageError for a tube that is wider than the circle, and for `toward` along the axis.
     """
 
+    is_smooth = True
+
     center: tuple = param((0.0, 0.0, 0.0), unit="m")
     radius: float = param(1.0, unit="m", min=1e-30)
     tube: float = param(0.1, unit="m", min=1e-30)
@@ -92,18 +94,24 @@ class Torus(Collider):
         """Where the ray is in a ball about the torus and between two planes across its axis, a tenth of its tube beyond it."""
         r, beyond = o - q.center, 1.1 * q.tube + radius
         along = -r.dot(d)
-        beyond += tangent * ti.max(
-            (along + q.radius + beyond) / (1.0 - tangent), 0.0
-        )  # the cone's widest within the ball
-        square = along * along - r.dot(r) + (q.radius + beyond) * (q.radius + beyond)
+        if tangent < 0.99:  # the cone is widest where it leaves the ball
+            beyond += tangent * ti.max((along + q.radius + beyond) / (1.0 - tangent), 0.0)
+        nearest = r + d * along  # not by the difference of two squares, which is all rounding from far away
+        square = (q.radius + beyond) * (q.radius + beyond) - nearest.dot(nearest)
         first, last = 1e30, -1e30
-        if square > 0.0:
+        if tangent >= 0.99:
+            first, last = -1e30, 1e30
+        elif square > 0.0:
             first, last = along - ti.sqrt(square), along + ti.sqrt(square)
             height, slope = r.dot(q.axis), d.dot(q.axis)
             if abs(slope) > 1e-6:
                 middle, half = -height / slope, beyond / abs(slope)
                 first, last = ti.max(first, middle - half), ti.min(last, middle + half)
         return ti.Vector([first, last])
+
+    @ti.func
+    def clear_way(self, q):
+        return 0.5 * ti.min(q.tube, q.radius - q.tube)
 
     @ti.func
     def gradient(self, x, q, side):

@@ -113,8 +113,8 @@ def _census(preset: Preset, until: float) -> "_Census":
     for known, time, census in tuple(_latest):
         if known() is preset and time == until:
             return census
-    census = _Census(preset, until)
     with np.errstate(over="ignore", invalid="ignore"):
+        census = _Census(preset, until)
         census.run()
     _latest.append((weakref.ref(preset), until, census))
     return census
@@ -130,7 +130,6 @@ class _Emitter:
     lifetime : the fewest and the most slices that its particles live; None if they live on
     """
 
-    system: str
     tag: str | None
     by_rate: bool
     share: float
@@ -164,15 +163,15 @@ class _Census:
         ]
         self.emitters = [
             each
-            for name, system in systems.items()
+            for system in systems.values()
             for emitter in system.emitters.values()
-            for each in self._choices(name, emitter, system.particle.lifetime, tags)
+            for each in self._choices(emitter, system.particle.lifetime, tags)
         ]
         self.of_system = {name: [k for k, (system, _) in enumerate(tags) if system == name] for name in systems}
         stepwise = any(s.interactions or any(e.source for e in s.emitters.values()) for s in systems.values())
         self.batch = (1 if stepwise else BATCH) * preset.clock.step  # simulated time of a launch, s
 
-    def _choices(self, name: str, emitter, lifetime, tags: list[tuple]) -> Iterator[_Emitter]:
+    def _choices(self, emitter, lifetime, tags: list[tuple]) -> Iterator[_Emitter]:
         """The choices of an emitter; one where it has none."""
         weights = sum(choice.weight for choice in emitter.choose.values())
         follows = None
@@ -188,7 +187,7 @@ class _Census:
             span = None
             if range_ is not None:
                 span = self._slices(range_.lo), self._slices(range_.hi)
-            yield _Emitter(name, (choice or emitter).tag, emitter.rate is not None, share, events, follows, span)
+            yield _Emitter((choice or emitter).tag, emitter.rate is not None, share, events, follows, span)
 
     def _slices(self, lifetime: float) -> int:
         """A lifetime, s, in slices; 1 at least, so that a particle dies in a later slice than that of its birth."""
@@ -222,7 +221,9 @@ class _Census:
 
     def _lives_and_births(self, births: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How many are alive at the beginning of each slice, and the births that follow from these lives."""
-        died = np.array([emitter.deaths(born) for emitter, born in zip(self.emitters, births)])
+        died = np.zeros_like(births)
+        for k, emitter in enumerate(self.emitters):
+            died[k] = emitter.deaths(births[k])
         before = np.pad(births, ((0, 0), (1, 0)))[:, :-1]
         alive = np.maximum(np.cumsum(before - np.pad(died, ((0, 0), (1, 0)))[:, :-1], 1), 0.0)
         # the number of a particle's impacts is not known beforehand: one is assumed, at its birth

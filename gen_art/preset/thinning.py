@@ -27,8 +27,8 @@ def thinned(preset, until: float, limit: int, systems: Collection[str] | None = 
     for name in preset.systems if systems is None else systems:
         mutual = any(interaction.source_system is None for interaction in preset.systems[name].interactions)
         most[name] = limit * (MUTUAL if mutual else 1)
-    few, changes = counts_thinned_to(preset, until, most)
-    return (load_preset(preset, overrides=after_changes(changes)) if changes else few), changes
+    _, changes = counts_thinned_to(preset, until, most)
+    return (load_preset(preset, overrides=after_changes(changes)) if changes else preset), changes
 
 
 def after_changes(changes: dict[str, tuple]) -> dict[str, Any]:

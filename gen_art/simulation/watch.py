@@ -195,7 +195,7 @@ class Watch:
 
     def _judge_features(self, name: str, paths: np.ndarray) -> None:
         """Say that most particles cross the features of a field within a step."""
-        path, dt = float(np.partition(paths, len(paths) // 2)[len(paths) // 2]), self._sim.dt
+        path, dt = float(np.partition(paths, (len(paths) - 1) // 2)[(len(paths) - 1) // 2]), self._sim.dt
         for force in _fields(self._sim.members[name]):
             if path > force.feature_size:
                 self.say(

@@ -59,6 +59,7 @@ CASES = {
     "an orbit": (0.02, orbit(), {}, None),
     "an eccentric orbit, well resolved": (1e-3, orbit(speed=0.3), {"steps": 8000}, None),
     "a swarm past its noise": (0.05, NOISE, {}, r"past the 0\.1 m of curl_noise's scale; use a step of at most 0\.001 s"),
+    "one of two past its noise": (0.05, {**NOISE, "position": [[0, 0, 0], [1, 0, 0]], "velocity": [[0, 0, 0], [30, 0, 0]]}, {}, None),
     "a swarm in its noise": (1e-3, {**NOISE, "velocity": None}, {}, None),
     "a low orbit in float32": (0.01, LOW_ORBIT, {"precision": "f32"}, "in float32 a position is rounded by .* precision f64"),
     "a low orbit in float64": (0.01, LOW_ORBIT, {}, None),

@@ -87,3 +87,8 @@ def test_a_census_of_generations():
         basis, overrides={"systems.sparks.emitters.next.count": 10**9, "systems.sparks.particle.lifetime": 0.006}
     )
     assert not estimate(endless).memory < 1e300
+
+
+def test_a_preset_without_emitters_holds_nothing():
+    nothing = load_preset({"version": 1, "clock": {"duration": 1, "fps": 30, "step": "1/60"}, "systems": {"a": {}}})
+    assert estimate(nothing).particles == 0 and estimate(nothing).born == {"a": 0}

@@ -9,6 +9,8 @@ from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
 from gen_art.colliders import Torus
 from gen_art.colliders.kinds import numbers_of
+from gen_art.output.playback import Playback
+from gen_art.preset import load_preset
 from gen_art.renderer.surfaces.collider_rays import ColliderTerms, first_hit
 from gen_art.renderer.surfaces.collider_sets import ALL_COLLIDERS
 from gen_art.renderer.surfaces.lamp_shadows import LAMP_POINTS, collider_shadow, lamp_disc, set_bits
@@ -75,7 +77,9 @@ def test_rays_meet_a_torus_where_its_equation_says():
     assert np.quantile(abs(found - true)[met], 0.9) < 1e-4 and abs(found - true)[met].max() < 5e-3
 
 
-def test_a_cone_meets_a_torus_only_where_the_span_says():
+@pytest.mark.parametrize("away", [0.0, 5000.0])
+def test_a_cone_meets_a_torus_only_where_the_span_says(away):
+    """Also from far away, where a place is known to 5e-4 m, and for a cone that opens faster than the ray is long."""
     rng = np.random.default_rng(5)
     terms = ColliderTerms([Torus(**RING)])
     (kind,) = terms.kinds
@@ -94,8 +98,11 @@ def test_a_cone_meets_a_torus_only_where_the_span_says():
     d = np.array(RING["center"]) + 0.7 * directions(rng, 300) - o
     d /= np.linalg.norm(d, axis=1, keepdims=True)
     d[:30] = np.float32(RING["axis"]) / np.float32(np.linalg.norm(RING["axis"]))
-    cones = rng.choice([0.0, 0.02, 0.3], (300, 2))
-    along = np.linspace(0, 6, 400, dtype=np.float32)
+    o -= away * d
+    cones = rng.choice([0.0, 0.02, 0.3], (300, 2)) if away == 0.0 else np.zeros((300, 2))
+    if away == 0.0:
+        cones[40:50, 1], cones[50:60, 1] = 1.0, 3.0
+    along = np.linspace(away, away + 6, 400, dtype=np.float32)
     out, gaps = np.zeros((300, 2), np.float32), np.zeros((300, 400), np.float32)
     runtime.kernel(spans)(terms.numbers(), np.float32(o), np.float32(d), np.float32(cones), along, out, gaps)
     meets = gaps <= 0
@@ -151,3 +158,19 @@ def test_a_torus_shades_what_is_behind_it_and_itself(tangent):
     true /= LAMP_POINTS
     assert (true > 0.9).sum() > 30 and (true < 0.1).sum() > 60
     assert abs(found - true).mean() < 0.01 and (abs(found - true) > 0.1).mean() < 0.02
+
+
+def test_a_torus_is_whole_before_a_camera_without_perspective():
+    """Its rays begin a hundred times as far away as the camera is. The ring's area is 4 pi R r."""
+    ring = {"radius": 1.0, "tube": 0.2, "axis": [1, 2, 2], "look": {"albedo": "white", "roughness": 1}}
+    towards = np.array([1, 2, 2]) / 3
+    piece = load_preset(
+        {
+            "version": 1, "clock": {"duration": 1, "fps": 30, "step": "1/30"}, "systems": {"none": {}},
+            "colliders": {"torus": ring}, "light": {"direction": (-towards).tolist()},
+            "camera": {"position": (20 * towards).tolist(), "target": [0, 0, 0], "height": 3.0, "size": [96, 96]},
+        }
+    )  # fmt: skip
+    (picture, _), *_ = Playback(piece, (96, 96), "f32", None).pictures([0])
+    # coverage of a pixel is in quarters at least; their errors along a rim of 400 pixels go both ways
+    assert picture[..., 3].mean() * 9.0 == pytest.approx(4 * np.pi * 0.2, rel=0.02)
