@@ -157,22 +157,28 @@ def splat(sprites: Sprites, framebuffer: FrameBuffer) -> None:
     coarsest = int(sprites.headers[: sprites.count, LEVEL].max())
     slices = SLICES if coarsest and sprites.layered else 1
     for part in np.array_split(order, slices):
-        if coarsest:
-            _draw_coarse(sprites, part, framebuffer, coarsest, kinds)
-        framebuffer.draw(sprites, part, 0, kinds)
+        if not coarsest:
+            framebuffer.draw(sprites, part, 0, kinds)
+            continue
+        levels = sprites.headers[part, LEVEL]
+        by_level = [part[levels == level] for level in range(coarsest + 1)]
+        _draw_coarse(sprites, by_level, framebuffer, kinds)
+        framebuffer.draw(sprites, by_level[0], 0, kinds)
 
 
-def _draw_coarse(
-    sprites: Sprites, order: np.ndarray, framebuffer: FrameBuffer, coarsest: int, kinds: frozenset
-) -> None:
-    """Draw levels 1 to `coarsest` of these sprites, each composited under the next finer one and level 1 over all."""
+def _draw_coarse(sprites: Sprites, by_level: list[np.ndarray], framebuffer: FrameBuffer, kinds: frozenset) -> None:
+    """Draw the sprites of levels 1 and up, each level composited under the next finer one and level 1 over all.
+
+    by_level : of each level, the order of its sprites
+    """
+    coarsest = len(by_level) - 1
     framebuffers = [framebuffer]
     for _ in range(coarsest):
         framebuffers.append(framebuffers[-1].half)
         framebuffers[-1].clear()
     coarser_bins: np.ndarray | None = None
     for level in range(coarsest, 0, -1):
-        touched = framebuffers[level].draw(sprites, order, level, kinds)
+        touched = framebuffers[level].draw(sprites, by_level[level], level, kinds)
         if coarser_bins is not None:
             touched = touched | framebuffers[level].composite(framebuffers[level + 1], coarser_bins, over=False)
         coarser_bins = touched
