@@ -25,8 +25,8 @@ class Collider(Parametric):
     gradient(self, x, q, side)  (3,), the unit gradient of the distance
     nearest(self, x, q)         m, the smallest distance of all sides; needed if there is more than one
     facet(self, x, q)           0 to 3, the face on which a place of the surface lies; needed if it is `faceted`
-    ray_span(self, o, d, q, radius, tangent)    (2,) m, the part of a ray within which it is met, see below
-    clear_way(self, q)          m, see below; needed if it `is_smooth`
+    ray_span(self, o, d, q, radius, tangent)    (2,) m, from where to where a cone about a ray may meet it; speeds up drawing
+    clear_way(self, q)          m, how far a ray that leaves it surely goes before it meets it again, if it `has_clear_way`
 
     `convex` says that no side's solid has a dent: a ray then finds it in a few steps.
     q holds the run-time parameters, and q.table(k) the numbers of a `table()`. A particle touches the surface where its distance
@@ -39,9 +39,8 @@ class Collider(Parametric):
     )
     flat: ClassVar[bool] = False  # whether a side has flat faces only
     faceted: ClassVar[bool] = False  # whether a side has edges between its faces, which are drawn smoothly
-    is_smooth: ClassVar[bool] = (
-        False  # whether its dents are wide: shadows then do not look for it within its `clear_way`
-    )
+    # whether `clear_way` is known: shadows then do not look for the surface again where a ray has just left it
+    has_clear_way: ClassVar[bool] = False
     repeat: ClassVar[None] = None
 
     restitution: float = param(
@@ -113,7 +112,7 @@ class Collider(Parametric):
 
     @ti.func
     def clear_way(self, q):
-        """How far, m, a ray that leaves the surface surely goes before it meets it again; needed if it `is_smooth`."""
+        """How far, m, a ray that leaves the surface at a slope of 0.1 or more surely goes before it meets it again."""
         return 0.0
 
     def ball(self) -> tuple[np.ndarray, float] | None:

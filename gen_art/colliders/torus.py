@@ -29,7 +29,7 @@ class Torus(Collider):
     Raises UsageError for a tube that is wider than the circle, and for `toward` along the axis.
     """
 
-    is_smooth = True
+    has_clear_way = True
 
     center: tuple = param((0.0, 0.0, 0.0), unit="m")
     radius: float = param(1.0, unit="m", min=1e-30)
@@ -111,7 +111,8 @@ class Torus(Collider):
 
     @ti.func
     def clear_way(self, q):
-        return 0.5 * ti.min(q.tube, q.radius - q.tube)
+        """The chord, at that slope, of the circle round the hole, in which the surface bends inward most."""
+        return 0.2 * (q.radius - q.tube)
 
     @ti.func
     def gradient(self, x, q, side):

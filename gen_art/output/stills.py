@@ -31,10 +31,8 @@ def write_still(path, picture: np.ndarray, recipe: dict | None = None, overwrite
     extension, text = path.suffix.lower(), encode(recipe) if recipe is not None else None
     options: dict
     if extension == ".png":
-        options = {
-            "pnginfo": _png_info(text),
-            "compress_level": 4,
-        }  # half the time of level 6, for a file that is larger by a thirtieth
+        # level 4 takes half the time of level 6, and a thirtieth more bytes
+        options = {"pnginfo": _png_info(text), "compress_level": 4}
     elif extension in (".jpg", ".jpeg"):
         options = {"quality": 95, "subsampling": 0, "exif": exif(text), "optimize": True}
     else:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from gen_art.preset.estimate import estimate
 from gen_art.preset.load import load_preset
 from gen_art.preset.overrides import plain
-from gen_art.preset.thinning import after_changes, counts_thinned_to, galaxies, independent_systems
+from gen_art.preset.thinning import counts_thinned_to, galaxies, independent_systems, overrides_of
 
 if TYPE_CHECKING:
     from gen_art.preset.look import Look, Ramp
@@ -38,7 +38,7 @@ def drafted(preset: "Preset") -> "Preset":
     most = {name: max(SHARE * full.peak[name], FEWEST) for name in soft}
     few, changes = counts_thinned_to(preset, until, most)
     born = estimate(few, "f64", until).born if changes else full.born
-    overrides = after_changes(changes)
+    overrides = overrides_of(changes)
     for name, system in few.systems.items():
         ratio = full.born[name] / max(born[name], 1.0)
         for key, look in system.all_looks.items():

@@ -7,7 +7,7 @@ from gen_art.preset.estimate import estimate
 from gen_art.preset.load import load_preset
 from gen_art.preset.values import Curve, Range
 
-__all__ = ["after_changes", "counts_thinned_to", "galaxies", "independent_systems", "thinned"]
+__all__ = ["counts_thinned_to", "galaxies", "independent_systems", "overrides_of", "thinned"]
 
 MUTUAL = 4  # factor on the limit for systems that attract themselves
 
@@ -28,10 +28,10 @@ def thinned(preset, until: float, limit: int, systems: Collection[str] | None = 
         mutual = any(interaction.source_system is None for interaction in preset.systems[name].interactions)
         most[name] = limit * (MUTUAL if mutual else 1)
     _, changes = counts_thinned_to(preset, until, most)
-    return (load_preset(preset, overrides=after_changes(changes)) if changes else preset), changes
+    return (load_preset(preset, overrides=overrides_of(changes)) if changes else preset), changes
 
 
-def after_changes(changes: dict[str, tuple]) -> dict[str, Any]:
+def overrides_of(changes: dict[str, tuple]) -> dict[str, Any]:
     """The overrides that make these changes."""
     return {path: after for path, (_, after) in changes.items()}
 

@@ -67,14 +67,19 @@ def test_rays_meet_a_torus_where_its_equation_says():
     outside = np.array([np.hypot(np.linalg.norm(p - n * (p @ n)) - 0.8, p @ n) - 0.15 for p in o - center]) > 0.01
     o, d = o[outside], d[outside]
     true = np.array([hit_by_roots(o_k, d_k, **RING) for o_k, d_k in zip(o, d)])
-    wide = np.array([hit_by_roots(o_k, d_k, **{**RING, "tube": 0.151}) for o_k, d_k in zip(o, d)])
-    clear = np.isfinite(true) == np.isfinite(wide)
+    # a ray is clear if a tube that is wider or narrower by 1 mm moves the hit by less than 20 mm: its slope is at least 0.05
+    clear = np.ones(len(o), bool)
+    for tube in (0.149, 0.151):
+        other = np.array([hit_by_roots(o_k, d_k, **{**RING, "tube": tube}) for o_k, d_k in zip(o, d)])
+        with np.errstate(invalid="ignore"):
+            clear &= (np.isinf(true) & np.isinf(other)) | (abs(other - true) < 0.02)
     found = hits(terms, o, d)
-    assert clear.mean() > 0.98 and np.isfinite(true).sum() > 60 and (~np.isfinite(true)).sum() > 60
+    assert clear.mean() > 0.95 and np.isfinite(true).sum() > 60 and (~np.isfinite(true)).sum() > 60
     assert np.array_equal(found[clear] < 1e8, np.isfinite(true[clear]))
     met = clear & np.isfinite(true)
-    # the float32 of a place 30 m away is exact to 2e-6 m; a ray that grazes at a slope of 0.05 makes 20 times as much of it
-    assert np.quantile(abs(found - true)[met], 0.9) < 1e-4 and abs(found - true)[met].max() < 5e-3
+    # the distance of a hit is 1e-5 m at most, that of a place 30 m away is exact to 4e-6 m in float32; a slope of 0.05 makes 20
+    # times as much of both
+    assert abs(found - true)[met].max() < 20 * (TOLERANCE + 4e-6)
 
 
 @pytest.mark.parametrize("away", [0.0, 5000.0])
@@ -110,6 +115,34 @@ def test_a_cone_meets_a_torus_only_where_the_span_says(away):
     assert meets.any(1).sum() > 60 and not (meets & ~within).any()
     rays = cones.max(1) == 0
     assert within[rays].mean() < 0.25  # and it is of use
+
+
+@pytest.mark.parametrize("tube", [0.01, 0.15, 0.6, 0.79])
+def test_a_ray_that_leaves_a_torus_has_a_clear_way(tube):
+    """From all round it, in all directions whose slope is 0.1 or a little more: as long as said, and not ten times as long."""
+    ring = {**RING, "tube": tube}
+    terms = ColliderTerms([Torus(**ring)])
+    (kind,) = terms.kinds
+
+    @ti.kernel
+    def ways(Q: F1, out: F1):
+        for i in range(1):
+            out[i] = kind.collider.clear_way(numbers_of(Q, kind, 0))
+
+    way = np.zeros(1, np.float32)
+    runtime.kernel(ways)(terms.numbers(), way)
+    n, center = np.array(RING["axis"]) / np.linalg.norm(RING["axis"]), np.array(RING["center"])
+    e = np.cross(n, [0, 0, 1.0])
+    e /= np.linalg.norm(e)
+    rng, met = np.random.default_rng(8), []
+    for about in np.linspace(0, 2 * np.pi, 80):
+        normal = np.cos(about) * e + np.sin(about) * n
+        across = [np.cross(n, e), np.cross(normal, np.cross(n, e))]
+        for way_round, slope in rng.uniform([0, 0.1], [2 * np.pi, 0.15], (30, 2)):
+            flat = np.cos(way_round) * across[0] + np.sin(way_round) * across[1]
+            d = slope * normal + np.sqrt(1 - slope**2) * flat
+            met.append(hit_by_roots(center + 0.8 * e + tube * normal, d, **ring, least=1e-4))
+    assert way[0] <= min(met) < 10 * way[0]
 
 
 @pytest.mark.parametrize("tangent", [0.005, 0.1])
@@ -157,7 +190,8 @@ def test_a_torus_shades_what_is_behind_it_and_itself(tangent):
             true[k] += hit_by_roots(start, towards / np.linalg.norm(towards), **RING, least=10 * half_pixel) < np.inf
     true /= LAMP_POINTS
     assert (true > 0.9).sum() > 30 and (true < 0.1).sum() > 60
-    assert abs(found - true).mean() < 0.01 and (abs(found - true) > 0.1).mean() < 0.02
+    # of the lamp's points, two whose rays graze the surface may count either way
+    assert abs(found - true).max() <= 2 / LAMP_POINTS
 
 
 def test_a_torus_is_whole_before_a_camera_without_perspective():

@@ -209,7 +209,7 @@ def collider_shadow(
 def _reaches_cone(collider: ti.template(), q: ti.template(), o, d, tangent, half_pixel, far):
     """Whether a collider reaches into the cone of rays about a ray: (0 no, 1 in part, 2 it hides the lamp; from where on)."""
     at_start, low = collider.distance(o, q, 0), 0.0
-    if ti.static(collider.is_smooth):
+    if ti.static(collider.has_clear_way):
         # a ray that leaves the surface from within half a pixel of it may meet it again only farther on
         slope = collider.gradient(o, q, 0).dot(d) - tangent
         if at_start >= 0.0 and at_start <= half_pixel and slope > _LEAVES:
