@@ -211,7 +211,7 @@ size_options = _stack(
         type=_Word(["draft", "preview", "final"]),
         default="final",
         show_default=True,
-        help="draft halves the size, leaves supersample out and simulates a quarter of the particles of large systems; draft and "
+        help="draft halves the size, leaves supersample out and simulates a part of the particles of large systems; draft and "
         "preview encode films faster.",
     ),
 )

@@ -201,7 +201,7 @@ def render(
     size : (width, height), pixels; the preset's when None
     scale : a factor on the size
     fps : frames a second, in place of the preset's clock.fps
-    quality : `draft` halves the width and height, draws without `supersample`, and simulates a quarter of the particles of large
+    quality : `draft` halves the width and height, draws without `supersample`, and simulates a part of the particles of large
         systems of light and smoke (gen_art/preset/drafting.py); `draft` and `preview` use the codec profile `preview`
     codec : h264 h265 prores ffv1 vp9 av1; the default of the file extension when None
     profile : preview, web or master: from fast and small to slow and good

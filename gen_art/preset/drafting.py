@@ -1,5 +1,7 @@
-"""The preset that a draft is drawn of: a quarter of the pixels needs a quarter of the particles.
+"""The preset that a draft is drawn of: half the pixels across need fewer particles.
 
+Points and streaks are thinned as the pixels are, to a quarter; soft discs fill a volume, and half the resolution in three
+dimensions needs an eighth of them.
 Only systems are thinned that are drawn as light or smoke and whose particles move no other particle. The rest looks and moves as
 in the film, but bodies of a galaxy, which attract each other, are fewer and heavier.
 """
@@ -17,14 +19,14 @@ if TYPE_CHECKING:
 
 __all__ = ["drafted"]
 
-SHARE = 0.25  # of a system's particles
+SHARE, SHARE_OF_DISCS = 1 / 4, 1 / 8  # of a system's particles; of those of one that is drawn as discs alone
 FEWEST = 10_000  # particles of a system at once that a draft keeps
 FEWEST_POINTS = 16  # of a ribbon; paths between them are curved, so half of many show the same path
 SOFT = ("point", "pixel", "disc", "streak")
 
 
 def drafted(preset: "Preset") -> "Preset":
-    """The preset with fewer particles: of large systems of light or smoke a quarter, at least about 10,000 at once.
+    """The preset with fewer particles: of large systems of light or smoke a quarter, of discs an eighth, at least about 10,000.
 
     Of 1 / k of the particles, soft discs are k^(1/3) times as wide, which is how much farther apart the particles are, and
     k^(1/3) times as bright and as dense; other sprites are k times as bright, and as dense. So the picture has the same light,
@@ -32,10 +34,8 @@ def drafted(preset: "Preset") -> "Preset":
     have the same particles.
     """
     until = preset.clock.simulated
-    able = [*independent_systems(preset), *galaxies(preset)]
-    soft = [name for name in able if all(look.draw in SOFT for look in preset.systems[name].all_looks.values())]
     full = estimate(preset, "f64", until)
-    most = {name: max(SHARE * full.peak[name], FEWEST) for name in soft}
+    most = {name: max(share * full.peak[name], FEWEST) for name, share in _shares(preset).items()}
     few, changes = counts_thinned_to(preset, until, most)
     born = estimate(few, "f64", until).born if changes else full.born
     overrides = overrides_of(changes)
@@ -47,6 +47,16 @@ def drafted(preset: "Preset") -> "Preset":
             if look.ribbon is not None and look.ribbon.points > FEWEST_POINTS:
                 overrides[f"systems.{name}.{key}.ribbon.points"] = max(look.ribbon.points // 2, FEWEST_POINTS)
     return load_preset(preset, overrides=overrides) if overrides else preset
+
+
+def _shares(preset: "Preset") -> dict[str, float]:
+    """What a draft keeps of each system that may have fewer particles."""
+    independent, shares = independent_systems(preset), {}
+    for name in [*independent, *galaxies(preset)]:
+        drawn = {look.draw for look in preset.systems[name].all_looks.values()}
+        if drawn.issubset(SOFT):
+            shares[name] = SHARE_OF_DISCS if name in independent and drawn == {"disc"} else SHARE
+    return shares
 
 
 def _compensated(path: str, look: "Look", ratio: float) -> dict[str, Any]:

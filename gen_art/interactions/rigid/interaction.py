@@ -153,7 +153,8 @@ class Rigid(Interaction):
         self._check_overlaps(system)
 
     def _check_overlaps(self, system) -> None:
-        """Raise UsageError for bodies that overlap each other at the start, before they are laid."""
+        """Raise UsageError for bodies that overlap each other at the start, before they are laid; static ones may."""
+        from gen_art.interactions.rigid.body import STATIC
         from gen_art.interactions.rigid.world import World
 
         members = [
@@ -162,6 +163,8 @@ class Rigid(Interaction):
             for kind in emission.kinds
             for one in _numbered(emission.name, kind.scripted.group)
         ]
+        if all(one.constraint == STATIC for one in members):
+            return
         empty = SimpleNamespace(name=system.name, state=Particles(np.float64, system.attribute_names, (), 1))
         contacts = World(
             members, [], self.values, empty, 0.0
