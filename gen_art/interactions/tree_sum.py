@@ -34,7 +34,7 @@ class _Cells:
         self.tree: Octree = build_octree(positions)
         n = len(self.tree.order)
         self.sorted = np.zeros((4, n + LANES), positions.dtype)
-        self.sorted[:3, :n] = positions[:, self.tree.order]
+        self.sorted[:3, :n] = np.take(positions, self.tree.order, axis=1)
         if amounts is not None:
             self.sorted[3, :n] = amounts[self.tree.order]
         tree = self.tree

@@ -130,8 +130,8 @@ class Particles:
 
     def with_tags(self, tags: tuple[str, ...]) -> "Particles":
         """The particles whose source has one of these tags, as a copy; themselves if all have."""
-        wanted = [k for k, source in enumerate(self.sources) if getattr(source, "tag", None) in tags]
-        slots = np.flatnonzero(np.isin(self.source[: self.count], wanted))
+        wanted = np.array([getattr(source, "tag", None) in tags for source in self.sources], bool)
+        slots = np.flatnonzero(wanted[self.source[: self.count]])
         return self if len(slots) == self.count else self.some(slots)
 
     def some(self, slots: np.ndarray) -> "Particles":

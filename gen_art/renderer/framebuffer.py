@@ -7,19 +7,20 @@ import numpy as np
 
 from gen_art.backend.runtime import aligned, kernel, ti
 from gen_art.errors import MemoryRefused
-from gen_art.renderer import disc_splat, picture_splat, tiled_splat
+from gen_art.renderer import picture_splat, tiled_splat, vector_splat
 from gen_art.renderer.coarse_framebuffer import composite
 from gen_art.renderer.picture_tiles import BIN
-from gen_art.renderer.sprite import COVERED_DISC, DISC, ELLIPSE, LEVEL, PICTURE
+from gen_art.renderer.sprite import DISC, ELLIPSE, LEVEL, PICTURE
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES
 from gen_art.renderer.tiled_splat import CHUNKS, kind_bits
+from gen_art.renderer.vector_splat import VECTOR_KINDS
 
 __all__ = ["FrameBuffer", "splat"]
 
 # Where sprites hide each other, the order of drawing is cut into slices; in each slice the coarse framebuffers are drawn first.
 SLICES = 8
-DISCS, PICTURES = frozenset({DISC, COVERED_DISC}), frozenset({PICTURE})
+PICTURES = frozenset({PICTURE})
 OF_LEVELS = frozenset({DISC, ELLIPSE})  # the kinds that are drawn into coarse framebuffers where they are large
 PARALLEL_CLEAR = 2**24  # bytes of a framebuffer from which several threads clear it faster than one
 WIDE, CLEAR_PARTS = 16, 64  # floats of a vector; parts that threads clear
@@ -76,8 +77,10 @@ class FrameBuffer:
         """
         if level:
             kinds = kinds & OF_LEVELS
-        if not sprites.layered and kinds & DISCS and kinds - DISCS:  # light is added in any order
-            return self._draw(sprites, order, level, kinds & DISCS) | self._draw(sprites, order, level, kinds - DISCS)
+        if not sprites.layered and kinds & VECTOR_KINDS and kinds - VECTOR_KINDS:  # light is added in any order
+            return self._draw(sprites, order, level, kinds & VECTOR_KINDS) | self._draw(
+                sprites, order, level, kinds - VECTOR_KINDS
+            )
         return self._draw(sprites, order, level, kinds)
 
     def _draw(self, sprites: Sprites, order: np.ndarray, level: int, kinds: frozenset) -> np.ndarray:
@@ -104,14 +107,14 @@ class FrameBuffer:
             sprites.headers, order, n, level, listed, chunk, self.across, starts, entries, tile_masks
         )
         firsts, there = bounds[:-1].copy(), np.bitwise_or.reduce(kinds_there, axis=0)
-        of_discs, of_pictures = (touched & (there & ~kind_bits(alone) == 0) for alone in (DISCS, PICTURES))
-        of_others = touched & ~of_discs & ~of_pictures
+        of_vectors, of_pictures = (touched & (there & ~kind_bits(alone) == 0) for alone in (VECTOR_KINDS, PICTURES))
+        of_others = touched & ~of_vectors & ~of_pictures
         surfaces_hide = sprites.hidden_by is not NOTHING_HIDES
-        if of_discs.any():
-            wide = disc_splat.WIDE
-            disc_splat.draw_discs_kernel(surfaces_hide and COVERED_DISC in kinds)(
-                sprites.rows, entries, tile_masks, firsts, np.where(of_discs, bounds[1:], firsts), self.across, bins,
-                self.buffer.reshape(-1, wide), self.stride // wide, sprites.depths, sprites.hidden_by.depths,
+        if of_vectors.any():
+            wide = vector_splat.WIDE
+            vector_splat.draw_kernel(kinds & VECTOR_KINDS, surfaces_hide)(
+                sprites.rows, sprites.headers, entries, tile_masks, firsts, np.where(of_vectors, bounds[1:], firsts), self.across,
+                bins, self.buffer.reshape(-1, wide), self.stride // wide, sprites.depths, sprites.hidden_by.depths,
                 sprites.hidden_by.tiles,
             )  # fmt: skip
         if of_pictures.any():

@@ -40,9 +40,9 @@ class NeighbourCells:
         if not len(slots):
             return None
         slots = slots[stable_order(system.key[0, slots] ^ system.key[1, slots])]
-        positions = positions[:, slots]
-        corner = positions.min(axis=1)
-        cells = np.floor((positions - corner[:, None]) / reach).astype(np.int64) + 1
+        positions = np.take(positions, slots, axis=1)
+        positions -= positions.min(axis=1, keepdims=True)
+        cells = np.floor(positions / reach).astype(np.int64) + 1
         key = (cells[2] << 42) | (cells[1] << 21) | cells[0]
         order = stable_order(key.astype(np.uint64))
         keys, first = np.unique(key[order], return_index=True)
@@ -51,5 +51,5 @@ class NeighbourCells:
         for r, row in enumerate(rows):
             runs[:, 2 * r] = np.searchsorted(keys, keys + row - 1)
             runs[:, 2 * r + 1] = np.searchsorted(keys, keys + row + 1, side="right")
-        sorted_positions = np.ascontiguousarray((positions - corner[:, None]).T[order], np.float32)
+        sorted_positions = np.take(positions.astype(np.float32), order, axis=1).T.copy()
         return cls(slots[order], sorted_positions, np.append(first, len(slots)).astype(np.int32), runs)

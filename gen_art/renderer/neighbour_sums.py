@@ -93,7 +93,9 @@ def _samples(cells: NeighbourCells) -> np.ndarray:
     lane = np.arange(SAMPLES)
     present = lane < taken[:, None]
     samples = aligned((len(start), 4, SAMPLES), np.float32)
-    samples[:, :3] = cells.positions[start[:, None] + np.where(present, lane, 0)].transpose(0, 2, 1)
+    at = start[:, None] + np.where(present, lane, 0)
+    for axis in range(3):
+        samples[:, axis] = np.take(cells.positions[:, axis], at)
     samples[:, 3] = np.where(present, (number / taken)[:, None], 0.0)
     return samples
 
