@@ -63,7 +63,7 @@ def find_gains(terms: ti.template(), L: ti.template(), F: ti.template(), Q: ti.t
             _same_gain(L, F.gain[g])
         elif L.whole:
             for j in range(WIDTH):
-                L.gain[j] = F.gain[g]
+                L.gain[j] = ti.select(L.h[j] == 0.0, 0.0, F.gain[g])
         else:
             for j in range(WIDTH):
                 L.gain[j] = uniform_gain(terms, Q, fraction * L.h[j])

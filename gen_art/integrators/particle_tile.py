@@ -230,7 +230,7 @@ def lane_steps(
         if ti.static(terms.uniform_damping):
             parts = 0
             for j in range(WIDTH):
-                parts += ti.select(L.h[j] == ti.cast(dt, real), 0, 1)
+                parts += ti.select(L.h[j] == ti.cast(dt, real) or L.h[j] == 0.0, 0, 1)
             are_whole(L, parts == 0)
     else:
         all_alive(L, ti.cast(dt, real), ti.cast(now, real), now, birth, i)

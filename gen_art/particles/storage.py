@@ -174,20 +174,24 @@ class Particles:
         ):
             return False
         self.launches, self.count_at = 0, self.next_id + max(int(_TOLERATED * self.count), 1024)
-        gone = np.flatnonzero(~(self.death() > time))
-        if not len(gone) or (not at_once and self.count - len(gone) > self.count * (1.0 - _TOLERATED)):
+        kept = np.flatnonzero(self.death() > time)
+        if len(kept) == self.count or (not at_once and len(kept) > self.count * (1.0 - _TOLERATED)):
             return False
-        self.remove(gone)
+        self.keep(kept)
         return True
 
     def remove(self, slots: np.ndarray) -> None:
         """Remove the particles in these slots; the others keep their order."""
+        self.keep(np.delete(np.arange(self.count), slots))
+
+    def keep(self, slots: np.ndarray) -> None:
+        """Remove all particles but those in these slots, which ascend."""
         if self.entries:
-            self.removed = [_sum([sum_, *row[slots]]) for sum_, row in zip(self.removed, self.booked)]
-        keep = np.delete(np.arange(self.count, dtype=np.int32), slots)
-        if 0 < len(keep) < self.count:
-            compact(keep, *self._arrays())
-        self.count = len(keep)
+            gone = np.delete(np.arange(self.count), slots)
+            self.removed = [_sum([sum_, *row[gone]]) for sum_, row in zip(self.removed, self.booked)]
+        if 0 < len(slots) < self.count:
+            compact(slots.astype(np.int32), *self._arrays())
+        self.count = len(slots)
 
     def forget_booked(self) -> None:
         """Set every share to 0: a ledger begins."""

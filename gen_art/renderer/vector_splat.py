@@ -253,10 +253,8 @@ def draw_kernel(kinds: frozenset, surfaces_hide: bool):
                         kind, first, last = DISC, 0, TILE - 1
                         if ti.static(not discs_alone):
                             kind = ti.cast(headers[i, KIND], ti.i32)
-                            first, last = (
-                                ti.cast(headers[i, TOP], ti.i32) - y0,
-                                ti.cast(headers[i, BOTTOM], ti.i32) - y0,
-                            )
+                            first = ti.cast(headers[i, TOP], ti.i32) - y0
+                            last = ti.cast(headers[i, BOTTOM], ti.i32) - y0
                         partly, wholly = 0, 0  # hidden
                         thickness, depth = 0.0, 0.0
                         if ti.static(surfaces_hide):
