@@ -10,6 +10,7 @@ import numpy as np
 
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
+from gen_art.maths.array_functions import median
 from gen_art.maths.radix_sort import stable_order
 
 __all__ = ["LEAF", "Octree", "build_octree"]
@@ -80,7 +81,7 @@ def _typical_level(keys: np.ndarray) -> int:
     if not len(together):
         return 0
     _, bits = np.frexp(together[:: max(1, len(together) // 4096)].astype(np.float64))
-    return int(_LEVELS - np.median((bits + 2) // 3))
+    return int(_LEVELS - median((bits + 2) // 3))
 
 
 def _morton(positions: np.ndarray) -> np.ndarray:

@@ -88,7 +88,8 @@ class Children:
         born: dict[str, list[BirthBatch]] = {}
         for name, emitter, event in self._active:
             for window in windows[event.system]:
-                born.setdefault(name, []).extend(event_births(emitter, name, window))
+                if window.parents.count:
+                    born.setdefault(name, []).extend(event_births(emitter, name, window))
         self.unseen = {name: (s.state.next_id, s.state.next_id) for name, s in self._members.items()}
         for name, batches in born.items():
             new = give_birth(self._members[name].state, batches, self._precision)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gen_art.errors import AdviceWarning, DivergedError, UsageError
+from gen_art.maths.array_functions import median
 from gen_art.registry import suggest
 from gen_art.simulation.advice import system_advice
 from gen_art.simulation.block_steps import parts_of
@@ -169,7 +170,7 @@ class Watch:
             if (changes > _TOO_FAST * parts_of([sim.members[name]]) ** 2).sum() > _FEW * len(changes):
                 self._say_too_fast(name, sim.time, changes, slots, 1)
             if sim.dtype == np.float32 and sim.steps_done > _SAMPLES[2]:
-                self._judge_precision(name, float(np.median(sample.rounding(slots, sim.dt))))
+                self._judge_precision(name, median(sample.rounding(slots, sim.dt)))
 
     def _ask_interactions(self) -> None:
         for name, system in self._sim.members.items():

@@ -95,3 +95,11 @@ def test_streams_are_uniform_and_independent():
     assert abs(np.corrcoef(u, v)[0, 1]) < 0.01
     assert abs(np.corrcoef(u[:-1], u[1:])[0, 1]) < 0.01
     assert len(np.unique(keys)) == len(keys)
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 10])
+def test_median(n):
+    """Mutants: the upper of the two middle numbers; the numbers as they come."""
+    x = np.random.default_rng(n).normal(0, 1, n)
+    assert array_functions.median(x) == np.median(x)
+    assert array_functions.median(x.reshape(n, 1)) == np.median(x)

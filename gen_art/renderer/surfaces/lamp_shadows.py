@@ -16,7 +16,7 @@ import numpy as np
 
 from gen_art.backend.runtime import ti
 from gen_art.colliders.kinds import numbers_of
-from gen_art.maths.array_functions import cos, sin
+from gen_art.maths.array_functions import cos, median, sin
 from gen_art.renderer.surfaces.cell_lists import cell_lists
 from gen_art.renderer.surfaces.collider_rays import cast_by, cone_contact, ray_in_start_frame, side_hit
 from gen_art.renderer.surfaces.collider_sets import holds
@@ -85,7 +85,7 @@ class ShadowBins:
         across = np.asarray(positions, np.float64) @ axes[:2].T
         reach = (1.0 + _UMBRAS) * radii
         low, high = (across - reach[:, None]).min(axis=0), (across + reach[:, None]).max(axis=0)
-        cell = max(float(np.median(reach)), float((high - low).max()) / _CELLS, 1e-9)
+        cell = max(median(reach), float((high - low).max()) / _CELLS, 1e-9)
         shape = np.maximum(np.ceil((high - low) / cell).astype(np.int64), 1)
         first = np.clip(((across - reach[:, None] - low) / cell).astype(np.int64), 0, shape - 1)
         last = np.clip(((across + reach[:, None] - low) / cell).astype(np.int64), 0, shape - 1)

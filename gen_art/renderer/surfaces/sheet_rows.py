@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from gen_art.errors import UsageError
+from gen_art.maths.array_functions import median
 from gen_art.preset.look import Look
 from gen_art.renderer.colour import linear
 from gen_art.renderer.projected_particles import LIT_ALBEDO, LIT_EXTINCTION
@@ -194,7 +195,7 @@ def _lamp_grid(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
         return numbers.astype(np.float32), np.zeros(2, np.int32), np.zeros(1, np.int32)
     low, high = triangles[..., :2].min(axis=1), triangles[..., :2].max(axis=1)
     corner, extent = low.min(axis=0), float((high.max(axis=0) - low.min(axis=0)).max())
-    cell = max(float(np.median((high - low).max(axis=1))), extent / _CELLS, 1e-9)
+    cell = max(median((high - low).max(axis=1)), extent / _CELLS, 1e-9)
     numbers[GRID_CORNER : GRID_CORNER + 2], numbers[GRID_CELL] = corner, cell
     numbers[GRID_TOP] = triangles[..., 2].max()
     numbers = numbers.astype(np.float32).astype(np.float64)  # the cells are found with the kernel's numbers
