@@ -23,7 +23,7 @@ def test_there_are_enough_of_them():
     "name, change",
     [
         ("fire", {"develop.exposure": 1.0}),
-        ("course/tower", {"camera.fov": 39}),
+        ("smoke", {"camera.fov": 39}),
         ("course/bouncing_balls", {"systems.lead.look.radius": 0.055}),
         ("course/penning_trap", {"forces.magnetic_field": [0, 12.5, 0]}),
     ],

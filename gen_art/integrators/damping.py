@@ -1,7 +1,7 @@
 """Drag and damping in a kick, in closed form.
 
 The exponential of a kick's length is the costly part. Where the damping is the same for all particles, it is computed once a
-block for each stage (`stage_gains`), and again only for tiles in which not every lane takes the whole step (`find_gains`).
+block for each stage (`stage_gains`), and again only for tiles in which a lane takes a part of the step (`find_gains`).
 
 The one-letter names in kernels are in docs/glossary.md.
 """

@@ -66,7 +66,7 @@ def all_alive(L: Lanes, h, t, now, birth, i):
 
 @traced
 def are_whole(L: Lanes, whole):
-    """Whether the step of every lane is a whole one."""
+    """Whether the step of every lane is a whole one, or none."""
     L.whole = impl.expr_init(whole)
 
 

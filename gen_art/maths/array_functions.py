@@ -101,6 +101,6 @@ def arctan2(y, x) -> np.ndarray:
 
 
 def median(x: np.ndarray) -> float:
-    """The median of numbers, of which there is at least one: np.median without its first call, which imports for 30 ms."""
+    """The median of one number or more, none of them NaN. np.median imports masked arrays at its first call: 30 ms."""
     ordered = np.sort(x, axis=None)
     return 0.5 * (float(ordered[(len(ordered) - 1) // 2]) + float(ordered[len(ordered) // 2]))

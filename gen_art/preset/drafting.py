@@ -1,4 +1,4 @@
-"""The preset that a draft is drawn of: half the pixels across need fewer particles.
+"""The preset that a draft is drawn of: a picture of half the width and height needs fewer particles.
 
 Points and streaks are thinned as the pixels are, to a quarter; soft discs fill a volume, and half the resolution in three
 dimensions needs an eighth of them.

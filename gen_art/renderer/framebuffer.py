@@ -10,7 +10,7 @@ from gen_art.errors import MemoryRefused
 from gen_art.renderer import picture_splat, tiled_splat, vector_splat
 from gen_art.renderer.coarse_framebuffer import composite
 from gen_art.renderer.picture_tiles import BIN
-from gen_art.renderer.sprite import DISC, ELLIPSE, LEVEL, PICTURE
+from gen_art.renderer.sprite import COVERED_DISC, DISC, ELLIPSE, LEVEL, PICTURE
 from gen_art.renderer.sprite_buffer import Sprites
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES
 from gen_art.renderer.tiled_splat import CHUNKS, kind_bits
@@ -20,7 +20,7 @@ __all__ = ["FrameBuffer", "splat"]
 
 # Where sprites hide each other, the order of drawing is cut into slices; in each slice the coarse framebuffers are drawn first.
 SLICES = 8
-PICTURES = frozenset({PICTURE})
+DISCS, PICTURES = frozenset({DISC, COVERED_DISC}), frozenset({PICTURE})
 OF_LEVELS = frozenset({DISC, ELLIPSE})  # the kinds that are drawn into coarse framebuffers where they are large
 PARALLEL_CLEAR = 2**24  # bytes of a framebuffer from which several threads clear it faster than one
 WIDE, CLEAR_PARTS = 16, 64  # floats of a vector; parts that threads clear
@@ -72,7 +72,7 @@ class FrameBuffer:
     def draw(self, sprites: Sprites, order: np.ndarray, level: int, kinds: frozenset) -> np.ndarray:
         """Draw those of the sprites that belong to this framebuffer's level; returns which bins they touch, (down, across) bool.
 
-        kinds : the kinds of the sprites. Bins of discs alone, or of images alone, have kernels of their own
+        kinds : the kinds of the sprites. Bins of VECTOR_KINDS alone, or of images alone, have kernels of their own
         Raises MemoryRefused when the sprites touch 2^31 bins or more in all.
         """
         if level:
@@ -111,8 +111,11 @@ class FrameBuffer:
         of_others = touched & ~of_vectors & ~of_pictures
         surfaces_hide = sprites.hidden_by is not NOTHING_HIDES
         if of_vectors.any():
-            wide = vector_splat.WIDE
-            vector_splat.draw_kernel(kinds & VECTOR_KINDS, surfaces_hide)(
+            wide, drawn = vector_splat.WIDE, kinds & VECTOR_KINDS
+            # of discs the kind says whether surfaces hide a part; smaller framebuffers hold no such sprites
+            partly_hidden = surfaces_hide and level == 0 and drawn != {DISC}
+            discs = frozenset({DISC} if drawn & DISCS else ())
+            vector_splat.draw_kernel(drawn - DISCS | discs, partly_hidden)(
                 sprites.rows, sprites.headers, entries, tile_masks, firsts, np.where(of_vectors, bounds[1:], firsts), self.across,
                 bins, self.buffer.reshape(-1, wide), self.stride // wide, sprites.depths, sprites.hidden_by.depths,
                 sprites.hidden_by.tiles,

@@ -204,8 +204,8 @@ def _streak(P: ti.template(), i, tile: ti.template(), x, y, first, last):
 
 @cache
 def draw_kernel(kinds: frozenset, surfaces_hide: bool):
-    """The kernel that draws sprites of these kinds, of VECTOR_KINDS, of which surfaces may hide a part."""
-    discs_alone = not kinds & {ELLIPSE, STREAK}
+    """The kernel that draws sprites of these kinds, DISC for all discs, of which surfaces may hide a part."""
+    discs_alone = kinds == {DISC}
 
     @ti.kernel
     def draw_vectors(
@@ -264,7 +264,7 @@ def draw_kernel(kinds: frozenset, surfaces_hide: bool):
                                 for v in ti.static(range(TILE * PARTS)):
                                     before[v] = tile[v]
                         if wholly == 0:
-                            if ti.static(DISC in kinds or COVERED_DISC in kinds):
+                            if ti.static(DISC in kinds):
                                 if kind == DISC or kind == COVERED_DISC:  # noqa: SIM109 - no kernel knows tuples
                                     _disc(P, i, tile, x, y)
                             if ti.static(ELLIPSE in kinds):

@@ -75,6 +75,21 @@ def test_a_fixed_particle_stays_and_one_that_is_born_late_catches_up():
     assert moved[6] == pytest.approx(before[3, 6] * (1 - np.exp(-0.7 * 0.1)) / 0.7, rel=1e-3)
 
 
+def test_who_takes_no_step_keeps_the_velocity_beside_those_with_whole_steps():
+    """A fixed particle and an unborn one under gravity and damping. Mutant: the gain of a whole step for all lanes of their tile."""
+    x, v = np.arange(20.0)[:, None] * [1, 0, 0], np.ones((20, 3))
+    v[3] = 0
+    system = ga.ParticleSystem(position=x, velocity=v, forces=[F.Gravity(), F.Damping(0.7)], fixed=[3])
+    sim = ga.Simulation({"s": system}, dt=0.1)
+    state = sim["s"]._state
+    state.birth[5] = 10.0
+    before = state.floats[:6, :20].copy()
+    sim.step(2)
+    after = state.floats[:6, :20]
+    assert (after[:, [3, 5]] == before[:, [3, 5]]).all()
+    assert (after[4, [0, 1, 2, 4, 6]] < before[4, 0] - 1).all()
+
+
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("entries", [0, 2])
 def test_the_dead_leave_and_the_others_keep_their_order(dtype, entries):

@@ -68,6 +68,12 @@ def test_a_draft_shows_as_much_light_and_hides_as_much(look):
     assert abs(shown(full, empty)) > 1
 
 
+def test_discs_beside_streaks_are_thinned_as_streaks():
+    """Mutant: an eighth as soon as one look draws discs."""
+    mixed = cloud({"draw": "disc"}, **{"systems.cloud.looks": {"paths": {"draw": "streak", "width": 0.02}}})
+    assert estimate(drafted(mixed)).peak["cloud"] == MANY / 4
+
+
 def test_a_draft_keeps_what_is_small_solid_or_moves_others():
     """Mutants: solid balls are thinned; bodies that pull others are thinned; a system below the limit is thinned."""
     dots = {"draw": "point"}

@@ -49,8 +49,13 @@ def kernels(monkeypatch):
 
 
 @pytest.mark.parametrize("speed", [0.3, 12.0], ids=["slow", "fast"])
-@pytest.mark.parametrize("blend", ["add", "alpha"])
-@pytest.mark.parametrize("names", [["streaks"], ["ellipses"], ["discs", "ellipses"], ["discs", "ellipses", "streaks"]])
+@pytest.mark.parametrize(
+    "names, blend",
+    [
+        (["streaks"], "add"),  # which cannot hide
+        *((names, blend) for names in (["ellipses"], ["discs", "ellipses"], [*LOOKS]) for blend in ("add", "alpha")),
+    ],
+)
 def test_vectors_have_the_bits_of_pixels(names, blend, speed, kernels, monkeypatch):
     looks = {name: dict(LOOKS[name]) for name in names}
     for name in set(looks) - {"streaks"}:

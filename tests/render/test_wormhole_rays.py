@@ -175,14 +175,14 @@ def test_an_image_is_as_large_as_its_bundle_of_rays_says(camera):
     r of the camera for r of the thing, no cosine at the thing.
     """
     targets, directions, distance, start = imaged(camera)
-    e = 1e-4
+    e, d = 1e-4, directions
+    side = np.cross(d, [0.3, 0.5, 0.8])
+    side /= np.linalg.norm(side, axis=1)[:, None]
+    other = np.cross(d, side)
+    rays = np.concatenate([d, d + e * side, d - e * side, d + e * other, d - e * other])
+    bundles = trace(np.repeat(start, len(rays), axis=0), rays / np.linalg.norm(rays, axis=1)[:, None])
     for k, target in enumerate(targets):
-        d = directions[k]
-        side = np.cross(d, [0.3, 0.5, 0.8])
-        side /= np.linalg.norm(side)
-        other = np.cross(d, side)
-        rays = np.stack([d, d + e * side, d - e * side, d + e * other, d - e * other])
-        points = trace(np.repeat(start, 5, axis=0), rays / np.linalg.norm(rays, axis=1)[:, None])
+        points = bundles[:, k :: len(targets)]
         _, along = miss(points[:, 0], target)
         ends = [at_plane(points[:, j], target, along) for j in range(1, 5)]
         u, v = (ends[0] - ends[1]) / (2 * e), (ends[2] - ends[3]) / (2 * e)

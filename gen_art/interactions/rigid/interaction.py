@@ -163,7 +163,7 @@ class Rigid(Interaction):
             for kind in emission.kinds
             for one in _numbered(emission.name, kind.scripted.group)
         ]
-        if all(one.constraint == STATIC for one in members):
+        if not self.values["joints"] and all(one.constraint == STATIC for one in members):
             return
         empty = SimpleNamespace(name=system.name, state=Particles(np.float64, system.attribute_names, (), 1))
         contacts = World(
