@@ -23,7 +23,7 @@ def exponential_integral(n, x):
     return (w * 2 * s * mu ** (n - 2) * np.exp(-np.asarray(x)[..., None] / mu)).sum(axis=-1)
 
 
-def exact_slab(depth, albedo, lamp, sky, layers=400):
+def exact_slab(depth, albedo, lamp, sky, layers=200):
     """(reflected, transmitted) shares of light on a slab with isotropic scattering: S = albedo / 2 integral E1 S + once scattered light.
 
     lamp : irradiance that falls straight down; sky : the radiance of all directions from above
