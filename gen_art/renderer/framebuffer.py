@@ -9,6 +9,7 @@ from gen_art.backend.runtime import aligned, kernel, ti
 from gen_art.errors import MemoryRefused
 from gen_art.renderer import picture_splat, tiled_splat, vector_splat
 from gen_art.renderer.coarse_framebuffer import composite
+from gen_art.renderer.lanes import LANES
 from gen_art.renderer.picture_tiles import BIN
 from gen_art.renderer.sprite import COVERED_DISC, DISC, ELLIPSE, LEVEL, PICTURE
 from gen_art.renderer.sprite_buffer import Sprites
@@ -111,13 +112,13 @@ class FrameBuffer:
         of_others = touched & ~of_vectors & ~of_pictures
         surfaces_hide = sprites.hidden_by is not NOTHING_HIDES
         if of_vectors.any():
-            wide, drawn = vector_splat.WIDE, kinds & VECTOR_KINDS
+            drawn = kinds & VECTOR_KINDS
             # of discs the kind says whether surfaces hide a part; smaller framebuffers hold no such sprites
             partly_hidden = surfaces_hide and level == 0 and drawn != {DISC}
             discs = frozenset({DISC} if drawn & DISCS else ())
             vector_splat.draw_kernel(drawn - DISCS | discs, partly_hidden)(
                 sprites.rows, sprites.headers, entries, tile_masks, firsts, np.where(of_vectors, bounds[1:], firsts), self.across,
-                bins, self.buffer.reshape(-1, wide), self.stride // wide, sprites.depths, sprites.hidden_by.depths,
+                bins, self.buffer.reshape(-1, LANES), self.stride // LANES, sprites.depths, sprites.hidden_by.depths,
                 sprites.hidden_by.tiles,
             )  # fmt: skip
         if of_pictures.any():

@@ -11,6 +11,7 @@ The one-letter names in kernels are in docs/glossary.md.
 from functools import cache
 
 from gen_art.backend.runtime import kernel, ti
+from gen_art.renderer.lanes import LANES, all_lanes
 from gen_art.renderer.picture_tiles import BIN, TILE, TILES
 from gen_art.renderer.sprite import (
     ACROSS,
@@ -40,23 +41,16 @@ from gen_art.renderer.sprite import (
 )
 from gen_art.renderer.surfaces.pixel_rays import SUBPIXELS
 
-__all__ = ["VECTOR_KINDS", "WIDE", "draw_kernel"]
+__all__ = ["VECTOR_KINDS", "draw_kernel"]
 
 VECTOR_KINDS = frozenset({DISC, COVERED_DISC, ELLIPSE, STREAK})
-WIDE = 16  # floats of a vector
-PIXELS = WIDE // 4  # of a vector
+PIXELS = LANES // 4  # of a vector
 PARTS = TILE // PIXELS  # vectors in a row of a tile
 F1, F2, F3 = (ti.types.ndarray(ti.f32, n) for n in (1, 2, 3))
 I1, H2 = ti.types.ndarray(ti.i32, 1), ti.types.ndarray(ti.i16, 2)
-FLOATS = ti.types.ndarray(ti.types.vector(WIDE, ti.f32), 1)
+FLOATS = ti.types.ndarray(ti.types.vector(LANES, ti.f32), 1)
 _CENTRES = tuple(k + 0.5 for k in range(TILE))  # of the pixels of a row or a column
 _LIMITS = (1e38, 1e38, 1e38, 1.0) * PIXELS  # of the light and coverage that an ellipse adds
-
-
-@ti.func
-def _all(x):
-    """A vector of four pixels with the same float in each lane."""
-    return ti.Vector([ti.cast(x, ti.f32) for _ in ti.static(range(WIDE))])
 
 
 @ti.func
@@ -68,7 +62,7 @@ def _row(x):
 @ti.func
 def _pixels(row, part: ti.template()):
     """The lanes of four pixels of a row, each in all four lanes of its pixel."""
-    return ti.Vector([row[part * PIXELS + lane // 4] for lane in ti.static(range(WIDE))])
+    return ti.Vector([row[part * PIXELS + lane // 4] for lane in ti.static(range(LANES))])
 
 
 @ti.func
@@ -148,16 +142,16 @@ def _disc(P: ti.template(), i, tile: ti.template(), x, y):
     across, down = _profile(u * u) * _row(P[i, NORM]), _profile(v * v)
     weights = [_pixels(across, part) for part in ti.static(range(PARTS))]
     light = [weights[part] * colour for part in ti.static(range(PARTS))]
-    coverage = [weights[part] * _all(P[i, ALPHA]) for part in ti.static(range(PARTS))]
+    coverage = [weights[part] * all_lanes(P[i, ALPHA]) for part in ti.static(range(PARTS))]
     for v in ti.static(range(TILE * PARTS)):
-        w = _all(down[v // PARTS])
+        w = all_lanes(down[v // PARTS])
         tile[v] = tile[v] + w * (light[v % PARTS] - tile[v] * coverage[v % PARTS])
 
 
 @ti.func
 def _ellipse(P: ti.template(), i, tile: ti.template(), x, y, first, last):
     """elliptic_splat.draw_ellipse."""
-    light, coverage = _light(P, i), _all(P[i, NORM] * P[i, ALPHA])
+    light, coverage = _light(P, i), all_lanes(P[i, NORM] * P[i, ALPHA])
     u, per_height = ti.Vector(_CENTRES) - _row(x), _row(1.0 / P[i, ACROSS])
     t, middle = u * _row(1.0 / P[i, FOOTPRINT]), _row(y) + _row(P[i, SLOPE]) * u - _row(0.5)
     square = t * t
@@ -167,7 +161,7 @@ def _ellipse(P: ti.template(), i, tile: ti.template(), x, y, first, last):
             weights = _profile(square + h * h)
             for part in ti.static(range(PARTS)):
                 w, old = _pixels(weights, part), tile[row * PARTS + part]
-                kept = old * (_all(1.0) - _smaller(w * coverage, _all(1.0)))
+                kept = old * (all_lanes(1.0) - _smaller(w * coverage, all_lanes(1.0)))
                 tile[row * PARTS + part] = kept + _smaller(w * light, ti.Vector(_LIMITS))
 
 
@@ -227,12 +221,12 @@ def draw_kernel(kinds: frozenset, surfaces_hide: bool):
             if touched & 1:
                 x0, y0 = (bin % across) * BIN + (t % TILES) * TILE, (bin // across) * BIN + (t // TILES) * TILE
                 corner = y0 * stride + x0 // PIXELS
-                tile = [_all(0.0) for _ in ti.static(range(TILE * PARTS))]
+                tile = [all_lanes(0.0) for _ in ti.static(range(TILE * PARTS))]
                 for v in ti.static(range(TILE * PARTS)):
                     tile[v] = framebuffer[corner + v // PARTS * stride + v % PARTS]
                 low, high = 3e38, 3e38  # the least and the largest depth of surfaces in the tile
                 solid = [_row(0.0) for _ in ti.static(range(TILE * SUBPIXELS if surfaces_hide else 0))]
-                before = [_all(0.0) for _ in ti.static(range(TILE * PARTS if surfaces_hide else 0))]
+                before = [all_lanes(0.0) for _ in ti.static(range(TILE * PARTS if surfaces_hide else 0))]
                 if ti.static(surfaces_hide):
                     across_tile, down_tile = x0 // TILE, y0 // TILE
                     if down_tile < tile_depths.shape[0] and across_tile < tile_depths.shape[1]:
@@ -265,7 +259,7 @@ def draw_kernel(kinds: frozenset, surfaces_hide: bool):
                                     before[v] = tile[v]
                         if wholly == 0:
                             if ti.static(DISC in kinds):
-                                if kind == DISC or kind == COVERED_DISC:  # noqa: SIM109 - no kernel knows tuples
+                                if (kind == DISC) | (kind == COVERED_DISC):
                                     _disc(P, i, tile, x, y)
                             if ti.static(ELLIPSE in kinds):
                                 if kind == ELLIPSE:

@@ -9,6 +9,7 @@ import pytest
 import gen_art as ga
 from gen_art.interactions.rigid import joint_solver
 from gen_art.interactions.rigid.quaternions import matrices
+from gen_art.output.check import check_preset
 from tests.physics.bodies import G, inside, world
 
 ROD = {"box": [0.05, 1, 0.05]}
@@ -583,3 +584,16 @@ assert runtime.threads() == 0
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def test_joints_of_static_bodies_are_checked_with_the_preset():
+    """Mutant: a group of static bodies is not looked at, whatever its joints."""
+    bodies = {
+        name: {"body": {"shape": {"box": [1, 1, 1]}, "points": 20, "position": [x, 0, 0], "static": True}}
+        for x, name in enumerate(("one", "two"))
+    }
+    rigid = {"joints": {"glue": {"weld": ["one", "two"], "at": [0.5, 0, 0]}}}
+    system = {"interactions": {"rigid": rigid}, "integrator": "leapfrog", "emitters": bodies, "look": {"draw": "body"}}
+    clock = {"duration": 1, "fps": 10, "step": 0.01}
+    with pytest.raises(ga.PresetError, match="neither one nor two can move"):
+        check_preset(ga.load_preset({"version": 1, "clock": clock, "systems": {"pair": system}}))
