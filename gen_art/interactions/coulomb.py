@@ -16,7 +16,7 @@ class Coulomb(DirectSum):
     k : N m^2/C^2, 1 / (4 pi epsilon_0) when left out
     softening : m, >= 0
     method : "direct", all pairs; "tree", distant cells as a whole: forces to about 2 parts in a thousand, momentum to round-off;
-        "auto", the tree beyond 20,000 particles
+        "auto", the tree beyond 14,000 particles
     theta : of the tree, 0.05 to 1: largest size of two cells, seen from each other, that act as a whole; smaller is more exact
     order : of the tree's expansions, 2 to 6
     sources : the name of another system, whose field then acts without reaction (recorded in the ledger)

@@ -24,7 +24,7 @@ from gen_art.particles.rows import MASS, POSITION
 __all__ = ["DirectSum"]
 
 _BLOCK = 256  # targets per task
-_TREE_PAIRS = 20_000**2  # `auto` uses the tree for more pairs
+_TREE_PAIRS = 14_000**2  # `auto` uses the tree for more pairs
 
 
 class DirectSum(Interaction):

@@ -17,7 +17,7 @@ class SelfGravity(DirectSum):
     G : constant of gravitation in the preset's units, 6.6743e-11 m^3/kg/s^2 when left out
     softening : m, >= 0
     method : "direct", all pairs; "tree", distant cells as a whole: forces to about 2 parts in a thousand, momentum to round-off;
-        "auto", the tree beyond 20,000 particles
+        "auto", the tree beyond 14,000 particles
     theta : of the tree, 0.05 to 1: largest size of two cells, seen from each other, that act as a whole; smaller is more exact
     order : of the tree's expansions, 2 to 6
     levels : 0 for one step for all; k lets each particle halve its own step up to k times, until it lasts at most
