@@ -7,7 +7,9 @@ the run-time parameter array; values that are fixed when the kernel is traced (c
 
 from gen_art.backend.runtime import impl, make_matrix, ti
 
-__all__ = ["KernelView", "parameters", "particle", "traced"]
+Expr = ti.lang.expr.Expr
+
+__all__ = ["KernelView", "held_parameters", "parameters", "particle", "traced"]
 
 
 class KernelView:
@@ -48,6 +50,16 @@ def parameters(array, term, offset: int, index=0):
         if not parameter.size:
             view[name] = term.values[name]
     return KernelView(**view)
+
+
+@traced
+def held_parameters(array, term, offset: int):
+    """`parameters`, read once: what follows from them alone is then found once for all turns of a loop."""
+    view = parameters(array, term, offset)
+    held = {
+        name: impl.expr_init(value) for name, value in view.__dict__.items() if isinstance(value, (Expr, ti.Matrix))
+    }
+    return KernelView(**{**view.__dict__, **held})
 
 
 @traced

@@ -6,14 +6,14 @@ the order of births.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
 
 from gen_art.emitters.base import Emitter, Shape, Velocity
-from gen_art.emitters.birth_kernel import make_birth
+from gen_art.emitters.birth_kernel import make_birth, make_scheduled_birth
 from gen_art.emitters.schedule import Schedule
 from gen_art.errors import UsageError
 from gen_art.maths.array_functions import cos, log, sin
@@ -27,6 +27,7 @@ __all__ = [
     "ActiveEmitter",
     "BirthEvent",
     "BirthKind",
+    "ScheduledBatch",
     "EmitterMotion",
     "give_birth",
     "scheduled_births",
@@ -161,14 +162,13 @@ class ActiveEmitter:
 
 @dataclass
 class BirthBatch:
-    """Births of one kind to be made together; each array has one entry per particle.
+    """Births of one kind to be made together, whose streams have keys of their own; each array has one entry per particle.
 
     when : s
     keys, paired, burst : keys of the particle, of what a pair shares, of what a burst shares
     sign : factor of place and velocity, 1 or -1 for the two of a pair, 0 for a particle without a partner
     origin : (6, m) position and velocity that place and velocity are relative to
     rank : uint64; births at the same time are ordered by rank, then by ordinal
-    in_order : whether they are known to be in that order already
     """
 
     kind: BirthKind
@@ -181,7 +181,8 @@ class BirthBatch:
     sign: np.ndarray
     origin: np.ndarray
     rank: np.ndarray
-    in_order: bool = False
+
+    in_order = False  # whether they are known to be in the order of time, rank and ordinal
 
     def by_choice(self, emitter: ActiveEmitter, choice: np.ndarray) -> list["BirthBatch"]:
         """The births of each kind, where `choice` holds the index of the kind of each."""
@@ -193,10 +194,64 @@ class BirthBatch:
             batches.append(
                 BirthBatch(
                     emitter.kinds[c], emitter.first_source + int(c), self.when[own], self.keys[own], self.paired[own],
-                    self.burst[own], self.ordinal[own], self.sign[own], self.origin[:, own], self.rank[own], self.in_order,
+                    self.burst[own], self.ordinal[own], self.sign[own], self.origin[:, own], self.rank[own],
                 )
             )  # fmt: skip
         return batches
+
+    def bear(self, particles: Particles, slots: np.ndarray, precision: str) -> None:
+        """Write the particles into these slots (int32), which have their ids already."""
+        dtype = particles.floats.dtype
+        particles.identify(slots, self.when, self.keys, self.source)
+        if self.kind.scripted is not None and self.kind.scripted.sample is not None:
+            _sample(particles, self.kind, self.keys, self.origin, slots)
+            return
+        make_birth(self.kind, precision)(
+            particles.floats, particles.key, slots, _words(self.paired), _words(self.burst),
+            (self.ordinal & 0x7FFFFFFF).astype(np.int32), self.sign.astype(dtype), self.origin.astype(dtype, order="C"),
+            self.when.astype(dtype), self.kind.numbers(dtype),
+        )  # fmt: skip
+
+
+@dataclass
+class ScheduledBatch:
+    """Scheduled births of one kind to be made together, in the order of time and number.
+
+    key : the emitter's
+    when : (m,) s
+    serial : (m,) int64, the numbers of the births
+    origin : (6, m), or (6, 1) for all, position and velocity that place and velocity are relative to
+    """
+
+    kind: BirthKind
+    source: int
+    key: np.uint64
+    when: np.ndarray
+    serial: np.ndarray
+    origin: np.ndarray
+
+    in_order = True
+
+    @property
+    def ordinal(self) -> np.ndarray:
+        return self.serial
+
+    @property
+    def rank(self) -> np.ndarray:
+        return np.full(len(self.when), self.key)
+
+    def bear(self, particles: Particles, slots: np.ndarray, precision: str) -> None:
+        """Write the particles into these slots (int32), which have their ids already."""
+        if self.kind.scripted is not None and self.kind.scripted.sample is not None:
+            keys = derive(self.key, self.serial)
+            particles.identify(slots, self.when, keys, self.source)
+            _sample(particles, self.kind, keys, self.origin, slots)
+            return
+        dtype = particles.floats.dtype
+        make_scheduled_birth(self.kind, precision)(
+            particles.floats, particles.birth, particles.key, particles.source, slots, self.when, self.serial,
+            self.origin.astype(dtype, order="C"), self.kind.numbers(dtype), int(self.key.astype(np.int64)), self.source,
+        )  # fmt: skip
 
 
 class BatchStreams:
@@ -218,58 +273,44 @@ class BatchStreams:
         return np.stack([s * cos(a), s * sin(a), z])
 
 
-def scheduled_births(emitter: ActiveEmitter, t1: float) -> list[BirthBatch]:
-    """The births of a scheduled emitter up to and including t1 that have not been made yet."""
+def scheduled_births(emitter: ActiveEmitter, t1: float) -> list[ScheduledBatch]:
+    """The births of a scheduled emitter up to and including t1 that have not been made yet, a batch for each of its kinds."""
     if emitter.schedule is None:
         return []
     last = emitter.schedule.until(t1)
     first, emitter.done = emitter.done, max(last, emitter.done)
     if last <= first:
         return []
-    serial = np.arange(first, last)
-    when = emitter.schedule.times(first, last)
-    keys = derive(emitter.key, serial)
-    origin = np.broadcast_to(np.zeros((6, 1)), (6, len(when)))  # without memory of its own, as the next two
+    serial, when, origin = np.arange(first, last), emitter.schedule.times(first, last), np.zeros((6, 1))
     if emitter.motion is not None:
-        origin = np.concatenate([emitter.motion.at(when), origin[3:]])
-    sign, rank = np.broadcast_to(1.0, len(when)), np.broadcast_to(np.uint64(emitter.key), len(when))
-    whole = BirthBatch(
-        emitter.kinds[0], emitter.first_source, when, keys, keys, keys, serial, sign, origin, rank, in_order=True
-    )
-    return whole.by_choice(emitter, emitter.choose(keys))
+        origin = np.concatenate([emitter.motion.at(when), np.zeros((3, len(when)))])
+    choice = emitter.choose(derive(emitter.key, serial)) if len(emitter.kinds) > 1 else np.zeros(1, np.int64)
+    batches = []
+    for c in np.unique(choice):
+        own = choice == c if len(emitter.kinds) > 1 else slice(None)
+        moved = origin[:, own] if emitter.motion is not None else origin
+        source = emitter.first_source + int(c)
+        batches.append(ScheduledBatch(emitter.kinds[c], source, emitter.key, when[own], serial[own], moved))
+    return batches
 
 
-def give_birth(particles: Particles, batches: list[BirthBatch], precision: str) -> slice:
+def give_birth(particles: Particles, batches: Sequence[BirthBatch | ScheduledBatch], precision: str) -> slice:
     """Append the particles of all batches in order of (time, rank, ordinal), draw their attributes, and return their slots.
 
     In a periodic box, particles that are born outside are wrapped into it.
     """
     if not batches:
         return slice(particles.count, particles.count)
-    when = np.concatenate([b.when for b in batches])
-    if len(batches) == 1 and batches[0].in_order:
-        order = np.arange(len(when))
-    else:
-        order = np.lexsort(
-            (np.concatenate([b.ordinal for b in batches]), np.concatenate([b.rank for b in batches]), when)
-        )
-    keys = np.concatenate([b.keys for b in batches])
-    source = np.concatenate([np.full(len(b.when), b.source, np.int32) for b in batches])
-    new = particles.append(when[order], keys[order], source[order])
-    slots = np.empty(len(order), np.int32)
-    slots[order] = np.arange(new.start, new.stop, dtype=np.int32)
-    dtype, done = particles.floats.dtype, 0
+    count = sum(len(b.when) for b in batches)
+    new = particles.grow(count, max(float(np.max(b.when, initial=-math.inf)) for b in batches))
+    slots = np.arange(new.start, new.stop, dtype=np.int32)
+    if len(batches) > 1 or not batches[0].in_order:
+        order = np.lexsort([np.concatenate([getattr(b, key) for b in batches]) for key in ("ordinal", "rank", "when")])
+        slots[order] = slots.copy()
+    done = 0
     for b in batches:
-        batch_slots = slots[done : done + len(b.when)]
+        b.bear(particles, slots[done : done + len(b.when)], precision)
         done += len(b.when)
-        if b.kind.scripted is not None and b.kind.scripted.sample is not None:
-            _sample(particles, b, b.kind.scripted.sample, batch_slots)
-            continue
-        make_birth(b.kind, precision)(
-            particles.floats, particles.key, batch_slots, _words(b.paired), _words(b.burst),
-            (b.ordinal & 0x7FFFFFFF).astype(np.int32), b.sign.astype(dtype), b.origin.astype(dtype, order="C"),
-            b.when.astype(dtype), b.kind.numbers(dtype),
-        )  # fmt: skip
     particles.wrap(new)
     if not particles.may_die:
         particles.may_die = bool(np.isfinite(particles.floats[LIFETIME, new]).any())
@@ -281,22 +322,23 @@ def _words(keys: np.ndarray) -> np.ndarray:
     return np.stack([(keys >> np.uint64(32)).astype(np.uint32), (keys & np.uint64(0xFFFFFFFF)).astype(np.uint32)])
 
 
-def _sample(particles: Particles, batch: BirthBatch, sample: Callable, slots: np.ndarray) -> None:
+def _sample(particles: Particles, kind: BirthKind, keys: np.ndarray, origin: np.ndarray, slots: np.ndarray) -> None:
     """Births by an emitter written in NumPy. Values that it does not set, or sets to NaN, come from the kind's attributes."""
-    draws = BatchStreams(batch.keys)
+    assert kind.scripted is not None and kind.scripted.sample is not None, "only a class with `sample` is called here"
+    draws = BatchStreams(keys)
     rows = particles.channels
-    for name, (low, high) in batch.kind.attributes.items():
+    for name, (low, high) in kind.attributes.items():
         if name != "density":
             value = low if low == high else low + (high - low) * draws.uniform(channel_of(name))
             particles.floats[rows[name], slots] = value
-    born = sample(draws, len(slots))
+    born = kind.scripted.sample(draws, len(slots))
     unknown = set(born) - {"position", "velocity", *rows}
     if unknown:
-        raise UsageError(f"emitter '{batch.kind.name}' sets {', '.join(sorted(unknown))}, which no particle here has")
+        raise UsageError(f"emitter '{kind.name}' sets {', '.join(sorted(unknown))}, which no particle here has")
     for name, values in born.items():
         if name in ("position", "velocity"):
             first = 0 if name == "position" else 3
-            particles.floats[first : first + 3, slots] = np.asarray(values) + batch.origin[first : first + 3]
+            particles.floats[first : first + 3, slots] = np.asarray(values) + origin[first : first + 3]
         else:
             values = np.asarray(values)
             given = np.broadcast_to(~np.isnan(values), slots.shape)

@@ -13,7 +13,7 @@ from gen_art.backend.runtime import real, ti
 from gen_art.maths.blocks import in_blocks
 from gen_art.maths.elementary import cos, log, sin
 
-__all__ = ["channel_of", "derive", "philox", "philox_numpy", "uniform", "Stream"]
+__all__ = ["channel_of", "child_key", "derive", "philox", "philox_numpy", "uniform", "Stream"]
 
 _MULTIPLIER = 0xD256D193
 _WEYL = 0x9E3779B9
@@ -62,6 +62,27 @@ def uniform(key, channel: int) -> np.ndarray:
     key = np.asarray(key, np.uint64)
     a, b = philox_numpy(key & np.uint64(0xFFFFFFFF), channel, key >> np.uint64(32))
     return (a.astype(np.float64) * 2.0**-32) + (b >> np.uint32(12)).astype(np.float64) * 2.0**-52 + 2.0**-53
+
+
+@ti.func
+def _word(high: ti.template(), low: ti.template()):
+    """64 bits from two constants of 32: Taichi takes no larger constant."""
+    return (ti.u64(high) << ti.u64(32)) | ti.u64(low)
+
+
+@ti.func
+def _mixed_in_kernel(z):
+    """_mixed of a u64."""
+    y = (z ^ (z >> ti.u64(30))) * _word(0xBF58476D, 0x1CE4E5B9)
+    y = (y ^ (y >> ti.u64(27))) * _word(0x94D049BB, 0x133111EB)
+    return y ^ (y >> ti.u64(31))
+
+
+@ti.func
+def child_key(key, number):
+    """`derive` in a kernel, bit for bit: both are u64."""
+    inner = _mixed_in_kernel(number * _word(0x9E3779B9, 0x7F4A7C15) + _word(0xD1B54A32, 0xD192ED03))
+    return _mixed_in_kernel((key ^ inner) + _word(0x9E3779B9, 0x7F4A7C15))
 
 
 @ti.func

@@ -1,4 +1,4 @@
-"""Moves the particles that are kept to the front of every column, in their order."""
+"""Finds the particles that live, and moves them to the front of every column, in their order."""
 
 from functools import cache
 
@@ -6,18 +6,23 @@ import numpy as np
 
 from gen_art.backend import runtime
 from gen_art.backend.runtime import ti
+from gen_art.particles.rows import LIFETIME
 
-__all__ = ["compact"]
+__all__ = ["compact", "slots_of_living"]
+
+_CHUNK = 4096  # slots of which one thread finds the living
+_GROUPS = 8  # of columns, each moved by one thread
+_STRETCH = 2048  # slots that are moved in one column before the next: their list stays in the cache
 
 
 @cache
-def _kernel(precision: str):
+def _moving(precision: str):
     real = runtime.DTYPES[precision]
 
     @ti.func
-    def gather(column: ti.template(), r, keep: ti.template(), first):
+    def gather(column: ti.template(), r, keep: ti.template(), first, end):
         """In place: a particle moves to an earlier slot, whose own particle has moved already."""
-        for k in range(first, keep.shape[0]):
+        for k in range(first, end):
             column[r, k] = column[r, keep[k]]
 
     @ti.kernel
@@ -27,28 +32,81 @@ def _kernel(precision: str):
         rows: ti.i32, entries: ti.i32, keep: ti.types.ndarray(ti.i32, 1), first: ti.i32,
     ):  # fmt: skip
         ti.loop_config(block_dim=1)
-        for c in range(rows + entries + 5):  # a column each
-            if c < rows:
-                gather(floats, c, keep, first)
-            elif c < rows + entries:
-                gather(booked, c - rows, keep, first)
-            elif c < rows + entries + 2:
-                gather(key, c - rows - entries, keep, first)
-            elif c == rows + entries + 2:
-                gather(birth, 0, keep, first)
-            elif c == rows + entries + 3:
-                gather(id, 0, keep, first)
-            else:
-                gather(source, 0, keep, first)
+        for group in range(_GROUPS):
+            for s in range((keep.shape[0] - first + _STRETCH - 1) // _STRETCH):
+                start = first + s * _STRETCH
+                end = ti.min(start + _STRETCH, keep.shape[0])
+                for n in range((rows + entries + 5 - group + _GROUPS - 1) // _GROUPS):
+                    c = group + n * _GROUPS
+                    if c < rows:
+                        gather(floats, c, keep, start, end)
+                    elif c < rows + entries:
+                        gather(booked, c - rows, keep, start, end)
+                    elif c < rows + entries + 2:
+                        gather(key, c - rows - entries, keep, start, end)
+                    elif c == rows + entries + 2:
+                        gather(birth, 0, keep, start, end)
+                    elif c == rows + entries + 3:
+                        gather(id, 0, keep, start, end)
+                    else:
+                        gather(source, 0, keep, start, end)
 
     return runtime.kernel(move, precision)
 
 
+@cache
+def _living(precision: str):
+    real = runtime.DTYPES[precision]
+    matrix, times, integers = ti.types.ndarray(real, 2), ti.types.ndarray(ti.f64, 1), ti.types.ndarray(ti.i32, 1)
+
+    @ti.func
+    def lives(floats: ti.template(), birth: ti.template(), k, time):
+        return ti.select(birth[k] + ti.cast(floats[LIFETIME, k], ti.f64) > time, 1, 0)
+
+    @ti.kernel
+    def count(floats: matrix, birth: times, n: ti.i32, time: ti.f64, counts: integers):
+        ti.loop_config(block_dim=1)
+        for c in range(counts.shape[0]):
+            living = 0
+            for k in range(c * _CHUNK, ti.min((c + 1) * _CHUNK, n)):
+                living += lives(floats, birth, k, time)
+            counts[c] = living
+
+    @ti.kernel
+    def write(floats: matrix, birth: times, n: ti.i32, time: ti.f64, starts: integers, slots: integers):
+        ti.loop_config(block_dim=1)
+        for c in range(starts.shape[0]):
+            place = starts[c]
+            for k in range(c * _CHUNK, ti.min((c + 1) * _CHUNK, n)):
+                if lives(floats, birth, k, time) == 1:
+                    slots[place] = k
+                    place += 1
+
+    return runtime.kernel(count, precision), runtime.kernel(write, precision)
+
+
+def slots_of_living(floats: np.ndarray, birth: np.ndarray, count: int, time: float, most: int) -> np.ndarray | None:
+    """The slots (int32, ascending) of the first `count` whose particle lives after `time`; None if these are more than `most`."""
+    counting, writing = _living(_precision(floats))
+    counts = np.zeros(-(-count // _CHUNK), np.int32)
+    counting(floats, birth, count, time, counts)
+    ends = np.cumsum(counts)
+    if ends[-1] > most:
+        return None
+    slots = np.empty(int(ends[-1]), np.int32)
+    if len(slots):
+        writing(floats, birth, count, time, (ends - counts).astype(np.int32), slots)
+    return slots
+
+
+def _precision(floats: np.ndarray) -> str:
+    return "f64" if floats.dtype == np.float64 else "f32"
+
+
 def compact(keep: np.ndarray, floats, birth, key, id, source, booked) -> None:
     """Move the particles in the slots `keep` (int32, ascending) to slots 0, 1, 2 ... of all columns of a Particles."""
-    precision = "f64" if floats.dtype == np.float64 else "f32"
     first = int(np.searchsorted(keep - np.arange(len(keep), dtype=np.int32), 1))  # those before it stay where they are
     nothing = np.zeros((1, 1)) if not len(booked) else booked
-    _kernel(precision)(
+    _moving(_precision(floats))(
         floats, birth[None], key, id[None], source[None], nothing, len(floats), len(booked), keep, first,
     )  # fmt: skip

@@ -7,7 +7,7 @@ import numpy as np
 
 from gen_art.backend.memory import available_memory
 from gen_art.errors import MemoryRefused
-from gen_art.particles.compaction import compact
+from gen_art.particles.compaction import compact, slots_of_living
 from gen_art.particles.entries import LedgerEntry
 from gen_art.particles.periodic_box import PeriodicBox
 from gen_art.particles.rows import CHARGE, FIRST_ATTRIBUTE, LIFETIME, MASS, POSITION, RADIUS
@@ -17,6 +17,7 @@ __all__ = ["BASE_ROWS", "PADDING", "Particles"]
 BASE_ROWS = {"mass": MASS, "charge": CHARGE, "radius": RADIUS, "lifetime": LIFETIME}
 PADDING = 64  # slots past the end that a tile may read and write
 _TOLERATED = 0.2  # share of dead slots up to which keeping them is cheaper than removing them
+_BIRTHS = 0.3  # births for each living particle after which the dead are counted: were as many to die, 0.23 of the slots are dead
 _PATIENCE = 32  # launches after which the dead slots are counted
 
 
@@ -113,20 +114,31 @@ class Particles:
 
     def append(self, birth, key, source) -> slice:
         """Add particles with these times of birth (f64), keys (uint64) and sources; returns their slots."""
-        m = len(birth)
-        self.reserve(m)
-        new = slice(self.count, self.count + m)
-        self.floats[:, new] = 0.0
-        self.birth[new] = birth
-        self.key[0, new] = key >> np.uint64(32)
-        self.key[1, new] = key & np.uint64(0xFFFFFFFF)
-        self.id[new] = np.arange(self.next_id, self.next_id + m)
-        self.source[new] = source
-        self.booked[:, new] = 0.0
-        self.last_birth = max(self.last_birth, float(np.max(birth, initial=-math.inf)))
-        self.next_id += m
-        self.count += m
+        new = self.grow(len(birth), float(np.max(birth, initial=-math.inf)))
+        self.identify(new, birth, key, source)
         return new
+
+    def grow(self, count: int, last_birth: float) -> slice:
+        """Take slots for `count` more particles, the latest of them born at `last_birth`; returns them.
+
+        They have their ids and zeros in all rows. Their times of birth, keys and sources are still to be written.
+        """
+        self.reserve(count)
+        new = slice(self.count, self.count + count)
+        self.floats[:, new] = 0.0
+        self.booked[:, new] = 0.0
+        self.id[new] = np.arange(self.next_id, self.next_id + count)
+        self.last_birth = max(self.last_birth, last_birth)
+        self.next_id += count
+        self.count += count
+        return new
+
+    def identify(self, slots: slice | np.ndarray, birth, key, source) -> None:
+        """Write the times of birth (f64), keys (uint64) and sources of the particles in these slots."""
+        self.birth[slots] = birth
+        self.key[0, slots] = key >> np.uint64(32)
+        self.key[1, slots] = key & np.uint64(0xFFFFFFFF)
+        self.source[slots] = source
 
     def with_tags(self, tags: tuple[str, ...]) -> "Particles":
         """The particles whose source has one of these tags, as a copy; themselves if all have."""
@@ -173,9 +185,16 @@ class Particles:
             or not (at_once or self.launches >= _PATIENCE or self.next_id > self.count_at)
         ):
             return False
-        self.launches, self.count_at = 0, self.next_id + max(int(_TOLERATED * self.count), 1024)
-        kept = np.flatnonzero(self.death() > time)
-        if len(kept) == self.count or (not at_once and len(kept) > self.count * (1.0 - _TOLERATED)):
+        kept = slots_of_living(
+            self.floats,
+            self.birth,
+            self.count,
+            time,
+            self.count - 1 if at_once else int(self.count * (1.0 - _TOLERATED)),
+        )
+        living = self.count if kept is None else len(kept)
+        self.launches, self.count_at = 0, self.next_id + max(int(_BIRTHS * living), 1024)
+        if kept is None:
             return False
         self.keep(kept)
         return True

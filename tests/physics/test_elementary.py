@@ -86,6 +86,21 @@ def test_streams_are_the_same_in_kernels_and_numpy():
     assert np.array_equal(out, rng.uniform(keys, 17))
 
 
+def test_keys_are_the_same_in_kernels_and_numpy():
+    """Mutants: another of the two shifts, a factor's last bit, the number without its offset."""
+    numbers = np.append(np.arange(1000), [2**31, 2**32 + 5, 2**40, 2**62]).astype(np.int64)
+    keys = rng.derive(np.uint64(2**63 + 11), numbers + 1)
+
+    @ti.kernel
+    def run(keys: ti.types.ndarray(ti.u64, 1), numbers: ti.types.ndarray(ti.i64, 1), out: ti.types.ndarray(ti.u64, 1)):
+        for i in range(out.shape[0]):
+            out[i] = rng.child_key(keys[i], ti.cast(numbers[i], ti.u64))
+
+    out = np.zeros(len(numbers), np.uint64)
+    runtime.kernel(run, "f64")(keys, numbers, out)
+    assert np.array_equal(out, rng.derive(keys, numbers))
+
+
 def test_streams_are_uniform_and_independent():
     keys = rng.derive(np.uint64(3), np.arange(200_000))
     u, v = rng.uniform(keys, 1), rng.uniform(keys, 2)

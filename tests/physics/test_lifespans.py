@@ -6,7 +6,8 @@ import pytest
 import gen_art as ga
 from gen_art.backend.runtime import ti
 from gen_art.emitters.schedule import Rate
-from gen_art.particles.compaction import compact
+from gen_art.particles.compaction import compact, slots_of_living
+from gen_art.particles.rows import FIRST_ATTRIBUTE, LIFETIME
 from gen_art.particles.storage import Particles
 
 F = ga.forces
@@ -104,6 +105,19 @@ def test_the_dead_leave_and_the_others_keep_their_order(dtype, entries):
         expected = [column[..., keep].copy() for column in columns]
         compact(keep.astype(np.int32), *columns)
         assert all((column[..., : len(keep)] == wanted).all() for column, wanted in zip(columns, expected))
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("n", [1, 4095, 4096, 4097, 20_000])
+def test_the_slots_of_the_living(n, dtype):
+    """Mutants: a chunk's slots written from the start of the next, `>=` for who dies at that time, no limit."""
+    rng = np.random.default_rng(n)
+    birth, floats = rng.integers(0, 4, n).astype(float), np.zeros((FIRST_ATTRIBUTE, n), dtype)
+    floats[LIFETIME] = rng.choice([0.5, 1.0, 2.0, np.inf], n)
+    lives = birth + floats[LIFETIME] > 3.0
+    assert np.array_equal(slots_of_living(floats, birth, n, 3.0, n), np.flatnonzero(lives))
+    assert slots_of_living(floats, birth, n, 3.0, int(lives.sum()) - 1) is None
+    assert len(slots_of_living(floats, birth, n, np.inf, n)) == 0
 
 
 def test_a_constant_rate_gives_the_times_of_the_general_formula():
