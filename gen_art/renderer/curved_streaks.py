@@ -2,7 +2,8 @@
 
 The pieces take equal times, so that light is even in time, and their chords stay within TOLERANCE pixels of the path: a piece
 that takes the time d errs by |x''| d^2 / 8, with x'' the largest acceleration in the picture. Their shares of the streak's light
-add up to 1. A streak that a straight one matches within TOLERANCE at each moment is left as it is.
+add up to 1. A streak that a straight one along its velocity matches within TOLERANCE at each moment is left as it is; one of a
+single piece is straight too, but along its chord.
 
 The one-letter names in kernels are in docs/glossary.md.
 """
@@ -18,6 +19,7 @@ from gen_art.particles.storage import PADDING
 from gen_art.renderer.look_tables import AXES, NEAR, ORTHOGRAPHIC, PIECES, POSITION, ROWS, SCALE, SHUTTER, TIME, WIDTH
 from gen_art.renderer.path_history import PastMotion
 from gen_art.renderer.piece_rows import PIECE_HEAD, PIECE_LIGHT, PIECE_OLD, PIECE_ROWS, PIECE_WIDTH
+from gen_art.renderer.sprite import PIECE, STREAK
 
 __all__ = ["BLOCK", "MOST_PIECES", "Pieces", "TOLERANCE", "cut", "hermite", "on_picture", "seen", "seen_place"]
 
@@ -198,6 +200,7 @@ class Pieces:
     replaced : (n,) bool, the particles that are not drawn as straight streaks
     system : what the shading kernel reads of a system, with a column for each piece, that of its particle
     rows : (8, pieces or more) float32, of piece_rows
+    kinds : (pieces,) int32, STREAK for the whole of a path, which needs no ends that join others; PIECE for a part of it
     ends : (2, pieces) float32, brightness and width at the old end, divided by those at the head
     numbers : of look_tables.kernel_numbers, for these pieces
     owner : (pieces,) the particle of each
@@ -206,6 +209,7 @@ class Pieces:
     replaced: np.ndarray
     system: SimpleNamespace
     rows: np.ndarray
+    kinds: np.ndarray
     ends: np.ndarray
     numbers: np.ndarray
     owner: np.ndarray
@@ -238,7 +242,8 @@ def cut(system, past: PastMotion | None, numbers: np.ndarray, tail: float, taper
         )  # fmt: skip
     of_pieces = np.array(numbers)
     of_pieces[PIECES] = 1.0
-    return Pieces(replaced, _owners(system, owner, total), rows, ends, of_pieces, owner[:total])
+    kinds = np.where(counts[owner[:total]] == 1, STREAK, PIECE).astype(np.int32)
+    return Pieces(replaced, _owners(system, owner, total), rows, kinds, ends, of_pieces, owner[:total])
 
 
 def _owners(system, owner: np.ndarray, count: int) -> SimpleNamespace:

@@ -47,10 +47,8 @@ from gen_art.renderer.sprite import (
     TOP,
     X,
     Y,
-    axis_sum,
-    choose_level,
-    rim_sum,
 )
+from gen_art.renderer.sprite_rows import axis_sum, choose_level, rim_sum
 from gen_art.renderer.surfaces.hiding import BEFORE, BEHIND, place_among_surfaces
 
 __all__ = ["draw_ellipse", "ellipses_of_motion", "ellipses_of_shapes", "write_ellipses"]

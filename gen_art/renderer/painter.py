@@ -41,7 +41,7 @@ from gen_art.renderer.shading import shade
 from gen_art.renderer.sky_background import draw_sky
 from gen_art.renderer.smoke_lighting import add_scattered_light, lamp_axes, smoke_key
 from gen_art.renderer.spacing import NO_SPACING, spacing
-from gen_art.renderer.sprite import DISC, FOOTPRINT, HIDDEN, KINDS, PIECE, POINT
+from gen_art.renderer.sprite import DISC, FOOTPRINT, HIDDEN, KINDS, POINT
 from gen_art.renderer.sprite_buffer import Sprites, streak_ends
 from gen_art.renderer.supersample import box_averaged
 from gen_art.renderer.surface_systems import SurfaceSystems
@@ -520,7 +520,8 @@ class Painter:
                 if name in shaded.second:
                     self._add_sprites(look, shaded.second[name], view, framebuffer)
                 if name in shaded.curved:
-                    sprites.add(self._projected_pieces[name], PIECE, framebuffer, shaded.curved[name].ends, HIDDEN)
+                    pieces = shaded.curved[name]
+                    sprites.add(self._projected_pieces[name], pieces.kinds, framebuffer, pieces.ends, HIDDEN)
         splat(sprites, framebuffer)
 
     def _bend(self, name: str, system, q: np.ndarray, acceleration, mirror) -> Pieces | None:

@@ -7,6 +7,7 @@ moment's acceleration errs by radius times a^3 / 6.
 
 from collections import deque
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -44,39 +45,46 @@ class PathHistory:
             n = int(system.count)
             self._moments.append((time, np.array(system.id[:n]), np.array(system.floats[MOTION, :n])))
 
-    def before(self, system, time: float, unwrap: bool = True):
+    def before(self, system, time: float, unwrap: bool = True, into: np.ndarray | None = None):
         """(time, motion, known) at each moment before `time`, newest first, for the particles that a system has now.
 
         unwrap : in a periodic box, give the images that lie nearest to where the particle was a moment later
+        into : (moments, 6, n), where the motion is written; else it may be what is kept
         """
-        n = int(system.count)
+        n, moments = int(system.count), 0
         ids, known, newer = system.id[:n], np.ones(n, bool), system.floats[POSITION, :n]
         for older_time, older_ids, motion in reversed(self._moments):
             if older_time >= time:
                 continue
+            older = None if into is None else into[moments]
             if len(older_ids) == n and np.array_equal(older_ids, ids):
-                older = motion
+                if older is None:
+                    older = motion
+                else:
+                    older[:] = motion
             elif len(older_ids):
                 index = np.minimum(np.searchsorted(older_ids, ids), len(older_ids) - 1)
                 known = known & (older_ids[index] == ids)
-                older = motion.take(index, axis=1)
+                older = motion.take(index, axis=1, out=older, mode="clip")  # "clip" writes without a copy between
             else:
                 return
             if unwrap and system.box is not None:
-                older = older.copy()
+                older = older.copy() if into is None else older
                 older[POSITION] = newer - system.box.nearest(newer - older[POSITION])
             yield older_time, older, known
-            newer = older[POSITION]
+            newer, moments = older[POSITION], moments + 1
 
     def since(self, system, time: float, start: float) -> PastMotion | None:
         """What is known between `start` and `time`, and of one moment at or before `start`; None if nothing is."""
-        times, motions, knowns = [], [], []
-        for older_time, motion, known in self.before(system, time):
+        earlier = [moment for moment, *_ in self._moments if moment < time]
+        wanted = sum(moment > start for moment in earlier) + 1
+        motion = np.empty(
+            (min(wanted, len(earlier)), len(system.floats[MOTION]), int(system.count)), system.floats.dtype
+        )
+        times, knowns = [], []
+        for older_time, _, known in islice(self.before(system, time, into=motion), len(motion)):
             times.append(older_time)
-            motions.append(motion)
             knowns.append(known)
-            if older_time <= start:
-                break
         if not times:
             return None
-        return PastMotion(np.array(times), np.stack(motions), np.stack(knowns))
+        return PastMotion(np.array(times), motion[: len(times)], np.stack(knowns))

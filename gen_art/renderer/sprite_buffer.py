@@ -6,8 +6,9 @@ import numpy as np
 
 from gen_art.backend.runtime import aligned
 from gen_art.renderer.elliptic_splat import write_ellipses
-from gen_art.renderer.sprite import BOTTOM, KIND, SPRITE_FLOATS, SPRITE_INTS, TOP, write_sprites
+from gen_art.renderer.sprite import BOTTOM, KIND, SPRITE_FLOATS, SPRITE_INTS, TOP
 from gen_art.renderer.sprite_image import NO_TEXELS, texels, write_image_sprites
+from gen_art.renderer.sprite_rows import write_sprites
 from gen_art.renderer.surfaces.hidden_sprites import NOTHING_HIDES
 
 __all__ = ["Sprites", "streak_ends"]
@@ -50,16 +51,17 @@ class Sprites:
         self.count += n
         return base
 
-    def add(self, projected, kind: int, framebuffer, ends: np.ndarray, min_footprint: float) -> None:
+    def add(self, projected, kinds: int | np.ndarray, framebuffer, ends: np.ndarray, min_footprint: float) -> None:
         """Append a system's particles, except those with a footprint of `min_footprint` pixels or less.
 
+        kinds : of all, or (n,) of each
         ends : (2, n) or (2, 1) float32, a streak's brightness and width at its old end, divided by those at its head
         """
         n, base = projected.count, self._reserve(projected.count)
         if n:
             write_sprites(
                 projected.channels, 0, n, self.rows, self.headers, self.depths, base, framebuffer.width, framebuffer.height,
-                kind, ends, min_footprint, *self._hiding,
+                np.atleast_1d(np.asarray(kinds, np.int32)), ends, min_footprint, *self._hiding,
             )  # fmt: skip
 
     def add_ellipses(self, projected, ellipses: np.ndarray, framebuffer) -> None:

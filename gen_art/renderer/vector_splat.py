@@ -1,4 +1,4 @@
-"""Discs, ellipses and streaks drawn into the tiles of the framebuffer by whole vectors.
+"""Discs, ellipses, streaks and their pieces drawn into the tiles of the framebuffer by whole vectors.
 
 A tile of 8 x 8 pixels is sixteen vectors of four pixels (RGBA), which stay in the processor's registers from its first sprite to
 its last. Weights are found for the eight pixels of a row, or of a column, at once. Sprites that no surface hides have the bits of
@@ -13,6 +13,18 @@ from functools import cache
 from gen_art.backend.runtime import kernel, ti
 from gen_art.renderer.lanes import LANES, all_lanes
 from gen_art.renderer.picture_tiles import BIN, TILE, TILES
+from gen_art.renderer.pixel_rows import (
+    CENTRES,
+    EDGES,
+    larger,
+    piece_row,
+    row_of,
+    row_profile,
+    row_share,
+    row_smooth_step,
+    row_streak_profile,
+    smaller,
+)
 from gen_art.renderer.sprite import (
     ACROSS,
     ALPHA,
@@ -25,10 +37,10 @@ from gen_art.renderer.sprite import (
     ELLIPSE,
     FOOTPRINT,
     GREEN,
-    KERNEL_VARIANCE,
     KIND,
     MIN_STREAK_FOOTPRINT,
     NORM,
+    PIECE,
     RED,
     SLOPE,
     STREAK,
@@ -43,78 +55,19 @@ from gen_art.renderer.surfaces.pixel_rays import SUBPIXELS
 
 __all__ = ["VECTOR_KINDS", "draw_kernel"]
 
-VECTOR_KINDS = frozenset({DISC, COVERED_DISC, ELLIPSE, STREAK})
+VECTOR_KINDS = frozenset({DISC, COVERED_DISC, ELLIPSE, STREAK, PIECE})
 PIXELS = LANES // 4  # of a vector
 PARTS = TILE // PIXELS  # vectors in a row of a tile
 F1, F2, F3 = (ti.types.ndarray(ti.f32, n) for n in (1, 2, 3))
 I1, H2 = ti.types.ndarray(ti.i32, 1), ti.types.ndarray(ti.i16, 2)
 FLOATS = ti.types.ndarray(ti.types.vector(LANES, ti.f32), 1)
-_CENTRES = tuple(k + 0.5 for k in range(TILE))  # of the pixels of a row or a column
 _LIMITS = (1e38, 1e38, 1e38, 1.0) * PIXELS  # of the light and coverage that an ellipse adds
-
-
-@ti.func
-def _row(x):
-    """A vector with a lane for each pixel of a row, or of a column, and the same float in each."""
-    return ti.Vector([ti.cast(x, ti.f32) for _ in ti.static(range(TILE))])
 
 
 @ti.func
 def _pixels(row, part: ti.template()):
     """The lanes of four pixels of a row, each in all four lanes of its pixel."""
     return ti.Vector([row[part * PIXELS + lane // 4] for lane in ti.static(range(LANES))])
-
-
-@ti.func
-def _smaller(x, y):
-    return ti.select(x < y, x, y)
-
-
-@ti.func
-def _larger(x, y):
-    return ti.select(x > y, x, y)
-
-
-@ti.func
-def _profile(square):
-    """sprite.profile of each lane of a row, from its argument squared."""
-    one = _row(1.0)
-    s = _smaller(square, one)
-    a = one - _row(0.3125) * s
-    a2 = a * a
-    a4 = a2 * a2
-    b = one - s
-    return a4 * a4 * (b * b)
-
-
-@ti.func
-def _smooth_step(t):
-    """sprite.smooth_step of each lane of a row."""
-    u = _smaller(_larger(t, _row(-1.0)), _row(1.0))
-    s = u * u
-    p = _row(-0.703125) + s * _row(0.13671875)
-    for coefficient in ti.static((1.4765625, -1.640625, 1.23046875)):
-        p = _row(coefficient) + s * p
-    return _row(0.5) + u * p
-
-
-@ti.func
-def _share(x):
-    """Each lane of a row, between 0 and 1."""
-    return _smaller(_larger(x, _row(0.0)), _row(1.0))
-
-
-@ti.func
-def _streak_profile(along, span, footprint, tail):
-    """sprite.streak_profile of each lane of a row."""
-    value = _row(0.0)
-    if span < footprint * 0.3333333:
-        t = (along - _row(0.5 * span)) / _row(ti.sqrt(footprint * footprint + span * span / (12.0 * KERNEL_VARIANCE)))
-        value = _profile(t * t)
-    else:
-        inverse = _row(1.0 / footprint)
-        value = _larger(_smooth_step(along * inverse) - _smooth_step((along - _row(span)) * inverse), _row(0.0))
-    return value * (_row(tail) + _row(1.0 - tail) * _share(along / _row(span)))
 
 
 @ti.func
@@ -127,19 +80,19 @@ def _light(P: ti.template(), i):
 @ti.func
 def _visible_share(solid: ti.template(), row: ti.template(), depth, thickness):
     """surfaces.hiding.visible_share of a row of pixels; solid : SUBPIXELS depths of each row of the tile."""
-    per, share = _row(1.0 / thickness), _row(0.0)
+    per, share = row_of(1.0 / thickness), row_of(0.0)
     for s in ti.static(range(SUBPIXELS)):
-        share += _share((solid[row * SUBPIXELS + s] - _row(depth)) * per + _row(0.5))
-    return share * _row(1.0 / SUBPIXELS)
+        share += row_share((solid[row * SUBPIXELS + s] - row_of(depth)) * per + row_of(0.5))
+    return share * row_of(1.0 / SUBPIXELS)
 
 
 @ti.func
 def _disc(P: ti.template(), i, tile: ti.template(), x, y):
     """tiled_splat._disc."""
-    inverse = _row(1.0 / P[i, FOOTPRINT])
+    inverse = row_of(1.0 / P[i, FOOTPRINT])
     colour = ti.Vector([P[i, RED], P[i, GREEN], P[i, BLUE], P[i, ALPHA]] * PIXELS)
-    u, v = (ti.Vector(_CENTRES) - _row(x)) * inverse, (ti.Vector(_CENTRES) - _row(y)) * inverse
-    across, down = _profile(u * u) * _row(P[i, NORM]), _profile(v * v)
+    u, v = (ti.Vector(CENTRES) - row_of(x)) * inverse, (ti.Vector(CENTRES) - row_of(y)) * inverse
+    across, down = row_profile(u * u) * row_of(P[i, NORM]), row_profile(v * v)
     weights = [_pixels(across, part) for part in ti.static(range(PARTS))]
     light = [weights[part] * colour for part in ti.static(range(PARTS))]
     coverage = [weights[part] * all_lanes(P[i, ALPHA]) for part in ti.static(range(PARTS))]
@@ -152,17 +105,17 @@ def _disc(P: ti.template(), i, tile: ti.template(), x, y):
 def _ellipse(P: ti.template(), i, tile: ti.template(), x, y, first, last):
     """elliptic_splat.draw_ellipse."""
     light, coverage = _light(P, i), all_lanes(P[i, NORM] * P[i, ALPHA])
-    u, per_height = ti.Vector(_CENTRES) - _row(x), _row(1.0 / P[i, ACROSS])
-    t, middle = u * _row(1.0 / P[i, FOOTPRINT]), _row(y) + _row(P[i, SLOPE]) * u - _row(0.5)
+    u, per_height = ti.Vector(CENTRES) - row_of(x), row_of(1.0 / P[i, ACROSS])
+    t, middle = u * row_of(1.0 / P[i, FOOTPRINT]), row_of(y) + row_of(P[i, SLOPE]) * u - row_of(0.5)
     square = t * t
     for row in ti.static(range(TILE)):
         if first <= row and row <= last:
-            h = (_row(float(row)) - middle) * per_height
-            weights = _profile(square + h * h)
+            h = (row_of(float(row)) - middle) * per_height
+            weights = row_profile(square + h * h)
             for part in ti.static(range(PARTS)):
                 w, old = _pixels(weights, part), tile[row * PARTS + part]
-                kept = old * (all_lanes(1.0) - _smaller(w * coverage, all_lanes(1.0)))
-                tile[row * PARTS + part] = kept + _smaller(w * light, ti.Vector(_LIMITS))
+                kept = old * (all_lanes(1.0) - smaller(w * coverage, all_lanes(1.0)))
+                tile[row * PARTS + part] = kept + smaller(w * light, ti.Vector(_LIMITS))
 
 
 @ti.func
@@ -174,23 +127,55 @@ def _streak(P: ti.template(), i, tile: ti.template(), x, y, first, last):
     if vertical:
         dm, head_end, side = dy, y, x - 0.5 * dx
     # a lane for each place along the longer axis
-    span, c = abs(dm), ti.Vector(_CENTRES) - _row(head_end)
-    along = c * _row(ti.select(dm > 0.0, 1.0, -1.0)) + _row(span)
-    weight = _streak_profile(along, span, P[i, FOOTPRINT], P[i, TAIL])
-    centre = _row(side) + _row(P[i, SLOPE]) * (c + _row(0.5 * dm))
-    half_width = _row(P[i, ACROSS]) * (_row(taper) + _row(1.0 - taper) * _share(along * _row(1.0 / span)))
-    inverse = _row(1.0) / _larger(half_width, _row(MIN_STREAK_FOOTPRINT))
-    before = _smooth_step((_row(ti.max(first, 0)) - centre) * inverse)
+    span, c = abs(dm), ti.Vector(CENTRES) - row_of(head_end)
+    along = c * row_of(ti.select(dm > 0.0, 1.0, -1.0)) + row_of(span)
+    weight = row_streak_profile(along, span, P[i, FOOTPRINT], P[i, TAIL])
+    centre = row_of(side) + row_of(P[i, SLOPE]) * (c + row_of(0.5 * dm))
+    half_width = row_of(P[i, ACROSS]) * (row_of(taper) + row_of(1.0 - taper) * row_share(along * row_of(1.0 / span)))
+    inverse = row_of(1.0) / larger(half_width, row_of(MIN_STREAK_FOOTPRINT))
+    before = row_smooth_step((row_of(ti.max(first, 0)) - centre) * inverse)
     for row in ti.static(range(TILE)):
         if first <= row and row <= last:
-            weights = _row(0.0)
+            weights = row_of(0.0)
             if vertical:
-                n, middle, per = ti.Vector(_CENTRES), _row(centre[row]), _row(inverse[row])
-                left, right = (n - _row(0.5) - middle) * per, (n + _row(0.5) - middle) * per
-                weights = _row(weight[row]) * (_smooth_step(right) - _smooth_step(left))
+                n, middle, per = ti.Vector(CENTRES), row_of(centre[row]), row_of(inverse[row])
+                left, right = (n - row_of(0.5) - middle) * per, (n + row_of(0.5) - middle) * per
+                weights = row_of(weight[row]) * (row_smooth_step(right) - row_smooth_step(left))
             else:
-                after = _smooth_step((_row(row + 1.0) - centre) * inverse)
+                after = row_smooth_step((row_of(row + 1.0) - centre) * inverse)
                 weights = weight * (after - before)
+                before = after
+            for part in ti.static(range(PARTS)):
+                tile[row * PARTS + part] = tile[row * PARTS + part] + light * _pixels(weights, part)
+
+
+@ti.func
+def _piece(P: ti.template(), i, tile: ti.template(), x, y, first, last):
+    """piece_splat.draw_piece."""
+    light, footprint, tail, taper = _light(P, i), P[i, FOOTPRINT], P[i, TAIL], P[i, TAPER]
+    vertical = abs(P[i, DY]) > abs(P[i, DX])
+    dm, head_m, head_n = P[i, DX], x, y
+    if vertical:
+        dm, head_m, head_n = P[i, DY], y, x
+    span, sign = abs(dm), ti.select(dm > 0.0, 1.0, -1.0)
+    slope = P[i, SLOPE] * sign
+    stretch = ti.sqrt(1.0 + slope * slope)
+    # a lane for each place along the longer axis
+    c = ti.Vector(CENTRES) - row_of(head_m)
+    along, centre = c * row_of(sign) + row_of(span), row_of(head_n) + row_of(P[i, SLOPE]) * c
+    half_width = row_of(P[i, ACROSS]) * (row_of(taper) + row_of(1.0 - taper) * row_share(along / row_of(span)))
+    half_width = larger(half_width, row_of(MIN_STREAK_FOOTPRINT))
+    before = row_smooth_step((row_of(ti.max(first, 0)) - centre) / half_width)
+    for row in ti.static(range(TILE)):
+        if first <= row and row <= last:
+            weights = row_of(0.0)
+            if vertical:
+                edges, place, half = ti.Vector(EDGES), along[row], half_width[row]
+                weights = piece_row(edges, centre[row], place, half, slope, span, stretch, footprint, tail)
+            else:
+                after = row_smooth_step((row_of(row + 1.0) - centre) / half_width)
+                foot = along * row_of(stretch) + (row_of(row + 0.5) - centre) * row_of(slope) / row_of(stretch)
+                weights = (after - before) * row_streak_profile(foot, span * stretch, footprint, tail)
                 before = after
             for part in ti.static(range(PARTS)):
                 tile[row * PARTS + part] = tile[row * PARTS + part] + light * _pixels(weights, part)
@@ -225,7 +210,7 @@ def draw_kernel(kinds: frozenset, surfaces_hide: bool):
                 for v in ti.static(range(TILE * PARTS)):
                     tile[v] = framebuffer[corner + v // PARTS * stride + v % PARTS]
                 low, high = 3e38, 3e38  # the least and the largest depth of surfaces in the tile
-                solid = [_row(0.0) for _ in ti.static(range(TILE * SUBPIXELS if surfaces_hide else 0))]
+                solid = [row_of(0.0) for _ in ti.static(range(TILE * SUBPIXELS if surfaces_hide else 0))]
                 before = [all_lanes(0.0) for _ in ti.static(range(TILE * PARTS if surfaces_hide else 0))]
                 if ti.static(surfaces_hide):
                     across_tile, down_tile = x0 // TILE, y0 // TILE
@@ -267,6 +252,9 @@ def draw_kernel(kinds: frozenset, surfaces_hide: bool):
                             if ti.static(STREAK in kinds):
                                 if kind == STREAK:
                                     _streak(P, i, tile, x, y, first, last)
+                            if ti.static(PIECE in kinds):
+                                if kind == PIECE:
+                                    _piece(P, i, tile, x, y, first, last)
                             if ti.static(surfaces_hide):
                                 if partly == 1:
                                     for row in ti.static(range(TILE)):

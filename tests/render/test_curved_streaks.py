@@ -14,7 +14,7 @@ from gen_art.renderer.curved_streaks import TOLERANCE, cut
 from gen_art.renderer.look_tables import LookTables, kernel_numbers
 from gen_art.renderer.painter import Painter
 from gen_art.renderer.piece_rows import PIECE_HEAD, PIECE_LIGHT, PIECE_OLD
-from gen_art.renderer.sprite import AREA
+from gen_art.renderer.sprite import AREA, PIECE, STREAK
 from tests.render.particles import scene, state
 
 SIZE = (400, 240)
@@ -69,6 +69,19 @@ def test_the_pieces_of_a_circle_lie_on_it(moments, angle):
     exact = RADIUS * np.array([np.cos(angle * times), np.sin(angle * times)])
     assert np.abs(np.column_stack([head[:, :n], old[:, n - 1]]) - exact).max() < 3 * hermite
     assert n <= math.ceil(1.1 * angle * math.sqrt(RADIUS / (8 * TOLERANCE))) + 1
+
+
+def test_a_path_of_one_piece_is_a_streak_along_its_chord():
+    """An arc whose chord is within TOLERANCE of it, while its tangent leaves it four times as far. Mutants: a piece of a path;
+    a straight streak along the velocity."""
+    angle = math.sqrt(8 * 0.8 * TOLERANCE / RADIUS)
+    found = pieces_of(lambda t: circle(t, angle), 8, tail=0.2, taper=0.4)
+    assert found.replaced.all() and found.kinds.tolist() == [STREAK]
+    x, y = (found.rows[PIECE_HEAD + k, 0] - found.rows[PIECE_OLD + k, 0] for k in range(2))
+    assert (x, y) == pytest.approx(RADIUS * np.array([math.cos(angle) - 1, math.sin(angle)]), abs=1e-3)
+    assert found.ends[:, 0] == pytest.approx([0.2, 0.4])
+    twice = pieces_of(lambda t: circle(t, 2 * angle), 8)
+    assert twice.kinds.tolist() == [PIECE] * 2
 
 
 def test_a_circle_s_light_lies_on_the_circle_evenly():

@@ -1,4 +1,4 @@
-"""Discs, ellipses and streaks drawn by whole vectors have the bits of those drawn pixel by pixel.
+"""Discs, ellipses, streaks and their pieces drawn by whole vectors have the bits of those drawn pixel by pixel.
 
 Mutants that were tried, each of which fails a test here: a streak's longer axis taken for the other; its brightness from the
 other end; a row that begins one pixel later; the last row left out; an ellipse without its slope, or with coverage above 1; a
@@ -14,7 +14,7 @@ from gen_art.preset.look import Look
 from gen_art.renderer import framebuffer, vector_splat
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.painter import Painter
-from gen_art.renderer.sprite import ELLIPSE, STREAK
+from gen_art.renderer.sprite import ELLIPSE, PIECE, STREAK
 from tests.render.particles import scene, state
 
 SIZE = (203, 117)  # neither whole bins nor whole tiles
@@ -66,6 +66,32 @@ def test_vectors_have_the_bits_of_pixels(names, blend, speed, kernels, monkeypat
     monkeypatch.setattr(framebuffer, "VECTOR_KINDS", frozenset())
     expected = picture(looks, speed)
     assert expected[..., :3].max() > 0.1
+    assert np.array_equal(got, expected)
+
+
+@pytest.mark.parametrize("width", [0.6, 3.0, 12.0])
+def test_pieces_of_curved_streaks_have_the_bits_of_pixels(width, kernels, monkeypatch):
+    """Mutants: a piece's foot without the slope, or with that of the other direction; a row's weights from its lower edge."""
+    rng = np.random.default_rng(1)
+    middle, radius = rng.uniform((-110, -65), (110, 65), (300, 2)), rng.uniform(8, 40, 300)
+    phase, rate = rng.uniform(0, 7, 300), rng.uniform(1.5, 4.0, 300) * rng.choice([-1, 1], 300)
+
+    def moment(t):
+        c, s = np.cos(phase + rate * t), np.sin(phase + rate * t)
+        place = np.column_stack([middle[:, 0] + radius * c, middle[:, 1] + radius * s, 0 * c])
+        return state(place, np.column_stack([-radius * rate * s, radius * rate * c, 0 * c]))
+
+    def paint():
+        painter = Painter(SIZE, PIXELS, {"a": Look(draw="streak", width=width, tail=0.3, taper=0.4)}, 1.0)
+        for k in range(6):
+            painter.paths["a"].remember(moment(k / 6), k / 6)
+        return np.array(painter.paint(scene(1.0, a=moment(1.0)), 0.0))
+
+    got = paint()
+    assert any(PIECE in kinds for kinds, _ in kernels)
+    monkeypatch.setattr(framebuffer, "VECTOR_KINDS", frozenset())
+    expected = paint()
+    assert expected[..., :3].max() > 0.01
     assert np.array_equal(got, expected)
 
 
