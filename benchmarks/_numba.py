@@ -4,7 +4,7 @@ import numba
 import numpy as np
 from _peers import NEXT, PRIMES, fade, octave
 
-F, U = np.float32, np.uint32
+F, U, W = np.float32, np.uint32, np.uint64
 PX, PY, PZ = (U(p) for p in PRIMES)
 STEP, MIXER, BITS, ONE = U(NEXT), U(0x2C1B3C6D), U(1023), F(1)
 inline = numba.njit(fastmath=True)
@@ -178,3 +178,98 @@ def numba_boris(S, field, moment, softening2, ratio, h, steps):
                 vx, vy, vz = vx + k * (uy * tz - uz * ty), vy + k * (uz * tx - ux * tz), vz + k * (ux * ty - uy * tx)
                 S[0, i], S[1, i], S[2, i] = x + half * vx, y + half * vy, z + half * vz
                 S[3, i], S[4, i], S[5, i] = vx, vy, vz
+
+
+@numba.njit(inline="always")
+def mixed(z):
+    z = (z ^ (z >> W(30))) * W(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> W(27))) * W(0x94D049BB133111EB)
+    return z ^ (z >> W(31))
+
+
+@numba.njit
+def drawn(low, high, channel):
+    """A number of Philox-2x32-10 in (0, 1), as a float32."""
+    x, y, k = low, channel, high
+    for _ in range(10):
+        product = W(x) * W(0xD256D193)
+        x, y = U(U(product >> W(32)) ^ k ^ y), U(product)
+        k = U(k + U(0x9E3779B9))
+    return F(np.float64(x) * 2.0**-32 + np.float64(y >> U(12)) * 2.0**-52 + 2.0**-53)
+
+
+@numba.njit(parallel=True, fastmath=True)
+def _give_birth(S, birth, life, n, key, first, count, rate, lives, channel, angle, speeds):
+    tau = F(6.283185307179586)
+    for i in numba.prange(count):
+        slot, serial = n + i, W(first + i)
+        inner = mixed(serial * W(0x9E3779B97F4A7C15) + W(0xD1B54A32D192ED03))
+        own = mixed((key ^ inner) + W(0x9E3779B97F4A7C15))
+        low, high = U(own & W(0xFFFFFFFF)), U(own >> W(32))
+        birth[slot] = (first + i + 0.5) / rate
+        life[slot] = lives[0] + (lives[1] - lives[0]) * drawn(low, high, channel)
+        c = ONE - drawn(low, high, U(11)) * (ONE - F(np.cos(angle)))
+        s, azimuth = F(np.sqrt(max(ONE - c * c, F(0)))), tau * drawn(low, high, U(12))
+        speed = speeds[0] + (speeds[1] - speeds[0]) * drawn(low, high, U(13))
+        S[0, slot], S[1, slot], S[2, slot] = F(0), F(0), F(0)
+        # the frame about the axis (0, 1, 0): (0, 0, 1) and (1, 0, 0)
+        S[3, slot], S[4, slot] = speed * s * F(np.sin(azimuth)), speed * c
+        S[5, slot] = speed * s * F(np.cos(azimuth))
+
+
+@numba.njit(parallel=True, fastmath=True)
+def _step_the_living(S, birth, life, n, g, k, now, dt):
+    for i in numba.prange(n):
+        since = birth[i] - now
+        h = F(max(min(since + np.float64(life[i]), dt) - max(since, 0.0), 0.0))
+        gain = -F(np.expm1(-k * F(0.5) * h)) / k
+        for c in range(3):
+            v = S[3 + c, i] + gain * (g[c] - k * S[3 + c, i])
+            S[c, i] += h * v
+            S[3 + c, i] = v + gain * (g[c] - k * v)
+
+
+@numba.njit(parallel=True)
+def _remove_the_dead(S, birth, life, n, now):
+    kept = np.empty(n, np.int32)
+    m = 0
+    for i in range(n):
+        if birth[i] + np.float64(life[i]) > now:
+            kept[m] = i
+            m += 1
+    for c in numba.prange(8):
+        for j in range(m):
+            if c < 6:
+                S[c, j] = S[c, kept[j]]
+            elif c == 6:
+                birth[j] = birth[kept[j]]
+            else:
+                life[j] = life[kept[j]]
+    return m
+
+
+class NumbaFountain:
+    """Particles that are born at a point, into a cone about (0, 1, 0), move under gravity and damping, and die.
+
+    Births at their own times within a step, the living in the order of their births, the dead removed when there are many.
+    key : of the emitter's random numbers
+    """
+
+    def __init__(self, room: int, key, rate: float, lives, channel: int, angle: float, speeds):
+        self.S, self.birth, self.life = np.zeros((6, room), F), np.zeros(room), np.zeros(room, F)
+        self.key, self.rate, self.lives, self.channel = W(key), rate, np.array(lives, F), U(channel)
+        self.angle, self.speeds = F(angle), np.array(speeds, F)
+        self.n, self.born, self.counted, self.steps = 0, 0, 0, 0
+
+    def step(self, g, k, dt: float) -> None:
+        now = self.steps * dt
+        if self.born - self.counted > 0.3 * self.n:
+            self.n, self.counted = _remove_the_dead(self.S, self.birth, self.life, self.n, now), self.born
+        count = int(np.floor((now + dt) * self.rate + 0.5)) - self.born
+        _give_birth(
+            self.S, self.birth, self.life, self.n, self.key, self.born, count, self.rate, self.lives, self.channel, self.angle,
+            self.speeds,
+        )  # fmt: skip
+        self.n, self.born = self.n + count, self.born + count
+        _step_the_living(self.S, self.birth, self.life, self.n, g, k, now, dt)
+        self.steps += 1
