@@ -12,10 +12,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from gen_art.arguments import shown
 from gen_art.emitters.base import Emitter, Shape, Velocity
 from gen_art.emitters.birth_kernel import make_birth, make_scheduled_birth
 from gen_art.emitters.schedule import Schedule
-from gen_art.errors import UsageError
+from gen_art.errors import GenArtError, UsageError
 from gen_art.maths.array_functions import cos, log, sin
 from gen_art.maths.random import channel_of, derive, uniform
 from gen_art.particles.rows import LIFETIME
@@ -324,22 +325,52 @@ def _words(keys: np.ndarray) -> np.ndarray:
 
 def _sample(particles: Particles, kind: BirthKind, keys: np.ndarray, origin: np.ndarray, slots: np.ndarray) -> None:
     """Births by an emitter written in NumPy. Values that it does not set, or sets to NaN, come from the kind's attributes."""
-    assert kind.scripted is not None and kind.scripted.sample is not None, "only a class with `sample` is called here"
     draws = BatchStreams(keys)
     rows = particles.channels
     for name, (low, high) in kind.attributes.items():
         if name != "density":
             value = low if low == high else low + (high - low) * draws.uniform(channel_of(name))
             particles.floats[rows[name], slots] = value
-    born = kind.scripted.sample(draws, len(slots))
+    for name, values in _born(kind, draws, len(slots), rows).items():
+        if name in ("position", "velocity"):
+            first = 0 if name == "position" else 3
+            particles.floats[first : first + 3, slots] = values + origin[first : first + 3]
+        else:
+            given = ~np.isnan(values)
+            particles.floats[rows[name], slots[given]] = values[given]
+
+
+def _born(kind: BirthKind, draws: BatchStreams, count: int, rows: dict[str, int]) -> dict[str, np.ndarray]:
+    """What an emitter's `sample` gives: (3, count) position and velocity, (count,) others.
+
+    Raises UsageError where it fails, and for anything else that it gives.
+    """
+    scripted = kind.scripted
+    assert scripted is not None and scripted.sample is not None, "only a class with `sample` is called here"
+    name = f"emitter '{kind.name}': `sample` of {type(scripted).__name__}"
+    try:
+        born = scripted.sample(draws, count)
+    except (GenArtError, MemoryError):
+        raise
+    except Exception as error:
+        raise UsageError(f"{name} fails: {type(error).__name__}: {error}") from error
+    if not isinstance(born, dict):
+        raise UsageError(f"{name} must return a dict of arrays, not {shown(born)}")
     unknown = set(born) - {"position", "velocity", *rows}
     if unknown:
         raise UsageError(f"emitter '{kind.name}' sets {', '.join(sorted(unknown))}, which no particle here has")
-    for name, values in born.items():
-        if name in ("position", "velocity"):
-            first = 0 if name == "position" else 3
-            particles.floats[first : first + 3, slots] = np.asarray(values) + origin[first : first + 3]
-        else:
-            values = np.asarray(values)
-            given = np.broadcast_to(~np.isnan(values), slots.shape)
-            particles.floats[rows[name], slots[given]] = np.broadcast_to(values, slots.shape)[given]
+    checked = {}
+    for key, given in born.items():
+        wanted = (3, count) if key in ("position", "velocity") else (count,)
+        try:
+            checked[key] = np.broadcast_to(np.asarray(given, np.float64), wanted)
+        except (TypeError, ValueError):
+            raise UsageError(f"{name} gives {key} as {_form(given)}, not as numbers of shape {wanted}") from None
+    return checked
+
+
+def _form(given) -> str:
+    try:
+        return f"an array of shape {np.shape(given)}"
+    except ValueError:
+        return "an uneven list"

@@ -138,6 +138,52 @@ def test_emitters_do_not_know_of_each_other():
     assert not set(by_key(reseeded, "a")) & set(base)
 
 
+GIVEN: dict = {}  # what the next `sample` does
+
+
+@ga.emitter("as_given")
+class AsGiven(ga.Emitter):
+    """What a test gives."""
+
+    sample = lambda self, r, n: GIVEN["sample"](self, r, n)  # noqa: E731
+
+
+@pytest.mark.parametrize(
+    "sample, words",
+    [
+        (lambda self, r, n: {"position": self.text}, "fails: AttributeError: .* 'text'"),
+        (lambda self, r, n: 1 / 0, "fails: ZeroDivisionError"),
+        (lambda self, r, n: np.zeros((3, n)), "must return a dict of arrays, not"),
+        (lambda self, r, n: {"position": np.zeros((n, 3))}, r"gives position as an array of shape \(20, 3\), not as numbers of shape \(3, 20\)"),
+        (lambda self, r, n: {"mass": np.ones(n + 1)}, r"gives mass as an array of shape \(21,\)"),
+        (lambda self, r, n: {"mass": [[1], [1, 2]]}, "gives mass as an uneven list"),
+        (lambda self, r, n: {"mass": ["heavy"] * n}, "gives mass as"),
+        (lambda self, r, n: {"colour": np.ones(n)}, "sets colour, which no particle here has"),
+    ],
+)  # fmt: skip
+def test_what_a_sample_does_wrong_is_a_sentence(sample, words):
+    GIVEN["sample"] = sample
+    with pytest.raises(ga.UsageError, match=words):
+        simulate({"s": {"emitters": {"a": {"count": 20, "as_given": {}}}}}, 0.0)
+
+
+def test_a_sample_fills_what_it_gives():
+    """NaN leaves the preset's value; a single column is for all. Mutants: NaN written; the origin left out."""
+    GIVEN["sample"] = lambda self, r, n: {
+        "position": [[1.0], [2.0], [3.0]],
+        "mass": np.where(np.arange(n) < 5, np.nan, 7.0),
+    }
+    systems = {
+        "s": {
+            "particle": {"mass": 4},
+            "emitters": {"a": {"count": 20, "as_given": {}, "motion": {"velocity": [1, 0, 0]}, "at": 0.5}},
+        }
+    }
+    sim = simulate(systems, 0.5)
+    assert sim["s"].position == pytest.approx(np.tile([1.5, 2.0, 3.0], (20, 1)))
+    assert sim["s"].mass.tolist() == [4.0] * 5 + [7.0] * 15
+
+
 def test_a_fast_emitter_makes_a_line():
     """50 particles a step from a moving emitter are uniform along its path, the partial first step included."""
     systems = {"s": {"emitters": {"jet": {"rate": 5000, "motion": {"velocity": [100, 0, 0]}}}}}
