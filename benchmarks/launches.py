@@ -1,4 +1,4 @@
-"""How fast are light steps, turbulence and magnetic fields, with one step and with sixteen a launch, beside numba?"""
+"""How fast are light steps, turbulence, magnetic fields, births and deaths beside numba, with one and sixteen steps a launch?"""
 
 import numpy as np
 from _bench import Bench, alternate
@@ -11,12 +11,13 @@ from gen_art.preset import load_preset
 
 bench = Bench("launches", __doc__)
 F = np.float32
-LIGHT, HEAVY, ROUNDS = (20_000, 20_000, 1) if bench.quick else (4_000_000, 1_000_000, 9)
+LIGHT, HEAVY, ROUNDS, BIRTH_ROUNDS = (20_000, 20_000, 1, 1) if bench.quick else (4_000_000, 1_000_000, 9, 63)
 H, RATE, GRAVITY = 1e-3, 0.3, (0.0, -9.81, 0.0)
 NOISE = {"strength": 2.0, "scale": 1.3, "speed": 0.7, "gain": 0.5, "lacunarity": 2.0, "seed": 5}
 FIELD, MOMENT, SOFTENING = (0.0, 0.0, 2.0), (0.0, 0.0, 3e7), 0.1
 bench.settings = {
-    "particles": [LIGHT, HEAVY], "rounds": ROUNDS, "step": H, "gravity": GRAVITY, "damping": RATE, "noise": NOISE,
+    "particles": [LIGHT, HEAVY], "rounds": ROUNDS, "rounds with births": BIRTH_ROUNDS,
+    "step": H, "gravity": GRAVITY, "damping": RATE, "noise": NOISE,
     "magnetic field": FIELD, "dipole": MOMENT, "softening": SOFTENING,
 }  # fmt: skip
 try:
@@ -128,13 +129,17 @@ if _numba:
     apart = float(np.abs(peer.S[:3, : peer.n][:, alive] - ours).max() / np.abs(ours).max())
     assert apart < 1e-5, f"numba does not take the same steps: {apart:.1e} apart"
     things["numba"] = lambda: peer.step(np.array(GRAVITY, F), F(RATE), dt)
-taken = alternate(ROUNDS if bench.quick else 63, **things)
+taken = alternate(BIRTH_ROUNDS, **things)
 rate = {one: n / taken[one] / 1e6 for one in things if one != "without"}
 ratio = f"{rate['births'] / rate['numba']:.2f}" if _numba else ""
 times = taken["births"] / taken["without"]
-row = (f"{rate['births']:.0f}", f"{rate.get('numba', 0):.0f}", ratio, "", f"{times:.2f}x the step without")
+floor = memory / (48 + 12) / 1e6  # the lifespan too: eight bytes of birth and four of lifetime are read
+share = f"{times:.2f}x the step without"
+row = (f"{rate['births']:.0f}", f"{rate.get('numba', 0):.0f}", ratio, f"{floor:.0f} M/s", share)
 rows.append(("births and deaths", *row, f"{apart:.0e}" if _numba else ""))
-bench.figures["births and deaths"] = {"seconds a step": taken, "alive": born["s"].count, "differ by": apart}
+bench.figures["births and deaths"] = {
+    "seconds a step": taken, "alive": born["s"].count, "floor by memory": floor, "differ by": apart
+}  # fmt: skip
 bench.require("a step with births over one without", times, at_most=1.25)
 bench.table(rows)
 bench.figures |= {"threads": runtime.threads(), "bytes a second": memory}

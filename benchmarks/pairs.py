@@ -12,6 +12,7 @@ F = np.float32
 SOFTENING = 0.01
 TREES = ((3, 0.7), (4, 0.7), (4, 0.9), (5, 0.6))  # order, theta
 direct_sizes, tree_sizes = ([512], [2_000]) if bench.quick else ([1024, 16_384], [100_000, 1_000_000])
+crossing = [512] if bench.quick else [8_000, 12_000, 16_000, 20_000]  # bodies of which both ways are timed
 rounds = 1 if bench.quick else 7
 bench.settings = {
     "direct": direct_sizes,
@@ -79,6 +80,20 @@ for n in direct_sizes:
         rows.append((f"{n:,}", f"{rate['gen_art']:.2f}", f"{rate['numba']:.2f}", f"{ratio:.2f}", f"{apart:.0e}"))
         if n == direct_sizes[-1]:
             bench.require("direct sums, of numba's speed", ratio, at_least=0.8)
+bench.table(rows)
+
+rows = [("where the tree is faster", "direct, ms", "tree, ms")]
+for n in crossing:
+    x, m = plummer(n)
+    sources, numbers = np.ascontiguousarray(np.concatenate([x, m[None]])), np.array([1, SOFTENING**2], F)
+    out = np.zeros((3, n), F)
+    taken = alternate(
+        rounds,
+        direct=lambda n=n, s=sources, q=numbers, out=out: field_kernel(-2, "f32")(s, s, out, n, q),
+        tree=lambda x=x, m=m: sum_by_tree(x, None, m, SOFTENING, *reversed(TREES[-1]), "f32"),
+    )
+    bench.figures[f"direct and tree, {n}"] = taken
+    rows.append((f"{n:,}", *(f"{1e3 * seconds:.1f}" for seconds in taken.values())))
 bench.table(rows)
 
 rows = [("tree", "bodies/s", "rms error", "median", "99%", "largest", "sum of forces")]

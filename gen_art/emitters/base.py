@@ -1,17 +1,28 @@
 """The contracts of a birth: where a particle is born (a shape), how fast (a velocity), or both (an emitter)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 import numpy as np
 
 from gen_art import arguments
-from gen_art.errors import UsageError
+from gen_art.errors import GenArtError, UsageError
 from gen_art.kernel_methods import check_kernel_methods
 from gen_art.maths.random import derive
 from gen_art.registry import Parametric, Registry
 
-__all__ = ["EMITTERS", "SHAPES", "VELOCITIES", "Emitter", "Shape", "Velocity", "emitter", "shape", "velocity"]
+__all__ = [
+    "EMITTERS",
+    "SHAPES",
+    "VELOCITIES",
+    "Emitter",
+    "Shape",
+    "Velocity",
+    "emitter",
+    "sampled",
+    "shape",
+    "velocity",
+]
 
 SHAPES = Registry("shape")
 VELOCITIES = Registry("velocity")
@@ -84,5 +95,39 @@ class Emitter(_Birth):
             raise UsageError(f"{type(self).__name__} makes its particles one by one, in a kernel: use it in a preset")
         count = arguments.whole("count", count, 1)
         keys = derive(np.uint64(arguments.whole("seed", seed, 0)), np.arange(count))
-        born = self.sample(BatchStreams(keys), count)
-        return {name: np.asarray(values).T.copy() if np.ndim(values) == 2 else values for name, values in born.items()}
+        return {name: values.T.copy() for name, values in sampled(self, BatchStreams(keys), count).items()}
+
+
+def sampled(scripted: Emitter, draws, count: int, who: str = "") -> dict[str, np.ndarray]:
+    """What the `sample` of an emitter gives for `count` particles: (3, count) position and velocity, (count,) others, float64.
+
+    draws : what it calls r
+    who : how the sentences of errors begin
+    Raises UsageError where it fails, and for anything else that it gives.
+    """
+    assert scripted.sample is not None, "only a class with `sample` is called here"
+    name = f"{who}`sample` of {type(scripted).__name__}"
+    try:
+        born = scripted.sample(draws, count)
+    except (GenArtError, MemoryError):
+        raise
+    except Exception as error:
+        raise UsageError(f"{name} fails: {type(error).__name__}: {error}") from error
+    if not isinstance(born, Mapping):
+        raise UsageError(f"{name} must return a dict of arrays, not {arguments.shown(born)}")
+    checked = {}
+    for key, given in born.items():
+        shape = (3, count) if key in ("position", "velocity") else (count,)
+        try:
+            values = np.asarray(given, np.float64)
+        except (TypeError, ValueError):
+            raise UsageError(f"{name} gives {key} as {arguments.shown(given)}, not as numbers") from None
+        if values.ndim > len(shape) or (len(shape) == 2 and values.ndim < 2) or not _fits(values, shape):
+            raise UsageError(f"{name} gives {key} as an array of shape {values.shape}, not {shape}")
+        checked[key] = np.broadcast_to(values, shape)
+    return checked
+
+
+def _fits(values: np.ndarray, shape: tuple[int, ...]) -> bool:
+    """Whether each length is that of the shape, or 1 for all."""
+    return all(n in (1, wanted) for n, wanted in zip(values.shape[::-1], shape[::-1]))

@@ -128,7 +128,7 @@ def _draw(
 
 @cache
 def make_birth(signature, precision: str):
-    """The kernel of births of one kind whose streams have keys of their own: the children of events.
+    """The kernel of births of one kind that events cause: children, whose keys were found from their parents'.
 
     signature : a hashable BirthKind (births.py); numbers are never part of the key
     The kernel is birth(S, K, slots (m,) i32, paired (2, m) u32, burst (2, m) u32, ordinal (m,) i32, sign (m,), origin (6, m),
@@ -164,10 +164,10 @@ def make_scheduled_birth(signature, precision: str):
     """The kernel of scheduled births of one kind, which finds their keys too and writes all columns of their slots but the id.
 
     The kernel is scheduled_birth(S, birth, K, source, slots (m,) i32, when (m,) f64, serial (m,) i64, origin (6, m) or (6, 1),
-    Q, key, number).
+    Q, key, source_index).
     serial : the numbers of the births, which their keys are found from
     key : the emitter's, its bits as an i64
-    number : what is written to `source`
+    source_index : what is written to `source`
     """
     layout = _layout(signature)
     dtype = runtime.DTYPES[precision]
@@ -176,7 +176,7 @@ def make_scheduled_birth(signature, precision: str):
     @ti.kernel
     def scheduled_birth(
         S: matrix, birth: TIMES, K: WORDS, source: INTEGERS, slots: INTEGERS, when: TIMES, serial: SERIALS, origin: matrix,
-        Q: vector, key: ti.i64, number: ti.i32,
+        Q: vector, key: ti.i64, source_index: ti.i32,
     ):  # fmt: skip
         ti.loop_config(block_dim=1)
         for b in range((slots.shape[0] + BLOCK - 1) // BLOCK):
@@ -185,7 +185,7 @@ def make_scheduled_birth(signature, precision: str):
                 k = slots[i]
                 own_key = child_key(ti.cast(key, ti.u64), ti.cast(serial[i], ti.u64))
                 high, low = ti.cast(own_key >> ti.u64(32), ti.u32), ti.cast(own_key & ti.u64(0xFFFFFFFF), ti.u32)
-                birth[k], source[k] = when[i], number
+                birth[k], source[k] = when[i], source_index
                 K[0, k], K[1, k] = high, low
                 ordinal = ti.cast(serial[i] & ti.i64(0x7FFFFFFF), ti.i32)
                 stream = make_stream(low, high, ordinal=ordinal, burst=make_stream(low, high))

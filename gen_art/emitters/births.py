@@ -12,11 +12,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from gen_art.arguments import shown
-from gen_art.emitters.base import Emitter, Shape, Velocity
+from gen_art.emitters.base import Emitter, Shape, Velocity, sampled
 from gen_art.emitters.birth_kernel import make_birth, make_scheduled_birth
 from gen_art.emitters.schedule import Schedule
-from gen_art.errors import GenArtError, UsageError
+from gen_art.errors import UsageError
 from gen_art.maths.array_functions import cos, log, sin
 from gen_art.maths.random import channel_of, derive, uniform
 from gen_art.particles.rows import LIFETIME
@@ -163,7 +162,7 @@ class ActiveEmitter:
 
 @dataclass
 class BirthBatch:
-    """Births of one kind to be made together, whose streams have keys of their own; each array has one entry per particle.
+    """Births of one kind that events cause, to be made together; each array has one entry per particle.
 
     when : s
     keys, paired, burst : keys of the particle, of what a pair shares, of what a burst shares
@@ -282,7 +281,7 @@ def scheduled_births(emitter: ActiveEmitter, t1: float) -> list[ScheduledBatch]:
     first, emitter.done = emitter.done, max(last, emitter.done)
     if last <= first:
         return []
-    serial, when, origin = np.arange(first, last), emitter.schedule.times(first, last), np.zeros((6, 1))
+    serial, when, origin = np.arange(first, last, dtype=np.int64), emitter.schedule.times(first, last), np.zeros((6, 1))
     if emitter.motion is not None:
         origin = np.concatenate([emitter.motion.at(when), np.zeros((3, len(when)))])
     choice = emitter.choose(derive(emitter.key, serial)) if len(emitter.kinds) > 1 else np.zeros(1, np.int64)
@@ -325,52 +324,21 @@ def _words(keys: np.ndarray) -> np.ndarray:
 
 def _sample(particles: Particles, kind: BirthKind, keys: np.ndarray, origin: np.ndarray, slots: np.ndarray) -> None:
     """Births by an emitter written in NumPy. Values that it does not set, or sets to NaN, come from the kind's attributes."""
+    assert kind.scripted is not None, "only a class with `sample` is called here"
     draws = BatchStreams(keys)
     rows = particles.channels
     for name, (low, high) in kind.attributes.items():
         if name != "density":
             value = low if low == high else low + (high - low) * draws.uniform(channel_of(name))
             particles.floats[rows[name], slots] = value
-    for name, values in _born(kind, draws, len(slots), rows).items():
+    born = sampled(kind.scripted, draws, len(slots), f"emitter '{kind.name}': ")
+    unknown = set(born) - {"position", "velocity", *rows}
+    if unknown:
+        raise UsageError(f"emitter '{kind.name}' sets {', '.join(sorted(unknown))}, which no particle here has")
+    for name, values in born.items():
         if name in ("position", "velocity"):
             first = 0 if name == "position" else 3
             particles.floats[first : first + 3, slots] = values + origin[first : first + 3]
         else:
             given = ~np.isnan(values)
             particles.floats[rows[name], slots[given]] = values[given]
-
-
-def _born(kind: BirthKind, draws: BatchStreams, count: int, rows: dict[str, int]) -> dict[str, np.ndarray]:
-    """What an emitter's `sample` gives: (3, count) position and velocity, (count,) others.
-
-    Raises UsageError where it fails, and for anything else that it gives.
-    """
-    scripted = kind.scripted
-    assert scripted is not None and scripted.sample is not None, "only a class with `sample` is called here"
-    name = f"emitter '{kind.name}': `sample` of {type(scripted).__name__}"
-    try:
-        born = scripted.sample(draws, count)
-    except (GenArtError, MemoryError):
-        raise
-    except Exception as error:
-        raise UsageError(f"{name} fails: {type(error).__name__}: {error}") from error
-    if not isinstance(born, dict):
-        raise UsageError(f"{name} must return a dict of arrays, not {shown(born)}")
-    unknown = set(born) - {"position", "velocity", *rows}
-    if unknown:
-        raise UsageError(f"emitter '{kind.name}' sets {', '.join(sorted(unknown))}, which no particle here has")
-    checked = {}
-    for key, given in born.items():
-        wanted = (3, count) if key in ("position", "velocity") else (count,)
-        try:
-            checked[key] = np.broadcast_to(np.asarray(given, np.float64), wanted)
-        except (TypeError, ValueError):
-            raise UsageError(f"{name} gives {key} as {_form(given)}, not as numbers of shape {wanted}") from None
-    return checked
-
-
-def _form(given) -> str:
-    try:
-        return f"an array of shape {np.shape(given)}"
-    except ValueError:
-        return "an uneven list"

@@ -20,7 +20,7 @@ class Schedule:
     """The contract of a schedule.
 
     until(t) : how many births are at or before t
-    times(first, last) : the times of births first .. last - 1, in s
+    times(first, last) : the times of births first .. last - 1, float64, in s
     """
 
     def until(self, t: float) -> int:

@@ -11,8 +11,6 @@ from gen_art.particles.rows import LIFETIME
 __all__ = ["compact", "slots_of_living"]
 
 _CHUNK = 4096  # slots of which one thread finds the living
-_GROUPS = 8  # of columns, each moved by one thread
-_STRETCH = 2048  # slots that are moved in one column before the next: their list stays in the cache
 
 
 @cache
@@ -20,9 +18,9 @@ def _moving(precision: str):
     real = runtime.DTYPES[precision]
 
     @ti.func
-    def gather(column: ti.template(), r, keep: ti.template(), first, end):
+    def gather(column: ti.template(), r, keep: ti.template(), first):
         """In place: a particle moves to an earlier slot, whose own particle has moved already."""
-        for k in range(first, end):
+        for k in range(first, keep.shape[0]):
             column[r, k] = column[r, keep[k]]
 
     @ti.kernel
@@ -32,24 +30,19 @@ def _moving(precision: str):
         rows: ti.i32, entries: ti.i32, keep: ti.types.ndarray(ti.i32, 1), first: ti.i32,
     ):  # fmt: skip
         ti.loop_config(block_dim=1)
-        for group in range(_GROUPS):
-            for s in range((keep.shape[0] - first + _STRETCH - 1) // _STRETCH):
-                start = first + s * _STRETCH
-                end = ti.min(start + _STRETCH, keep.shape[0])
-                for n in range((rows + entries + 5 - group + _GROUPS - 1) // _GROUPS):
-                    c = group + n * _GROUPS
-                    if c < rows:
-                        gather(floats, c, keep, start, end)
-                    elif c < rows + entries:
-                        gather(booked, c - rows, keep, start, end)
-                    elif c < rows + entries + 2:
-                        gather(key, c - rows - entries, keep, start, end)
-                    elif c == rows + entries + 2:
-                        gather(birth, 0, keep, start, end)
-                    elif c == rows + entries + 3:
-                        gather(id, 0, keep, start, end)
-                    else:
-                        gather(source, 0, keep, start, end)
+        for c in range(rows + entries + 5):  # a column each
+            if c < rows:
+                gather(floats, c, keep, first)
+            elif c < rows + entries:
+                gather(booked, c - rows, keep, first)
+            elif c < rows + entries + 2:
+                gather(key, c - rows - entries, keep, first)
+            elif c == rows + entries + 2:
+                gather(birth, 0, keep, first)
+            elif c == rows + entries + 3:
+                gather(id, 0, keep, first)
+            else:
+                gather(source, 0, keep, first)
 
     return runtime.kernel(move, precision)
 
@@ -85,18 +78,22 @@ def _living(precision: str):
     return runtime.kernel(count, precision), runtime.kernel(write, precision)
 
 
-def slots_of_living(floats: np.ndarray, birth: np.ndarray, count: int, time: float, most: int) -> np.ndarray | None:
-    """The slots (int32, ascending) of the first `count` whose particle lives after `time`; None if these are more than `most`."""
+def slots_of_living(
+    floats: np.ndarray, birth: np.ndarray, count: int, time: float, most: int
+) -> tuple[int, np.ndarray | None]:
+    """How many of the first `count` particles live after `time`, and their slots (int32, ascending) unless they are more than
+    `most`."""
     counting, writing = _living(_precision(floats))
     counts = np.zeros(-(-count // _CHUNK), np.int32)
     counting(floats, birth, count, time, counts)
     ends = np.cumsum(counts)
-    if ends[-1] > most:
-        return None
-    slots = np.empty(int(ends[-1]), np.int32)
-    if len(slots):
+    living = int(ends[-1])
+    if living > most:
+        return living, None
+    slots = np.empty(living, np.int32)
+    if living:
         writing(floats, birth, count, time, (ends - counts).astype(np.int32), slots)
-    return slots
+    return living, slots
 
 
 def _precision(floats: np.ndarray) -> str:

@@ -17,7 +17,7 @@ __all__ = ["BASE_ROWS", "PADDING", "Particles"]
 BASE_ROWS = {"mass": MASS, "charge": CHARGE, "radius": RADIUS, "lifetime": LIFETIME}
 PADDING = 64  # slots past the end that a tile may read and write
 _TOLERATED = 0.2  # share of dead slots up to which keeping them is cheaper than removing them
-_BIRTHS = 0.3  # births for each living particle after which the dead are counted: were as many to die, 0.23 of the slots are dead
+_BIRTHS = 0.3  # of the living: the dead are counted when so many may have died, were as many to die as are born
 _PATIENCE = 32  # launches after which the dead slots are counted
 
 
@@ -176,7 +176,8 @@ class Particles:
         """Remove the dead particles when there may be many, keeping the order; returns whether slots have changed.
 
         at_once : remove them even if there are few
-        Keeping a few dead particles costs less than removing them at every step. It does not change any result.
+        Keeping a few dead particles costs less than removing them at every step. It changes no living particle; sums of the
+        shares of the dead in a ledger may be rounded otherwise.
         """
         self.launches += 1
         if (
@@ -185,15 +186,10 @@ class Particles:
             or not (at_once or self.launches >= _PATIENCE or self.next_id > self.count_at)
         ):
             return False
-        kept = slots_of_living(
-            self.floats,
-            self.birth,
-            self.count,
-            time,
-            self.count - 1 if at_once else int(self.count * (1.0 - _TOLERATED)),
-        )
-        living = self.count if kept is None else len(kept)
-        self.launches, self.count_at = 0, self.next_id + max(int(_BIRTHS * living), 1024)
+        most = self.count - 1 if at_once else int(self.count * (1.0 - _TOLERATED))
+        living, kept = slots_of_living(self.floats, self.birth, self.count, time, most)
+        dead = self.count - living if kept is None else 0
+        self.launches, self.count_at = 0, self.next_id + max(int(_BIRTHS * living) - dead, 1024)
         if kept is None:
             return False
         self.keep(kept)

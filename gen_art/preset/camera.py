@@ -241,6 +241,11 @@ class CameraSpec(Model):
         (1280, 720), "default size of the picture, width and height in pixels"
     )
 
+    @property
+    def moves(self) -> bool:
+        """Whether its view changes with time."""
+        return bool(self.path) or any(part is not None for part in (self.orbit, self.shake, self.follow))
+
     @model_validator(mode="after")
     def _consistent(self):
         if self.near is not None and self.far is not None and self.near >= self.far:

@@ -133,13 +133,16 @@ def _shows_surfaces(preset: Preset) -> bool:
 
 
 def _in_parts(preset: Preset) -> bool:
-    """Whether the light of surfaces is kept in parts: where none shows others, and there are neither cloth nor liquids."""
+    """Whether the light of surfaces is kept in parts: where the camera rests, none shows others but as a mirror, and there are
+    neither waves nor cloth nor liquids."""
     looks, shown = _looks(preset), _surfaces(preset)
-    finishes = [*shown, *(look.finish for look in looks if _is_solid(preset, look))]
-    alone = len(shown) == 1 and len(finishes) == 1
-    shows_others = any(f.transmission > 0.0 or (f.roughness <= TRACED_ROUGHNESS and not alone) for f in finishes)
-    glow = preset.light is not None and preset.light.glow
-    return not (shows_others or glow or any(look.is_liquid or look.draw == "cloth" for look in looks))
+    solids = [look.finish for look in looks if _is_solid(preset, look)]
+    alone = len(shown) == 1 and not solids
+    smooth = any(look.roughness <= TRACED_ROUGHNESS and not look.mirror for look in shown)
+    smooth |= any(finish.roughness <= TRACED_ROUGHNESS for finish in solids)
+    shows_others = any(one.transmission > 0.0 for one in (*shown, *solids)) or (smooth and not alone)
+    moves = any(look.waves is not None for look in shown) or (preset.camera is not None and preset.camera.moves)
+    return not (moves or shows_others or any(look.is_liquid or look.draw == "cloth" for look in looks))
 
 
 def _smoke_cells(preset: Preset, look: Look) -> int:

@@ -182,9 +182,7 @@ class Camera:
     @property
     def moves(self) -> bool:
         """Whether its view changes with time."""
-        return bool(self.spec.path) or any(
-            part is not None for part in (self.spec.orbit, self.spec.shake, self.spec.follow)
-        )
+        return self.spec.moves
 
     def at(self, time: float = 0.0) -> CameraView:
         """The camera at film time `time` (seconds). Raises UsageError if it then stands at its target.

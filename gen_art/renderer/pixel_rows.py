@@ -8,7 +8,7 @@ from gen_art.renderer.picture_tiles import TILE
 from gen_art.renderer.sprite import KERNEL_VARIANCE
 
 __all__ = [
-    "CENTRES", "EDGES", "TILE", "larger", "piece_row", "row_of", "row_profile", "row_share", "row_smooth_step",
+    "CENTRES", "EDGES", "larger", "piece_row", "row_of", "row_profile", "row_share", "row_smooth_step",
     "row_streak_profile", "smaller",
 ]  # fmt: skip
 

@@ -4,7 +4,8 @@ The one-letter names in kernels are in docs/glossary.md.
 """
 
 from gen_art.backend.runtime import kernel, ti
-from gen_art.renderer.pixel_rows import EDGES, TILE, piece_row, row_of
+from gen_art.renderer.picture_tiles import TILE
+from gen_art.renderer.pixel_rows import EDGES, piece_row, row_of
 from gen_art.renderer.sprite import (
     ACROSS,
     ALPHA,

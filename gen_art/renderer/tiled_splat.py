@@ -3,7 +3,8 @@
 The framebuffer is cut into bins of 32 x 32 pixels. Each sprite is listed in the bins it touches, in the order of drawing (a
 counting sort over fixed chunks). A bin is drawn in tiles of 8 x 8 pixels, each by one thread in a local array, which lets the
 compiler vectorise the blending. The result depends neither on the number of threads nor on any atomic sum.
-Bins of discs, ellipses and streaks alone are drawn by vector_splat.py, and bins of images alone by picture_splat.py, faster.
+Bins of discs, ellipses, streaks and their pieces alone are drawn by vector_splat.py, bins of images alone by picture_splat.py,
+faster.
 
 P : (n, 16) float rows of the sprites; headers : (n, 6) their integers; T : texels of the images
 

@@ -154,10 +154,12 @@ class AsGiven(ga.Emitter):
         (lambda self, r, n: {"position": self.text}, "fails: AttributeError: .* 'text'"),
         (lambda self, r, n: 1 / 0, "fails: ZeroDivisionError"),
         (lambda self, r, n: np.zeros((3, n)), "must return a dict of arrays, not"),
-        (lambda self, r, n: {"position": np.zeros((n, 3))}, r"gives position as an array of shape \(20, 3\), not as numbers of shape \(3, 20\)"),
+        (lambda self, r, n: {"position": np.zeros((n, 3))}, r"gives position as an array of shape \(20, 3\), not \(3, 20\)"),
         (lambda self, r, n: {"mass": np.ones(n + 1)}, r"gives mass as an array of shape \(21,\)"),
-        (lambda self, r, n: {"mass": [[1], [1, 2]]}, "gives mass as an uneven list"),
-        (lambda self, r, n: {"mass": ["heavy"] * n}, "gives mass as"),
+        (lambda self, r, n: {"mass": [[1], [1, 2]]}, "gives mass as .*, not as numbers"),
+        (lambda self, r, n: {"position": np.zeros(n)}, r"gives position as an array of shape \(20,\), not \(3, 20\)"),
+        (lambda self, r, n: {"velocity": 0.0}, r"gives velocity as an array of shape \(\), not"),
+        (lambda self, r, n: {"mass": ["heavy"] * n}, "gives mass as a list of 20, not as numbers"),
         (lambda self, r, n: {"colour": np.ones(n)}, "sets colour, which no particle here has"),
     ],
 )  # fmt: skip
@@ -165,6 +167,9 @@ def test_what_a_sample_does_wrong_is_a_sentence(sample, words):
     GIVEN["sample"] = sample
     with pytest.raises(ga.UsageError, match=words):
         simulate({"s": {"emitters": {"a": {"count": 20, "as_given": {}}}}}, 0.0)
+    if "no particle here" not in words:
+        with pytest.raises(ga.UsageError, match=words):
+            AsGiven().arrays(20)
 
 
 def test_a_sample_fills_what_it_gives():

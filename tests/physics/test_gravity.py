@@ -198,3 +198,10 @@ def test_bessel_products():
             np.trapezoid(np.exp(y * np.cos(a)) * np.cos(a), a) / np.pi,
         )
         assert bessel_products(np.array([y]))[0] == pytest.approx(i0 * k0 - i1 * k1, rel=3e-6)
+
+
+def test_auto_takes_the_tree_for_many_pairs():
+    """Mutants: another number of pairs; the method that was asked for left out."""
+    assert [ga.interactions.SelfGravity(softening=0.1).by_tree(14_000**2 + more) for more in (0, 1)] == [False, True]
+    assert not ga.interactions.SelfGravity(method="direct").by_tree(10**12)
+    assert ga.interactions.SelfGravity(method="tree").by_tree(4)

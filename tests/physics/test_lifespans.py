@@ -115,9 +115,10 @@ def test_the_slots_of_the_living(n, dtype):
     birth, floats = rng.integers(0, 4, n).astype(float), np.zeros((FIRST_ATTRIBUTE, n), dtype)
     floats[LIFETIME] = rng.choice([0.5, 1.0, 2.0, np.inf], n)
     lives = birth + floats[LIFETIME] > 3.0
-    assert np.array_equal(slots_of_living(floats, birth, n, 3.0, n), np.flatnonzero(lives))
-    assert slots_of_living(floats, birth, n, 3.0, int(lives.sum()) - 1) is None
-    assert len(slots_of_living(floats, birth, n, np.inf, n)) == 0
+    living, slots = slots_of_living(floats, birth, n, 3.0, n)
+    assert living == lives.sum() and np.array_equal(slots, np.flatnonzero(lives))
+    assert slots_of_living(floats, birth, n, 3.0, living - 1) == (living, None)
+    assert [len(part) for part in slots_of_living(floats, birth, n, np.inf, n)[1:]] == [0]
 
 
 def test_a_constant_rate_gives_the_times_of_the_general_formula():

@@ -35,7 +35,7 @@ def test_an_estimate_is_of_the_time_it_is_asked_for():
 
 
 def test_the_estimate_counts_what_surfaces_need():
-    """Of each pixel: the depths of surfaces, 4 float32, and their light in parts, where none of them shows others; a mirror's picture
+    """Of each pixel: the depths of surfaces, 4 float32, and their light in parts, where the camera rests and none shows others; a mirror's picture
     and its pyramid, 4 float32 times 1 + 1/4 + 1/16 + ..., how it is read, and the depths and parts of what it shows; with a lens the
     depths and the framebuffer once more, of at least 16 bytes each. Of two systems, only the one that glows."""
     depths, parts, read = 4 * SUBPIXELS, 4 * OWN_PARTS, 4 * MIRROR_PARTS
@@ -58,6 +58,13 @@ def test_the_estimate_counts_what_surfaces_need():
     assert pixel(colliders={"sphere": {"look": "white"}}, ground="white") == ground
     smooth = {"sphere": {"look": {"roughness": 0.1}}}  # it shows the ground: light is not kept in parts
     assert pixel(colliders=smooth, ground="white") == ground - parts
+    # a mirror is read from what it shows; a camera that moves, no light that flickers, leaves parts out
+    assert pixel(ground={"mirror": True, "roughness": 0.1}) == pixel(ground={"mirror": True})
+    assert pixel(colliders=collider, ground={"mirror": True, "roughness": 0.1}) == pixel(ground={"mirror": True})
+    assert pixel(ground="white", camera={"orbit": 3}) == ground - parts
+    wavy = pixel(ground={"mirror": True, "waves": {"slope": 0.1, "length": "0.4..7"}})
+    assert wavy == pixel(ground={"mirror": True}) + 12 - read - 2 * parts  # 12 for their slopes
+    assert pixel(ground="white", light={"direction": [0, -1, 0], "glow": ["dot"]}) == ground
 
 
 def test_a_census_of_generations():

@@ -72,8 +72,8 @@ def test_the_pieces_of_a_circle_lie_on_it(moments, angle):
 
 
 def test_a_path_of_one_piece_is_a_streak_along_its_chord():
-    """An arc whose chord is within TOLERANCE of it, while its tangent leaves it four times as far. Mutants: a piece of a path;
-    a straight streak along the velocity."""
+    """An arc whose chord is within TOLERANCE of it, while its tangent leaves it four times as far. Mutants: a piece of a path,
+    where it is cut or where it is drawn; a straight streak along the velocity."""
     angle = math.sqrt(8 * 0.8 * TOLERANCE / RADIUS)
     found = pieces_of(lambda t: circle(t, angle), 8, tail=0.2, taper=0.4)
     assert found.replaced.all() and found.kinds.tolist() == [STREAK]
@@ -82,6 +82,11 @@ def test_a_path_of_one_piece_is_a_streak_along_its_chord():
     assert found.ends[:, 0] == pytest.approx([0.2, 0.4])
     twice = pieces_of(lambda t: circle(t, 2 * angle), 8)
     assert twice.kinds.tolist() == [PIECE] * 2
+    for turn, kinds in ((angle, {STREAK}), (2 * angle, {PIECE})):
+        painter = Painter(SIZE, PIXELS, {"a": Look(draw="streak", width=2.0)}, 1.0)
+        remember(painter, lambda t, turn=turn: circle(t, turn), 8)
+        painter.paint(scene(1.0, a=state(*circle(1.0, turn))), 0.0)
+        assert painter._sprites.kinds == kinds
 
 
 def test_a_circle_s_light_lies_on_the_circle_evenly():

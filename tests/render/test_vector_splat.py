@@ -14,7 +14,7 @@ from gen_art.preset.look import Look
 from gen_art.renderer import framebuffer, vector_splat
 from gen_art.renderer.camera import Camera
 from gen_art.renderer.painter import Painter
-from gen_art.renderer.sprite import ELLIPSE, PIECE, STREAK
+from gen_art.renderer.sprite import DISC, ELLIPSE, PIECE, STREAK
 from tests.render.particles import scene, state
 
 SIZE = (203, 117)  # neither whole bins nor whole tiles
@@ -69,8 +69,8 @@ def test_vectors_have_the_bits_of_pixels(names, blend, speed, kernels, monkeypat
     assert np.array_equal(got, expected)
 
 
-@pytest.mark.parametrize("width", [0.6, 3.0, 12.0])
-def test_pieces_of_curved_streaks_have_the_bits_of_pixels(width, kernels, monkeypatch):
+@pytest.mark.parametrize("width, smoke", [(0.6, False), (3.0, False), (12.0, False), (3.0, True)])
+def test_pieces_of_curved_streaks_have_the_bits_of_pixels(width, smoke, kernels, monkeypatch):
     """Mutants: a piece's foot without the slope, or with that of the other direction; a row's weights from its lower edge."""
     rng = np.random.default_rng(1)
     middle, radius = rng.uniform((-110, -65), (110, 65), (300, 2)), rng.uniform(8, 40, 300)
@@ -81,14 +81,19 @@ def test_pieces_of_curved_streaks_have_the_bits_of_pixels(width, kernels, monkey
         place = np.column_stack([middle[:, 0] + radius * c, middle[:, 1] + radius * s, 0 * c])
         return state(place, np.column_stack([-radius * rate * s, radius * rate * c, 0 * c]))
 
+    looks = {"a": Look(draw="streak", width=width, tail=0.3, taper=0.4)}
+    if smoke:  # which the streaks lie before and behind
+        looks["b"] = Look(draw="disc", radius=4.0, blend="alpha", opacity=0.8)
+    puffs = {"b": state(rng.uniform((-110, -65, -3), (110, 65, 3), (200, 3)))} if smoke else {}
+
     def paint():
-        painter = Painter(SIZE, PIXELS, {"a": Look(draw="streak", width=width, tail=0.3, taper=0.4)}, 1.0)
+        painter = Painter(SIZE, PIXELS, looks, 1.0)
         for k in range(6):
             painter.paths["a"].remember(moment(k / 6), k / 6)
-        return np.array(painter.paint(scene(1.0, a=moment(1.0)), 0.0))
+        return np.array(painter.paint(scene(1.0, a=moment(1.0), **puffs), 0.0))
 
     got = paint()
-    assert any(PIECE in kinds for kinds, _ in kernels)
+    assert any(PIECE in kinds and (DISC in kinds) == smoke for kinds, _ in kernels)
     monkeypatch.setattr(framebuffer, "VECTOR_KINDS", frozenset())
     expected = paint()
     assert expected[..., :3].max() > 0.01
@@ -103,14 +108,19 @@ def test_what_a_solid_hides_of_a_sprite_is_what_it_hides_pixel_by_pixel(kernels,
         "discs": {"draw": "disc", "radius": 0.1, "blend": "alpha", "opacity": 0.6},
         "ellipses": {"draw": "disc", "radius": 0.08, "stretch": {"time": 0.2, "most": 4}},
         "streaks": {"draw": "streak", "width": 0.05},
+        "curved": {"draw": "streak", "width": 0.05},
     }
+    forces = {"curved": {"forces": {"magnetic_field": [0, 0, 60]}, "integrator": "boris"}}
+    particles["particle"]["charge"] = 1
     preset = load_preset(
         {
             "version": 1, "seed": 2, "clock": {"duration": 1, "fps": 10, "step": "1/100"},
             "light": {"direction": [0, -1, -0.5]},
             "colliders": {"sphere": {"center": [0, 0, 0], "radius": 0.5, "look": {"albedo": "#808080"}}},
-            "systems": {name: {**particles, "emitters": {"e": cloud}, "look": look} for name, look in looks.items()},
-            "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "fov": 30, "size": list(SIZE), "shutter": 1},
+            "systems": {
+                name: {**particles, "emitters": {"e": cloud}, "look": look, **forces.get(name, {})} for name, look in looks.items()
+            },
+            "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "fov": 30, "size": list(SIZE), "shutter": 120},
         }
     )  # fmt: skip
 
@@ -118,7 +128,7 @@ def test_what_a_solid_hides_of_a_sprite_is_what_it_hides_pixel_by_pixel(kernels,
         return np.array(next(Playback(preset, SIZE, "f32", None).pictures([10]))[0])
 
     got = paint()
-    assert any(hide and {ELLIPSE, STREAK} <= kinds for kinds, hide in kernels)
+    assert any(hide and {ELLIPSE, STREAK, PIECE} <= kinds for kinds, hide in kernels)
     monkeypatch.setattr(framebuffer, "VECTOR_KINDS", frozenset())
     expected = paint()
     assert got == pytest.approx(expected, rel=50 * 2**-22, abs=1e-6)
