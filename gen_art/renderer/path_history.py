@@ -56,18 +56,20 @@ class PathHistory:
         for older_time, older_ids, motion in reversed(self._moments):
             if older_time >= time:
                 continue
-            older = None if into is None else into[moments]
-            if len(older_ids) == n and np.array_equal(older_ids, ids):
-                if older is None:
-                    older = motion
-                else:
-                    older[:] = motion
-            elif len(older_ids):
-                index = np.minimum(np.searchsorted(older_ids, ids), len(older_ids) - 1)
+            older, m = None if into is None else into[moments], len(older_ids)
+            if not m:
+                return
+            nobody_left = m <= n and np.array_equal(older_ids, ids[:m])
+            if nobody_left and m == n and older is None:
+                older = motion
+            elif nobody_left:
+                older = np.empty((len(motion), n), motion.dtype) if older is None else older
+                older[:, :m], older[:, m:] = motion, motion[:, -1:]
+                known = known & (np.arange(n) < m)
+            else:
+                index = np.minimum(np.searchsorted(older_ids, ids), m - 1)
                 known = known & (older_ids[index] == ids)
                 older = motion.take(index, axis=1, out=older, mode="clip")  # "clip" writes without a copy between
-            else:
-                return
             if unwrap and system.box is not None:
                 older = older.copy() if into is None else older
                 older[POSITION] = newer - system.box.nearest(newer - older[POSITION])

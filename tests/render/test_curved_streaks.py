@@ -13,6 +13,7 @@ from gen_art.renderer.camera import Camera
 from gen_art.renderer.curved_streaks import TOLERANCE, cut
 from gen_art.renderer.look_tables import LookTables, kernel_numbers
 from gen_art.renderer.painter import Painter
+from gen_art.renderer.path_history import PathHistory
 from gen_art.renderer.piece_rows import PIECE_HEAD, PIECE_LIGHT, PIECE_OLD
 from gen_art.renderer.sprite import AREA, PIECE, STREAK
 from tests.render.particles import scene, state
@@ -149,6 +150,37 @@ def test_a_streak_begins_at_its_birth(birth):
         return
     n = found.ends.shape[1]
     assert found.rows[PIECE_OLD, n - 1] == pytest.approx(parabola(birth)[0][0][0], abs=1e-3)
+
+
+@pytest.mark.parametrize("removed", [False, True])
+@pytest.mark.parametrize("kept", [False, True])
+def test_the_past_of_those_that_live_now(removed, kept):
+    """Particles born between the moments, and with `removed` some gone since. Mutants: who is new has a known past; motion moved
+    by one; the order of the moments; a moment at `start` left out."""
+    history, rng = PathHistory(8), np.random.default_rng(0)
+    motion = rng.normal(size=(4, 6, 12)).astype(np.float32)  # of ids 0 to 11, at four moments
+    ids = [np.arange(k + 3) for k in range(4)]
+    if removed:
+        ids[2:] = [np.array([0, 2, 3, 4]), np.array([0, 3, 4, 5])]
+    for k, own in enumerate(ids):
+        moment = state(motion[k, :3, own], motion[k, 3:, own])
+        moment.id[: len(own)] = own
+        history.remember(moment, float(k))
+    now = state(np.zeros((7, 3)))
+    alive = np.array([0, 3, 4, 5, 7, 8, 9]) if removed else np.arange(7)
+    now.id[:7] = alive
+    if kept:
+        found = [(t, np.array(m), np.array(k)) for t, m, k in history.before(now, 4.0) if t >= 1.0]
+    else:
+        past = history.since(now, 4.0, 1.0)
+        found = list(zip(past.times, past.motion, past.known))
+    assert [time for time, *_ in found] == [3.0, 2.0, 1.0]
+    there = np.ones(7, bool)
+    for (_, got, known), k in zip(found, (3, 2, 1)):
+        there = there & np.isin(alive, ids[k])
+        assert np.array_equal(known, there) and there.any()
+        assert np.array_equal(got[:, there], motion[k][:, alive[there]])
+        assert np.isfinite(got).all()
 
 
 def test_a_periodic_box_does_not_break_a_streak():
