@@ -17,7 +17,7 @@ __all__ = ["BASE_ROWS", "PADDING", "Particles"]
 BASE_ROWS = {"mass": MASS, "charge": CHARGE, "radius": RADIUS, "lifetime": LIFETIME}
 PADDING = 64  # slots past the end that a tile may read and write
 _TOLERATED = 0.2  # share of dead slots up to which keeping them is cheaper than removing them
-_BIRTHS = 0.3  # of the living: the dead are counted when so many may have died, were as many to die as are born
+_BIRTHS = 0.25  # of the living: the dead are counted when so many may have died, were as many to die as are born
 _PATIENCE = 32  # launches after which the dead slots are counted
 
 
