@@ -17,7 +17,7 @@ __all__ = ["BASE_ROWS", "PADDING", "Particles"]
 BASE_ROWS = {"mass": MASS, "charge": CHARGE, "radius": RADIUS, "lifetime": LIFETIME}
 PADDING = 64  # slots past the end that a tile may read and write
 _TOLERATED = 0.2  # share of dead slots up to which keeping them is cheaper than removing them
-_BIRTHS = 0.25  # of the living: the dead are counted when so many may have died, were as many to die as are born
+_BIRTHS_BETWEEN_COUNTS = 0.25  # for each living particle; about as many die until the dead are counted again
 _PATIENCE = 32  # launches after which the dead slots are counted
 
 
@@ -189,7 +189,7 @@ class Particles:
         most = self.count - 1 if at_once else int(self.count * (1.0 - _TOLERATED))
         living, kept = slots_of_living(self.floats, self.birth, self.count, time, most)
         dead = self.count - living if kept is None else 0
-        self.launches, self.count_at = 0, self.next_id + max(int(_BIRTHS * living) - dead, 1024)
+        self.launches, self.count_at = 0, self.next_id + max(int(_BIRTHS_BETWEEN_COUNTS * living) - dead, 1024)
         if kept is None:
             return False
         self.keep(kept)
